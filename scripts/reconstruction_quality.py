@@ -10,7 +10,7 @@ import lightfold_runs as lf
 
 METHODS = [("splat", "points"), ("reproject", "ceiling"), ("calf", "paper"), ("march", "ours")]
 # So many probes of a dataset or scene are shown from where they stand.
-MOST_OWN = 9
+MAX_OWN = 9
 # Where probes of scenes that come with the program, or with the data, stand: the middle, and how far from it, in metres.
 REGIONS = {
     "courtyard": ((0.0, 1.5, 0.0), (0.3, 0.2, 0.3)),
@@ -30,7 +30,7 @@ KEEP_LAMPS = ["--hdr"]
 # How far from a straight way between two probes others may lie that count as being on it, in parts of its length.
 BESIDE = 0.01
 # So many such ways of a dataset are measured.
-MOST_LINES = 4
+MAX_LINES = 4
 
 
 class Refused(SystemExit):
@@ -200,7 +200,7 @@ class Line:
         return f"{self.first} to {self.last}"
 
 
-def lines_of(probes, most=MOST_LINES):
+def lines_of(probes, most=MAX_LINES):
     """Lines with the most probes between their ends, then the longest; a part of a longer line is none of its own."""
     found = []
     for (first, start), (last, end) in itertools.combinations(probes, 2):
@@ -268,7 +268,7 @@ def measure_dataset(binary, renderer, manifest, work, wanted, frames):
 
 def at_probes(renderer, container, reference, names, frames="0"):
     """Rows of pictures from where probes stand, all of which take part: a picture becomes what the probe recorded."""
-    cases = {name: Case(container, reference, name, frames=frames) for name in names[:MOST_OWN]}
+    cases = {name: Case(container, reference, name, frames=frames) for name in names[:MAX_OWN]}
     return [row for name, case in cases.items() for row in renderer.rows("at a probe", name, case)]
 
 

@@ -70,7 +70,7 @@ impl TrainedCodec for Predictive {
 
 #[derive(Debug, Clone, Copy)]
 pub struct TrainSettings {
-    /// Number of table sets, 1 to [`crate::entropy::tables::MOST_OWN`].
+    /// Number of table sets, 1 to [`crate::entropy::tables::MAX_OWN`].
     pub sets: usize,
     pub memory: Budget,
 }

@@ -1,9 +1,9 @@
 // Columns of lines (Epipolar 3.3.2): `moved` of src/epipolar/lines.rs. Needs `product`.
 
 const COLUMN_BITS: u32 = 8u;
-const MOST_MOVED: i32 = 0x20000000;
+const MAX_MOVED: i32 = 0x20000000;
 
-// (disparity · place + 2^27) >> 28, not beyond MOST_MOVED.
+// (disparity · place + 2^27) >> 28, not beyond MAX_MOVED.
 fn moved(disparity: i32, place: i32) -> i32 {
     var found = product(u32(abs(disparity)), u32(abs(place)));
     if ((disparity < 0) != (place < 0)) {
@@ -14,7 +14,7 @@ fn moved(disparity: i32, place: i32) -> i32 {
     // What lies beyond has other bits in the high word than those of its sign.
     let beyond = i32(high) >> 25u;
     if (beyond != 0 && beyond != -1) {
-        return select(MOST_MOVED, -MOST_MOVED, beyond < 0);
+        return select(MAX_MOVED, -MAX_MOVED, beyond < 0);
     }
     return i32((high << 4u) | (rounded >> 28u));
 }

@@ -1,7 +1,7 @@
 // What a primary ray shows: surfaces, one behind the other, each with its share, and the background. Mirrors src/march/layers.rs. Needs
 // `first_step`, `refined`, `seen_from_eye`, `background_color`, `surface_light` and `light_of`.
 
-const LEAST_LAYER: f32 = 1.0 / 64.0;
+const MIN_LAYER: f32 = 1.0 / 64.0;
 const MAX_LAYERS = 8u;
 const MAX_EXITS = 64u;
 
@@ -58,14 +58,14 @@ fn show(before: Rest, ray: Ray, distance_m: f32, seen: Seen) -> Rest {
     }
     let opacity = coverage * seen.alpha;
     var rest = before;
-    let has_alpha = seen.alpha <= 1.0 - LEAST_LAYER;
+    let has_alpha = seen.alpha <= 1.0 - MIN_LAYER;
     rest.lets_through = rest.lets_through || has_alpha;
-    rest.is_within = rest.is_within || (has_alpha && coverage > 1.0 - LEAST_LAYER);
-    if (opacity < LEAST_LAYER) {
+    rest.is_within = rest.is_within || (has_alpha && coverage > 1.0 - MIN_LAYER);
+    if (opacity < MIN_LAYER) {
         return rest;
     }
     var left = before.left * (1.0 - opacity);
-    if (before.layers + 1u == MAX_LAYERS || opacity > 1.0 - LEAST_LAYER || left < LEAST_LAYER) {
+    if (before.layers + 1u == MAX_LAYERS || opacity > 1.0 - MIN_LAYER || left < MIN_LAYER) {
         left = 0.0;
     }
     is_around = false;

@@ -10,7 +10,7 @@
 const BACKGROUND = 0u;
 const UNKNOWN = 0x7f800000u;
 // Lengths below have no inverse that every device holds.
-const LEAST_INVERTIBLE_M: f32 = 1e-37;
+const MIN_INVERTIBLE_M: f32 = 1e-37;
 
 // Where a point lies in an image; `face` is a row of `faces`, or NO_FACE.
 struct Projected {
@@ -43,7 +43,7 @@ fn cube_face(x: vec3<f32>) -> CubePlace {
 const NOWHERE = Projected(NO_FACE, vec2(0.0), 0.0);
 
 fn project_to_view(from_probe: vec3<f32>, face: u32) -> Projected {
-    if (-from_probe.z < LEAST_INVERTIBLE_M) {
+    if (-from_probe.z < MIN_INVERTIBLE_M) {
         return NOWHERE;
     }
     let inverse_depth = 1.0 / -from_probe.z;
@@ -63,7 +63,7 @@ fn project(view: u32, from_probe: vec3<f32>) -> Projected {
     }
     let place = cube_face(from_probe);
     let face = views[view].faces[place.face];
-    if (face == NO_FACE || place.planar_m < LEAST_INVERTIBLE_M) {
+    if (face == NO_FACE || place.planar_m < MIN_INVERTIBLE_M) {
         return NOWHERE;
     }
     let scale = 1.0 / place.planar_m;

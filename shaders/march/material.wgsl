@@ -3,10 +3,10 @@
 
 @group(0) @binding(9) var materials: texture_2d_array<f32>;
 
-const LEAST_WEIGHT: f32 = 0.5 / 255.0;
+const MIN_WEIGHT: f32 = 0.5 / 255.0;
 const CLEAR: f32 = 0.95;
 // Indices of refraction that 8 bits reach.
-const LEAST_IOR: f32 = 1.0;
+const MIN_IOR: f32 = 1.0;
 const GREATEST_IOR: f32 = 3.0;
 
 struct Material {
@@ -16,7 +16,7 @@ struct Material {
     ior: f32,
 }
 
-const NO_MATERIAL = Material(false, 0.0, 0.0, LEAST_IOR);
+const NO_MATERIAL = Material(false, 0.0, 0.0, MIN_IOR);
 
 // Weights of reflection and refraction and the index of refraction, as they are coded, over 255.
 fn texel_material(face: u32, texel: vec2<u32>) -> vec3<f32> {
@@ -44,12 +44,12 @@ fn surface_material(point: vec3<f32>) -> Material {
             sum += weight * vec4(coded.x, coded.y, coded.y * coded.z, 1.0);
         }
     }
-    if (!(sum.x + sum.y > LEAST_WEIGHT * sum.w)) {
+    if (!(sum.x + sum.y > MIN_WEIGHT * sum.w)) {
         return NO_MATERIAL;
     }
-    var ior = LEAST_IOR;
+    var ior = MIN_IOR;
     if (sum.y > 0.0) {
-        ior += sum.z / sum.y * (GREATEST_IOR - LEAST_IOR);
+        ior += sum.z / sum.y * (GREATEST_IOR - MIN_IOR);
     }
     let whole = max(sum.w, sum.x + sum.y);
     return Material(true, sum.x / whole, sum.y / whole, ior);

@@ -2,14 +2,14 @@
 // `local_of`, `texel_material` and `DEPTH_EPSILON`.
 
 const SAME_SURFACE: f32 = 0.02;
-const MOST_REACH: i32 = 2;
+const MAX_REACH: i32 = 2;
 const FIT: f32 = 0.01;
 const SAME_PATCH: f32 = 0.03;
 const SAME_MATERIAL: i32 = 64;
 // No inverse depth of the surface.
 const NO_TEXEL: f32 = -1.0;
 // Lengths below have no direction.
-const LEAST_LENGTH: f32 = 1e-30;
+const MIN_LENGTH: f32 = 1e-30;
 
 // `curvature` is meant only where `bends` says so.
 struct Patch {
@@ -200,7 +200,7 @@ fn fit_around(face: u32, texel: vec2<u32>) -> Fit {
     if (texel_around(around, 0, 0) < 0.0) {
         return NO_FIT;
     }
-    for (var reach = MOST_REACH; reach >= 1; reach--) {
+    for (var reach = MAX_REACH; reach >= 1; reach--) {
         let fit = bent(around, reach);
         if (fit.found) {
             return fit;
@@ -222,14 +222,14 @@ fn fit_normal(fit: Fit, face: u32, texel: vec2<u32>, offset: vec2<f32>) -> vec3<
     let axes = face_axes(faces[face].number);
     let normal = -(by.x * axes.right + by.y * axes.down + ahead * axes.forward);
     let size = length(normal);
-    return select(vec3(0.0), normal / max(size, LEAST_LENGTH), size > LEAST_LENGTH);
+    return select(vec3(0.0), normal / max(size, MIN_LENGTH), size > MIN_LENGTH);
 }
 
 fn fit_point(fit: Fit, face: u32, texel: vec2<u32>, offset: vec2<f32>) -> vec3<f32> {
     let plane = plane_at(face, texel, offset);
     let axes = face_axes(faces[face].number);
     let value = fit_value(fit, offset);
-    return (axes.forward + plane.x * axes.right + plane.y * axes.down) / select(value, LEAST_LENGTH, abs(value) < LEAST_LENGTH);
+    return (axes.forward + plane.x * axes.right + plane.y * axes.down) / select(value, MIN_LENGTH, abs(value) < MIN_LENGTH);
 }
 
 fn patch_of_view(view: u32, local: vec3<f32>) -> LocalPatch {
@@ -247,12 +247,12 @@ fn patch_of_view(view: u32, local: vec3<f32>) -> LocalPatch {
     }
     let value = fit_value(fit, offset);
     // A fit may fall below 0 beside its texels.
-    let difference = select(1e30, abs(log(max(value, LEAST_LENGTH) / at.inverse_depth)), value > 0.0);
+    let difference = select(1e30, abs(log(max(value, MIN_LENGTH) / at.inverse_depth)), value > 0.0);
     if (!(difference <= SAME_SURFACE)) {
         return none;
     }
     let normal = fit_normal(fit, at.face, texel, offset);
-    let facing = -dot(normal, local / max(length(local), LEAST_LENGTH));
+    let facing = -dot(normal, local / max(length(local), MIN_LENGTH));
     if (!(facing > 0.0)) {
         return none;
     }
@@ -268,9 +268,9 @@ fn patch_of_view(view: u32, local: vec3<f32>) -> LocalPatch {
         turned += dot(along, b - a);
         moved += dot(along, along);
     }
-    bends = bends && moved > LEAST_LENGTH;
+    bends = bends && moved > MIN_LENGTH;
     let texel_m = 1.0 / (at.inverse_depth * min(abs(faces[at.face].scale.x), abs(faces[at.face].scale.y)));
-    return LocalPatch(true, bends, normal, turned / max(moved, LEAST_LENGTH), texel_m, difference, facing);
+    return LocalPatch(true, bends, normal, turned / max(moved, MIN_LENGTH), texel_m, difference, facing);
 }
 
 // From the axes of a probe to those of the world.
@@ -305,7 +305,7 @@ fn patch_at(point: vec3<f32>) -> Patch {
         }
     }
     let size = length(normal);
-    if (size <= LEAST_LENGTH) {
+    if (size <= MIN_LENGTH) {
         return NO_PATCH;
     }
     let bends = bent_weight > 0.0;

@@ -19,7 +19,7 @@ fn point_at(ray: Ray, distance_m: f32) -> vec3<f32> {
 }
 
 const GROWTH: f32 = 0.125;
-const MOST_BEFORE_STEPS = 64u;
+const MAX_BEFORE_STEPS = 64u;
 
 // The next distance of a ray that starts in a surface, and of a step its number.
 struct FromSurface {
@@ -36,7 +36,7 @@ const IN_SURFACE = FromSurface(0.0, 0u, false, 0u);
 // `Steps::off_surface`: texels before the first step, then the steps. There must be another one.
 fn next_from_surface(last: FromSurface, texel_m: f32) -> FromSurface {
     let next_m = last.distance_m + max(texel_m, GROWTH * last.distance_m);
-    if (!last.is_step && last.before < MOST_BEFORE_STEPS && next_m < distances_m[0]) {
+    if (!last.is_step && last.before < MAX_BEFORE_STEPS && next_m < distances_m[0]) {
         return FromSurface(next_m, 0u, false, last.before + 1u);
     }
     return FromSurface(distances_m[last.step], last.step + 1u, true, last.before);

@@ -4,13 +4,13 @@
 // `surface_material`, `patch_at`, `pass_through`, `intersect_from`, `surface_color`, `with_view`, `background_color`, `light_of`, and what
 // active_views.wgsl has.
 
-const LEAST_SHARE: f32 = 1.0 / 256.0;
+const MIN_SHARE: f32 = 1.0 / 256.0;
 const LIFT_TEXELS: f32 = 1.0;
 const HIDDEN_TEXELS: f32 = 12.0;
 const RECORDED_SINE: f32 = 0.05;
 const SETTLE_TIMES = 8u;
 // Pending surfaces. One has at most four secondary rays, so eight bounces take no more than 25.
-const MOST_PENDING = 32u;
+const MAX_PENDING = 32u;
 
 // A surface hit, in linear light, whose share of a pixel is not divided yet.
 struct Pending {
@@ -37,7 +37,7 @@ struct Found {
     light: vec3<f32>,
 }
 
-var<private> pending: array<Pending, MOST_PENDING>;
+var<private> pending: array<Pending, MAX_PENDING>;
 var<private> pending_count: u32;
 
 // How a ray leaves the surface where it starts: it meets another one, or is in empty space at the step `first`.
@@ -102,7 +102,7 @@ fn front_of(met: Ray, is_glass: bool) -> Front {
         let entry = entry_of(sphere, met);
         let outwards = entry.point - sphere.centre;
         let size = length(outwards);
-        if (entry.found && size > LEAST_LENGTH) {
+        if (entry.found && size > MIN_LENGTH) {
             return Front(Patch(true, true, outwards / size, 1.0 / sphere.radius_m, 0.0), entry.point, around);
         }
     }
@@ -152,7 +152,7 @@ fn trace(ray: Ray, texel_m: f32, around: u32) -> Found {
 
 // The light that a ray found; that of a surface stays pending.
 fn take(found: Found, direction: vec3<f32>, share: f32, bounces: u32) -> vec3<f32> {
-    if (found.kind == FOUND_SURFACE && pending_count < MOST_PENDING) {
+    if (found.kind == FOUND_SURFACE && pending_count < MAX_PENDING) {
         pending[pending_count] = Pending(found.point, direction, found.light, share, bounces - 1u);
         pending_count++;
         return vec3(0.0);
@@ -228,7 +228,7 @@ fn divide(next: Pending) -> vec3<f32> {
     let recorded = next.share * seen_there.share * seen_there.light;
     let share = next.share - next.share * seen_there.share;
     let rest = recorded + share * next.light;
-    if (share < LEAST_SHARE) {
+    if (share < MIN_SHARE) {
         return rest;
     }
     counted[NORMAL_EVALS]++;
@@ -240,7 +240,7 @@ fn divide(next: Pending) -> vec3<f32> {
     }
     let material = at_angle(seen, cosine);
     var exits: array<Exit, MAX_INSIDE>;
-    if (share * material.refract >= LEAST_SHARE) {
+    if (share * material.refract >= MIN_SHARE) {
         exits = pass_through(Ray(at_point.point, next.direction), front, material.ior, proxy_of(at_point.around));
     }
     // Refracted rays, then the reflected one, in one loop: drivers inline functions at each call.
@@ -254,7 +254,7 @@ fn divide(next: Pending) -> vec3<f32> {
             ray = exits[at].ray;
             part = share * material.refract * exits[at].part;
         }
-        if (part < LEAST_SHARE) {
+        if (part < MIN_SHARE) {
             continue;
         }
         let found = trace(ray, front.texel_m, at_point.around);

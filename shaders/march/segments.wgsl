@@ -5,7 +5,7 @@
 
 const ROUNDING: f32 = 1.0 / 1048576.0;
 const SURELY_BELOW_ONE: f32 = 1.0 - ROUNDING;
-const LEAST_M: f32 = 1e-18;
+const MIN_M: f32 = 1e-18;
 
 // A point in the plane at depth 1 of a face; `face` is its number, or NO_FACE behind a perspective view.
 struct PlanePlace {
@@ -54,7 +54,7 @@ fn greatest_coordinate(x: vec3<f32>) -> f32 {
 }
 
 fn is_segment_empty(view: u32, from_point: vec3<f32>, to_point: vec3<f32>, reach_m: f32) -> bool {
-    let error_m = ROUNDING * (reach_m + greatest_coordinate(views[view].from_eye)) + LEAST_M;
+    let error_m = ROUNDING * (reach_m + greatest_coordinate(views[view].from_eye)) + MIN_M;
     let a_local = local_of(view, from_point);
     let b_local = local_of(view, to_point);
     let all_m = max(greatest_coordinate(a_local), greatest_coordinate(b_local)) + 2.0 * error_m;

@@ -46,7 +46,7 @@ fn refracted(direction: vec3<f32>, normal: vec3<f32>, ratio: f32) -> Bent {
     }
     let bent = ratio * direction + (ratio * cosine - sqrt(behind_squared)) * normal;
     let size = length(bent);
-    return Bent(size > LEAST_LENGTH, bent / max(size, LEAST_LENGTH));
+    return Bent(size > MIN_LENGTH, bent / max(size, MIN_LENGTH));
 }
 
 fn first_empty(ray: Ray, texel_m: f32, limit_m: f32) -> FirstEmpty {
@@ -115,7 +115,7 @@ fn back_of(inside: Ray, sphere: Sphere, is_whole: bool, texel_m: f32) -> Back {
     let end = point_at(inside, select(chord_m, min(chord_m, open.distance_m), open.found));
     let outwards = end - sphere.centre;
     let size = length(outwards);
-    return Back(size > LEAST_LENGTH, end, outwards / max(size, LEAST_LENGTH));
+    return Back(size > MIN_LENGTH, end, outwards / max(size, MIN_LENGTH));
 }
 
 // `whole` is the proxy of the solid, if it has one.

@@ -5,7 +5,7 @@
 //! several sizes the highest are to come first.
 
 /// Least part of a rectangle's height that a shelf wastes before another shelf is begun.
-const MOST_WASTE: u32 = 4;
+const MAX_WASTE: u32 = 4;
 
 /// Largest texture array of a device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,7 +80,7 @@ impl Atlas {
         let best = fitting.map(|(at, shelf)| (shelf.height - height, at)).min();
         let fits = |used: &u32| width <= self.size[0] && used.saturating_add(height) <= self.size[1];
         let at = match (best, self.used_rows.iter().position(fits)) {
-            (Some((waste, at)), layer) if waste <= height / MOST_WASTE || layer.is_none() => at,
+            (Some((waste, at)), layer) if waste <= height / MAX_WASTE || layer.is_none() => at,
             (_, Some(layer)) => {
                 self.shelves.push(Shelf { layer: layer as u32, top: self.used_rows[layer], height, used_columns: 0 });
                 self.used_rows[layer] += height;

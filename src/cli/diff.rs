@@ -4,7 +4,7 @@ use crate::cli::options::{self, Choices, FrameArgs, MemoryArgs, SideArgs, one_of
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, diff_text};
-use crate::color::quality::MOST_QUALITY;
+use crate::color::quality::MAX_QUALITY;
 use crate::compare::{self, Bounds, ColorDomain, CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};
 use crate::decode::Selection;
 use crate::error::{Error, Result};
@@ -111,8 +111,8 @@ fn parse_db(text: &str) -> Result<f64, String> {
 }
 
 fn parse_quality(text: &str) -> Result<f64, String> {
-    let value = text.parse().ok().filter(|value| (0.0..=MOST_QUALITY).contains(value));
-    value.ok_or_else(|| format!("a quality of 0 to {MOST_QUALITY} was expected"))
+    let value = text.parse().ok().filter(|value| (0.0..=MAX_QUALITY).contains(value));
+    value.ok_or_else(|| format!("a quality of 0 to {MAX_QUALITY} was expected"))
 }
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {

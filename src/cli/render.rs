@@ -40,7 +40,7 @@ const DEFAULT_SIZE: u32 = 512;
 /// Frames of a still scene: it is the same in all.
 const ALL_FRAMES: FrameRange = FrameRange { first: 0, last: u32::MAX };
 /// Pictures of a still scene, at most.
-const MOST_STILL_FRAMES: u64 = 1_000_000;
+const MAX_STILL_FRAMES: u64 = 1_000_000;
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
@@ -190,9 +190,9 @@ impl Args {
         if cameras.is_empty() {
             cameras = self.own_cameras(subject, available, global)?;
         }
-        if let Some(asked) = self.frames.frames.filter(|asked| frames.is_none() && asked.count() > MOST_STILL_FRAMES) {
+        if let Some(asked) = self.frames.frames.filter(|asked| frames.is_none() && asked.count() > MAX_STILL_FRAMES) {
             return Err(Error::Usage(format!(
-                "--frames {asked}: {} pictures of a still scene, where {MOST_STILL_FRAMES} are the most",
+                "--frames {asked}: {} pictures of a still scene, where {MAX_STILL_FRAMES} are the most",
                 asked.count()
             )));
         }

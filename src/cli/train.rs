@@ -11,7 +11,7 @@ use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::decode::Decoder;
-use crate::entropy::tables::MOST_OWN;
+use crate::entropy::tables::MAX_OWN;
 use crate::error::{Result, counted};
 use crate::train::{self, Footage, HeldOut, TrainSettings, TrainSummary, Trained, TrainedCodec};
 
@@ -37,7 +37,7 @@ pub struct Args {
     #[arg(long, short, value_name = "TABLES")]
     pub output: PathBuf,
     /// Number of table sets; --color-tables takes one, --depth-tables all
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=MOST_OWN as i64))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=MAX_OWN as i64))]
     pub sets: u8,
     /// A container to measure the trained sets on, without the built-in ones; repeatable
     #[arg(long, value_name = "IN.lfold")]

@@ -13,7 +13,7 @@ use crate::metrics::psnr::{U8_PEAK, psnr_to_max_sse};
 use crate::metrics::pu21::{PU21_MAX_CD_M2, PU21_MIN_CD_M2, PU21_PEAK, PuTable};
 
 /// Quality to the eye of equal pictures (color.md 5).
-pub const MOST_QUALITY: f64 = 100.0;
+pub const MAX_QUALITY: f64 = 100.0;
 
 pub const PU_STEPS: f64 = 64.0;
 /// Largest error of a sample outside the range of PU21, in multiples of the RMS error of the least PSNR.
@@ -23,7 +23,7 @@ const BLOCK: usize = 2048;
 
 /// Largest error in codes of a sample outside the range of PU21 at a quality to the eye.
 pub fn outside_codes(quality: f64) -> f64 {
-    (MOST_QUALITY - quality) * 0.4
+    (MAX_QUALITY - quality) * 0.4
 }
 
 pub trait Quality<S: Sample>: Sync {

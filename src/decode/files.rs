@@ -220,15 +220,15 @@ pub fn decode_to_stream<W: Write>(
 }
 
 /// Streams that an error lists at most.
-const MOST_LISTED: usize = 24;
+const MAX_LISTED: usize = 24;
 
 fn several_streams(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> Error {
     let name = |StreamFrames { stream, .. }: &StreamFrames<'_>| {
         format!("{} of {} {}", stream.kind.name(), decoder.probe(stream).name, stream.face.name())
     };
-    let mut names: Vec<String> = streams.iter().take(MOST_LISTED).map(name).collect();
-    if streams.len() > MOST_LISTED {
-        names.push(format!("{} more", streams.len() - MOST_LISTED));
+    let mut names: Vec<String> = streams.iter().take(MAX_LISTED).map(name).collect();
+    if streams.len() > MAX_LISTED {
+        names.push(format!("{} more", streams.len() - MAX_LISTED));
     }
     Error::Usage(format!(
         "standard output takes the pictures of one stream, and {} are selected ({}): choose one by `probe`, `face` and `stream`, or name \

@@ -15,7 +15,7 @@ use crate::effort::Effort;
 /// From this PSNR on, in dB of 16-bit codes, BC4w is not tried: it would hardly be closer (GDC 6.4).
 pub const GOOD_PSNR_DB: f64 = 85.0;
 /// A platelet takes at least a head, two numbers and a line.
-const LEAST_PLATELET_BYTES: usize = 7;
+const MIN_PLATELET_BYTES: usize = 7;
 const BC4W_BYTES: usize = 1 + COEFFICIENT_BYTES;
 
 /// Choice among the ways to code pixels within the error bound.
@@ -71,7 +71,7 @@ pub fn decide(block: &Block<'_>, place: Place, modelling: &Modelling<'_>) -> Opt
             for order in [Order::Constant, Order::Plane, Order::Full] {
                 best.biquadratic(block, order);
             }
-            if best.bytes() > LEAST_PLATELET_BYTES {
+            if best.bytes() > MIN_PLATELET_BYTES {
                 best.platelet(block);
             }
             if best.bytes() > BC4W_BYTES {

@@ -14,7 +14,7 @@ use crate::depth::spread::Spread;
 use crate::streams::convert::DepthExtent;
 
 /// Pixels with a surface for each level, at least: few levels of few pixels are chance.
-const LEAST_OCCURRENCES: u64 = 64;
+const MIN_OCCURRENCES: u64 = 64;
 
 /// Scans by number of the probe.
 pub type Scans = BTreeMap<usize, Scan>;
@@ -104,7 +104,7 @@ impl FoundDepth {
 
     /// The scan of a probe, of which this is found in all frames.
     pub fn scan(&self) -> Scan {
-        let recur = |distances: &&Vec<f32>| distances.len() as u64 * LEAST_OCCURRENCES <= self.surfaces;
+        let recur = |distances: &&Vec<f32>| distances.len() as u64 * MIN_OCCURRENCES <= self.surfaces;
         let distances_m = self.distances_m.as_ref().filter(recur).cloned();
         Scan { extent: self.extent, has_invalid: self.has_invalid, distances_m, spread: self.spread.clone() }
     }

@@ -334,9 +334,9 @@ fn sequence(source: &dyn FrameSource, group: &SourceGroup) -> Sequence {
 
 /// The first of these words, and that there are more.
 fn few(words: &[String]) -> String {
-    const MOST: usize = 4;
-    let more = if words.len() > MOST { ", …" } else { "" };
-    words.iter().take(MOST).cloned().collect::<Vec<_>>().join(", ") + more
+    const MAX_NAMED: usize = 4;
+    let more = if words.len() > MAX_NAMED { ", …" } else { "" };
+    words.iter().take(MAX_NAMED).cloned().collect::<Vec<_>>().join(", ") + more
 }
 
 fn footage(source: &dyn FrameSource, settings: &EncodeSettings) -> String {

@@ -1,7 +1,7 @@
 //! Settings of an encode.
 
 use crate::block::SIDE;
-use crate::color::quality::MOST_QUALITY;
+use crate::color::quality::MAX_QUALITY;
 use crate::color::transform::Tables;
 use crate::color::transform::blocks::MAX_FRAMES;
 use crate::color::transform::encode::COARSEST;
@@ -19,7 +19,7 @@ use crate::depth::predictive::{self, Levels, PredictiveHeader};
 use crate::depth::quantise::{FAR_CODE, rounded_up};
 use crate::depth::{DepthRange, TemporalSettings};
 use crate::effort::Effort;
-use crate::entropy::tables::MOST_OWN;
+use crate::entropy::tables::MAX_OWN;
 use crate::error::{Error, Result};
 use crate::image::StreamKind;
 use crate::image::transfer::ToneMap;
@@ -290,8 +290,8 @@ impl EncodeSettings {
         if !self.depth_tables.is_empty() && self.depth.codec != DepthCodec::Predictive {
             return Err(Error::Usage("`depth_tables` is of `depth_codec` predictive".into()));
         }
-        if self.depth_tables.len() > MOST_OWN {
-            return Err(Error::Usage(format!("`depth_tables`: at most {MOST_OWN} table sets are possible")));
+        if self.depth_tables.len() > MAX_OWN {
+            return Err(Error::Usage(format!("`depth_tables`: at most {MAX_OWN} table sets are possible")));
         }
         if self.color_codec == ColorCodec::Cells && !matches!(self.search.target, Target::Psnr(_)) {
             return Err(Error::Usage(
@@ -335,8 +335,8 @@ impl EncodeSettings {
             Target::Step(step) if i32::from(step) > COARSEST => {
                 return wrong(format!("`color_qp` {step}: 0 to {COARSEST} was expected"));
             }
-            Target::Quality(quality) if !(0.0..=MOST_QUALITY).contains(&quality) => {
-                return wrong(format!("`quality` {quality}: 0 to {MOST_QUALITY} was expected"));
+            Target::Quality(quality) if !(0.0..=MAX_QUALITY).contains(&quality) => {
+                return wrong(format!("`quality` {quality}: 0 to {MAX_QUALITY} was expected"));
             }
             _ => {}
         }

@@ -10,7 +10,7 @@ use crate::entropy::{Distribution, Family};
 use crate::error::Result;
 
 /// Most sets that a stream brings along.
-pub const MOST_OWN: usize = 8;
+pub const MAX_OWN: usize = 8;
 
 /// The entropy model of a codec.
 pub trait Model: Debug + Clone + Copy + PartialEq + Eq + Send + Sync + 'static {
@@ -105,8 +105,8 @@ impl<M: Model> Tables<M> {
     /// Reads `count` sets of a stream's own.
     pub fn read(fields: &mut Fields<'_>, count: u8) -> Result<Tables<M>> {
         let count = usize::from(count);
-        if count > MOST_OWN {
-            return Err(fields.error(format!("{count} table sets, at most {MOST_OWN} are legal")));
+        if count > MAX_OWN {
+            return Err(fields.error(format!("{count} table sets, at most {MAX_OWN} are legal")));
         }
         if count == 0 {
             return Ok(Tables::default());

@@ -17,7 +17,7 @@ pub const MOVE_BITS: u32 = 8;
 /// Moves by which a pixel within a surface differs from the mean: one column.
 pub const TOLERANCE: i32 = 1 << MOVE_BITS;
 /// Columns that a pixel moves at most, so that five times as many fit 32 bits: more leaves every image.
-const MOST_COLUMNS: f64 = (1 << 18) as f64;
+const MAX_COLUMNS: f64 = (1 << 18) as f64;
 
 /// By how much the pixels of scanlines move to another source, 1/256 pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -64,7 +64,7 @@ fn moves_of_row(source: &SourceView, row: usize, (width, columns): (usize, f64))
     let mut moves = vec![0; width];
     for pixel in source.rows[row].pixels.iter().filter(|pixel| pixel.layer == 0) {
         if let Some(at) = usize::try_from(pixel.column).ok().and_then(|column| moves.get_mut(column)) {
-            let moved = (columns / f64::from(pixel.depth_m)).clamp(-MOST_COLUMNS, MOST_COLUMNS);
+            let moved = (columns / f64::from(pixel.depth_m)).clamp(-MAX_COLUMNS, MAX_COLUMNS);
             *at = (moved * f64::from(1 << MOVE_BITS)).round() as i32;
         }
     }

@@ -13,11 +13,11 @@ pub const COLUMN_BITS: u32 = 8;
 const DISPARITY_BITS: u32 = 12;
 const PLACE_BITS: u32 = 24;
 /// Columns that a line moves at most: more leaves every image.
-const MOST_COLUMNS: f64 = (1 << (30 - DISPARITY_BITS)) as f64;
+const MAX_COLUMNS: f64 = (1 << (30 - DISPARITY_BITS)) as f64;
 /// 1/256 pixels that a line moves at most, so that sums and differences of columns fit 32 bits.
-const MOST_MOVED: i64 = 1 << 29;
+const MAX_MOVED: i64 = 1 << 29;
 /// Baselines from the first view at which a source may stand.
-const MOST_PLACE: f64 = 64.0;
+const MAX_PLACE: f64 = 64.0;
 /// Tangent of the steepest slant, from the scanline, of a surface that still fills pixels.
 pub const STEEPEST: f64 = 6.0;
 
@@ -58,7 +58,7 @@ pub struct LineSpace {
 pub fn moved(disparity: i32, place: i32) -> i32 {
     const SHIFT: u32 = DISPARITY_BITS - COLUMN_BITS + PLACE_BITS;
     let columns = (i64::from(disparity) * i64::from(place) + (1 << (SHIFT - 1))) >> SHIFT;
-    columns.clamp(-MOST_MOVED, MOST_MOVED) as i32
+    columns.clamp(-MAX_MOVED, MAX_MOVED) as i32
 }
 
 impl LineSpace {
@@ -67,7 +67,7 @@ impl LineSpace {
         let baseline_m = views.baseline_m();
         let place = |source_m: f64, view_m: f64| {
             let place = if baseline_m > 0.0 { (view_m - source_m) / baseline_m } else { 0.0 };
-            (place.clamp(-MOST_PLACE, MOST_PLACE) * f64::from(1 << PLACE_BITS)).round() as i32
+            (place.clamp(-MAX_PLACE, MAX_PLACE) * f64::from(1 << PLACE_BITS)).round() as i32
         };
         let places = source_offsets_m
             .iter()
@@ -103,7 +103,7 @@ impl LineSpace {
     }
 
     fn disparity(&self, depth_m: f32) -> i32 {
-        let most = MOST_COLUMNS * f64::from(1 << DISPARITY_BITS);
+        let most = MAX_COLUMNS * f64::from(1 << DISPARITY_BITS);
         (self.at_infinity - self.scale / f64::from(depth_m)).clamp(-most, most).round() as i32
     }
 

@@ -62,7 +62,7 @@ pub fn dispatch<'b>(
     })
 }
 
-const MOST_REPEATS: f64 = 100.0;
+const MAX_REPEATS: f64 = 100.0;
 
 impl KernelReport {
     pub fn new(name: &'static str) -> KernelReport {
@@ -121,7 +121,7 @@ impl KernelReport {
             Ok::<_, Error>(start.elapsed().as_secs_f64() / f64::from(times))
         };
         let mut seconds = timed(1)?;
-        let repeats = (clock.as_secs_f64() / seconds.max(1e-6)).min(MOST_REPEATS) as u32;
+        let repeats = (clock.as_secs_f64() / seconds.max(1e-6)).min(MAX_REPEATS) as u32;
         if repeats > 1 {
             seconds = timed(repeats)?;
         }

@@ -28,14 +28,14 @@ use crate::gpu::transform_tables::SET_WORDS;
 use crate::streams::{CodecHeader, ColorFormat, DepthChunk, DepthCoding, DepthHeader, PictureChunk};
 
 /// Most bytes of the codes of a chunk of predictive coding, whose payload may be far smaller.
-const MOST_UNPACKED: u64 = 128 << 20;
+const MAX_UNPACKED: u64 = 128 << 20;
 
 /// Bytes that a chunk takes at most while it is prepared, but for what any chunk takes.
 pub fn prepared_bytes(stream: &StreamInfo, entry: &ChunkEntry) -> u64 {
     match &stream.header {
         CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) | CodecHeader::Alpha(_) => {
             let [_, _, width, height] = stream.entry.unit_rect(entry.key.unit);
-            (2 * u64::from(width) * u64::from(height)).saturating_mul(entry.key.frame_count.into()).min(MOST_UNPACKED)
+            (2 * u64::from(width) * u64::from(height)).saturating_mul(entry.key.frame_count.into()).min(MAX_UNPACKED)
         }
         _ => entry.raw_bytes.into(),
     }
@@ -118,13 +118,13 @@ pub fn prepare(
             DepthChunk::Nodes(chunk) => of_nodes(&chunk.runtime),
             DepthChunk::Tree(chunk) => of_nodes(&chunk.leaves.runtime),
             DepthChunk::Blocks(chunk) => of_nodes(&chunk.runtime()),
-            DepthChunk::Predictive(chunk) => of_predictive(&chunk, MOST_UNPACKED)?,
+            DepthChunk::Predictive(chunk) => of_predictive(&chunk, MAX_UNPACKED)?,
         },
         CodecHeader::Material(header) => {
             of_boxes(&TemporalChunk::<[u8; 3]>::parse(header.layout(), payload, size, frames)?, size)
         }
         CodecHeader::Alpha(header) => {
-            of_predictive(&PredictiveChunk::parse(payload, header.predictive(), area, frames)?, MOST_UNPACKED)?
+            of_predictive(&PredictiveChunk::parse(payload, header.predictive(), area, frames)?, MAX_UNPACKED)?
         }
         CodecHeader::Color(header) => match header.format {
             ColorFormat::EightBit(_) => of_color(&header.chunks_of_bytes(size), payload, frames, place)?,

@@ -26,9 +26,9 @@ use crate::gpu::render::scene::{FIRST_ROW_WORD, ImageId, ROWS_WORD, SceneRows};
 use crate::gpu::render::texels::{DeviceTexels, Transferred};
 use crate::image::StreamKind;
 use crate::march::render::has_secondary_rays;
-use crate::march::specular::secondary_rays::LEAST_SHARE;
+use crate::march::specular::secondary_rays::MIN_SHARE;
 use crate::march::{
-    Acceleration, ActiveViews, Counters, LEAST_M, MAX_BOUNCES, Proxies, Proxy, RenderSettings, Rendered, SphereFit,
+    Acceleration, ActiveViews, Counters, MAX_BOUNCES, MIN_M, Proxies, Proxy, RenderSettings, Rendered, SphereFit,
     proxies_in_sight,
 };
 use crate::math::Camera;
@@ -239,7 +239,7 @@ impl<'a> GpuRenderer<'a> {
         let (Some(backend), Some(words)) = (&self.backend, self.buffers.get("views")) else { return Ok(()) };
         let decoded = views.views.iter().enumerate().filter_map(|(at, active)| {
             let planes = backend.planes(active.view.probe)?;
-            (planes.has_greatest() && active.view.near_m >= LEAST_M).then_some((at, planes))
+            (planes.has_greatest() && active.view.near_m >= MIN_M).then_some((at, planes))
         });
         self.gpu.submit("views", |encoder| {
             for (at, planes) in decoded {
@@ -291,9 +291,9 @@ fn rows_of_dispatch(gpu: &Gpu, views: usize, kernel: &Kernel, settings: &RenderS
 }
 
 /// Most secondary rays per camera ray: a surface emits four, and searches for the far side of a solid along three. At most
-/// `1 / LEAST_SHARE` rays of a bounce can carry the least share.
+/// `1 / MIN_SHARE` rays of a bounce can carry the least share.
 fn most_secondary_rays(max_bounces: u32) -> u64 {
-    let most = (1.0 / LEAST_SHARE) as u64;
+    let most = (1.0 / MIN_SHARE) as u64;
     let surfaces = |bounce: u32| most.min(4u64.pow(bounce));
     (0..max_bounces.min(MAX_BOUNCES)).map(|bounce| 3 * surfaces(bounce) + surfaces(bounce + 1)).sum()
 }

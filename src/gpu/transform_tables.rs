@@ -11,7 +11,7 @@ use crate::entropy::SYMBOLS;
 use crate::streams::{CodecHeader, StreamInfo};
 
 /// Points of the largest basis in space, which is no length of a block.
-const MOST_POINTS: usize = 32;
+const MAX_POINTS: usize = 32;
 /// Sizes of blocks.
 const SIZES: usize = 4;
 /// Words of a table set: first slot of each symbol, and from bit 16 the slot behind its last.
@@ -59,7 +59,7 @@ impl TransformTables {
 
 /// Words of the tables of the format.
 pub fn of_format() -> Vec<u32> {
-    let points: Vec<usize> = LENGTHS.into_iter().chain([MOST_POINTS]).collect();
+    let points: Vec<usize> = LENGTHS.into_iter().chain([MAX_POINTS]).collect();
     let scans = (0..SIZES).flat_map(scan::order);
     let scans: Vec<u32> = scans.map(|at| u32::from(at.0) | (at.class() as u32) << 16).collect();
     let classes = CLASSES_OF_SUMS.map(u32::from);

@@ -12,7 +12,7 @@ use crate::hard_cases::paths::paths;
 const SIZE: [u32; 2] = [83, 50];
 const FRAMES: u32 = 5;
 /// Least and most levels of a stream (depth.md 3).
-const MOST: u32 = 4096;
+const MAX_LEVELS: u32 = 4096;
 
 struct Footage {
     name: &'static str,
@@ -52,11 +52,16 @@ static FOOTAGE: [Footage; 12] = [
         code: |at| at * 65_534,
         number: |_, at| Some(at[0] % 2),
     },
-    Footage { name: "4096 levels from code 0", count: MOST, code: |at| at, number: in_order },
-    Footage { name: "4096 levels up to code 65534", count: MOST, code: |at| 65_534 - MOST + 1 + at, number: in_order },
+    Footage { name: "4096 levels from code 0", count: MAX_LEVELS, code: |at| at, number: in_order },
+    Footage {
+        name: "4096 levels up to code 65534",
+        count: MAX_LEVELS,
+        code: |at| 65_534 - MAX_LEVELS + 1 + at,
+        number: in_order,
+    },
     Footage {
         name: "4096 levels, sixteen codes apart, in noise",
-        count: MOST,
+        count: MAX_LEVELS,
         code: |at| 16 * at,
         number: changing_noise,
     },

@@ -74,7 +74,7 @@ pub struct FrameRate {
 }
 
 impl FrameRate {
-    const MOST: f64 = i32::MAX as f64;
+    const MAX_TERM: f64 = i32::MAX as f64;
 
     /// The fraction of a rate above 0. 23.976, 29.97 and the like are multiples of 1000/1001, as in television.
     pub fn of(fps: f64) -> FrameRate {
@@ -88,7 +88,7 @@ impl FrameRate {
         loop {
             let whole = rest.floor();
             let [next_p, next_q] = [whole * p + before_p, whole * q + before_q];
-            if next_p > Self::MOST || next_q > Self::MOST {
+            if next_p > Self::MAX_TERM || next_q > Self::MAX_TERM {
                 break;
             }
             ([before_p, before_q], [p, q]) = ([p, q], [next_p, next_q]);

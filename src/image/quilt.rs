@@ -40,9 +40,9 @@ const DEVICES: [Device; 9] = [
 ];
 
 /// Columns or rows, at most.
-const MOST_TILES: u32 = 4096;
+const MAX_TILES: u32 = 4096;
 /// Pixels of a quilt, at most: 4 GiB of 8-bit RGBA.
-const MOST_PIXELS: u64 = 1 << 30;
+const MAX_PIXELS: u64 = 1 << 30;
 /// A layout without blank tiles is preferred to one nearer to a square up to this ratio of the picture's sides.
 const LONGEST_RATIO: f64 = 3.0;
 /// Difference of aspect ratios that a name may have: the maker writes 16:9 as 1.777.
@@ -62,9 +62,9 @@ impl QuiltLayout {
     /// A layout for no device in particular; an error where a count is 0 or more than 4096.
     pub fn new(columns: u32, rows: u32) -> Result<QuiltLayout> {
         for count in [columns, rows] {
-            if !(1..=MOST_TILES).contains(&count) {
+            if !(1..=MAX_TILES).contains(&count) {
                 let message =
-                    format!("a quilt of {columns}x{rows} tiles: 1 to {MOST_TILES} columns and rows were expected");
+                    format!("a quilt of {columns}x{rows} tiles: 1 to {MAX_TILES} columns and rows were expected");
                 return Err(Error::Usage(message));
             }
         }
@@ -90,13 +90,13 @@ impl QuiltLayout {
             layouts.min_by(|a, b| ratio(*a).total_cmp(&ratio(*b)).then_with(|| key(a).cmp(&key(b))))
         };
         let all = || {
-            let layouts = (1..=views.min(MOST_TILES)).map(|columns| [columns, views.div_ceil(columns)]);
-            layouts.filter(|layout| layout[1] <= MOST_TILES)
+            let layouts = (1..=views.min(MAX_TILES)).map(|columns| [columns, views.div_ceil(columns)]);
+            layouts.filter(|layout| layout[1] <= MAX_TILES)
         };
         let whole =
             nearest(&mut all().filter(|layout| views.is_multiple_of(layout[0]) && ratio(*layout) <= LONGEST_RATIO));
         let Some([columns, rows]) = whole.or_else(|| nearest(&mut all())) else {
-            return Err(Error::Usage(format!("{views} views: 1 to {MOST_TILES} x {MOST_TILES} fit a quilt")));
+            return Err(Error::Usage(format!("{views} views: 1 to {MAX_TILES} x {MAX_TILES} fit a quilt")));
         };
         QuiltLayout::new(columns, rows)
     }
@@ -118,11 +118,11 @@ impl QuiltLayout {
     /// Width and height in pixels of the quilt of such views; an error beyond 2^30 pixels.
     pub fn picture_size(self, view_size: [u32; 2]) -> Result<[u32; 2]> {
         let sides = [self.columns.checked_mul(view_size[0]), self.rows.checked_mul(view_size[1])];
-        let fits = |size: &[u32; 2]| u64::from(size[0]) * u64::from(size[1]) <= MOST_PIXELS;
+        let fits = |size: &[u32; 2]| u64::from(size[0]) * u64::from(size[1]) <= MAX_PIXELS;
         let size = sides[0].zip(sides[1]).map(<[u32; 2]>::from).filter(fits);
         size.ok_or_else(|| {
             let [width, height] = view_size;
-            let message = format!("{self} tiles of {width}x{height} pixels: a quilt has at most {MOST_PIXELS} pixels");
+            let message = format!("{self} tiles of {width}x{height} pixels: a quilt has at most {MAX_PIXELS} pixels");
             Error::Usage(format!("{message}; use fewer or smaller views"))
         })
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::color::transform::Tables;
-use crate::color::transform::blocks::LEAST;
+use crate::color::transform::blocks::MIN_SIDE;
 use crate::container::header::VERSION_MAJOR;
 use crate::decode::{DamagedChunkReport, Decoder, StreamInfo};
 use crate::depth::TemporalSettings;
@@ -491,7 +491,7 @@ impl TransformReport {
         TransformReport {
             transform_chunks: count.transform_chunks,
             cells_chunks: count.cells_chunks,
-            transform_blocks: (0..).map(|level| LEAST << level).zip(count.blocks).collect(),
+            transform_blocks: (0..).map(|level| MIN_SIDE << level).zip(count.blocks).collect(),
             palette_blocks: count.palette_blocks,
             own_table_sets: tables.own().len(),
         }

@@ -27,7 +27,7 @@ use crate::march::{
 use crate::views::ColorCoding;
 
 /// Shares below are not shown, and a rest below is not followed.
-pub const LEAST_LAYER: f32 = NEGLIGIBLE_WEIGHT;
+pub const MIN_LAYER: f32 = NEGLIGIBLE_WEIGHT;
 /// Layers of a ray at most; the last one has all that is left.
 pub const MAX_LAYERS: u32 = 8;
 /// Times at most that a ray comes out of a surface and marches on.
@@ -200,7 +200,7 @@ impl<'a> Primary<'a> {
 
     /// Whether a surface shows all of a ray, so that a [`LayerWalk`] would end there: a shortcut.
     pub(crate) fn is_whole(&self, ray: &Ray, hits: &FirstHits, seen: &Interpolated) -> bool {
-        let is_covered = self.coverage(seen) * seen.alpha > 1.0 - LEAST_LAYER;
+        let is_covered = self.coverage(seen) * seen.alpha > 1.0 - MIN_LAYER;
         let is_shown = |hit_m: f32| match self.clip {
             Some(clip) => {
                 let [near_m, far_m] = clip.distances_m(ray);
@@ -329,14 +329,14 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
     fn show(&mut self, distance_m: f32, seen: &Interpolated) {
         let coverage = self.primary.coverage(seen);
         let opacity = coverage * seen.alpha;
-        self.lets_through |= seen.alpha <= 1.0 - LEAST_LAYER;
-        self.is_within |= coverage > 1.0 - LEAST_LAYER && seen.alpha <= 1.0 - LEAST_LAYER;
-        if opacity < LEAST_LAYER {
+        self.lets_through |= seen.alpha <= 1.0 - MIN_LAYER;
+        self.is_within |= coverage > 1.0 - MIN_LAYER && seen.alpha <= 1.0 - MIN_LAYER;
+        if opacity < MIN_LAYER {
             return;
         }
         let is_last = self.shown.layers().count() + 1 == MAX_LAYERS as usize;
-        let left = if is_last || opacity > 1.0 - LEAST_LAYER { 0.0 } else { self.left * (1.0 - opacity) };
-        let left = if left < LEAST_LAYER { 0.0 } else { left };
+        let left = if is_last || opacity > 1.0 - MIN_LAYER { 0.0 } else { self.left * (1.0 - opacity) };
+        let left = if left < MIN_LAYER { 0.0 } else { left };
         let light = self.primary.light(seen.color);
         self.shown.push(Layer { distance_m: Some(distance_m), light, share: self.left - left });
         self.left = left;

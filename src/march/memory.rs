@@ -7,7 +7,7 @@ use crate::image::StreamKind;
 use crate::march::SpecularMode;
 use crate::march::playback::frames::PlaybackOptions;
 use crate::march::render::RAYS_AT_ONCE;
-use crate::march::specular::sphere_fit::{LEAST_TEXELS, MOST_PROXIES, MOST_TEXELS};
+use crate::march::specular::sphere_fit::{MAX_PROXIES, MAX_TEXELS, MIN_TEXELS};
 
 /// Bytes of each ray that a thread holds: its direction, layers of what it shows, and the sum of its pixel.
 const RAY_BYTES: u64 = 400;
@@ -49,9 +49,9 @@ pub fn march_bytes(decoder: &Decoder, options: &PlaybackOptions, specular: Specu
     let mut of_probes: Vec<u64> = of_probes.into_values().collect();
     of_probes.sort_unstable_by_key(|&texels| std::cmp::Reverse(texels));
     let texels: u64 = of_probes.into_iter().take(options.selection.most.unwrap_or(usize::MAX)).sum();
-    let proxies = (texels / LEAST_TEXELS as u64).min(MOST_PROXIES as u64);
+    let proxies = (texels / MIN_TEXELS as u64).min(MAX_PROXIES as u64);
     let in_work = proxies.min(rayon::current_num_threads() as u64);
-    let maps = 6 * u64::from(MOST_TEXELS).pow(2) * (proxies * MAP_BYTES + in_work * MAKING_BYTES);
+    let maps = 6 * u64::from(MAX_TEXELS).pow(2) * (proxies * MAP_BYTES + in_work * MAKING_BYTES);
     texels.saturating_mul(FIT_BYTES).saturating_add(maps + held)
 }
 

@@ -35,7 +35,7 @@ pub use interpolate::{
 pub use intersect::intersect_from;
 pub(crate) use layers::{FirstHits, Layer, Primary, PrimaryHit};
 pub use playback::frames::{PictureOptions, Renderer, Stage};
-pub use pyramid::{DepthPyramid, LEAST_M, Level, Pyramids, ViewPyramids};
+pub use pyramid::{DepthPyramid, Level, MIN_M, Pyramids, ViewPyramids};
 pub use ray::{Ray, Steps, StepsFrom, Until};
 pub use render::{Rendered, distances_m};
 pub use settings::{Acceleration, Refinements, RenderSettings, SpecularMode};

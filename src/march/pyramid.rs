@@ -12,7 +12,7 @@ use crate::image::{Face, StreamKind};
 use crate::views::{Change, FaceTexels, LightField, UNKNOWN, View};
 
 /// Points of an axis that are nearer to 0 than this, in metres, have no inverse that is a number to rely on.
-pub const LEAST_M: f32 = 1e-18;
+pub const MIN_M: f32 = 1e-18;
 
 /// Greatest inverse depths of squares of texels, in 1/m; [`UNKNOWN`] where one is. An empty pyramid proves nothing.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -142,7 +142,7 @@ impl ViewPyramids {
 
     /// The greatest inverse depth of any texel, where there is one in every direction; else [`UNKNOWN`].
     pub fn greatest(&self, view: &View) -> f32 {
-        if view.faces[Face::View as usize].is_some() || view.near_m < LEAST_M {
+        if view.faces[Face::View as usize].is_some() || view.near_m < MIN_M {
             return UNKNOWN;
         }
         self.faces[..Face::View as usize].iter().map(DepthPyramid::greatest).fold(0.0, f32::max)

@@ -8,7 +8,7 @@ use glam::Vec3;
 /// Growth of the intervals before the first step of a ray that starts on a surface, which begin with a texel.
 pub const GROWTH: f32 = 0.125;
 /// Intervals at most: they reach some ten thousand texels far.
-pub const MOST_BEFORE_STEPS: u32 = 64;
+pub const MAX_BEFORE_STEPS: u32 = 64;
 
 /// A ray in metres from the eye, along the world's axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,7 +84,7 @@ impl Steps {
     pub fn off_surface(&self, texel_m: f32) -> impl Iterator<Item = (f32, Option<usize>)> + use<'_> {
         let first_m = self.distances_m[0];
         let next = move |at_m: &f32| Some(at_m + texel_m.max(GROWTH * at_m)).filter(|&at_m| at_m < first_m);
-        let nearer = std::iter::successors(next(&0.0), next).take(MOST_BEFORE_STEPS as usize);
+        let nearer = std::iter::successors(next(&0.0), next).take(MAX_BEFORE_STEPS as usize);
         nearer.map(|at_m| (at_m, None)).chain(self.distances_m.iter().enumerate().map(|(at, &at_m)| (at_m, Some(at))))
     }
 
@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(all[before..], rest);
         assert_eq!(steps.off_surface(0.5).collect::<Vec<_>>(), rest);
         for hostile in [0.0, f32::NAN, f32::INFINITY, 1e-38] {
-            assert!(steps.off_surface(hostile).count() <= rest.len() + MOST_BEFORE_STEPS as usize);
+            assert!(steps.off_surface(hostile).count() <= rest.len() + MAX_BEFORE_STEPS as usize);
         }
     }
 }

@@ -10,7 +10,7 @@
 use glam::Vec3;
 
 use crate::image::Face;
-use crate::march::{ActiveView, ActiveViews, Counters, LEAST_M, Occupancy, Ray, StepsFrom, Until};
+use crate::march::{ActiveView, ActiveViews, Counters, MIN_M, Occupancy, Ray, StepsFrom, Until};
 
 /// Rounding error of a coordinate in a view's axes, relative to the sum of the greatest coordinates that it is computed from.
 ///
@@ -28,7 +28,7 @@ pub const SURELY_BELOW_ONE: f32 = 1.0 - ROUNDING;
 /// the plane at depth 1 by at most 4e (1 + its greatest coordinate) over the nearer planar depth, as long as that is at
 /// least 4e; the second part is for the division and what follows.
 pub fn is_segment_empty(view: &ActiveView<'_>, ends: [Vec3; 2], reach_m: f32) -> bool {
-    let error_m = ROUNDING * (reach_m + view.from_eye.abs().max_element()) + LEAST_M;
+    let error_m = ROUNDING * (reach_m + view.from_eye.abs().max_element()) + MIN_M;
     let [a, b] = ends.map(|end| view.local(end));
     // A planar depth is the greatest coordinate, whatever the face.
     let farthest_m = a.abs().max_element().max(b.abs().max_element()) + 2.0 * error_m;

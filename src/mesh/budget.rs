@@ -9,7 +9,7 @@ const FLOOR: u64 = 512 << 20;
 /// Further bytes for each byte of the files: an image of one colour is a few bytes in the file.
 const PER_BYTE: u64 = 128;
 /// Most bytes for files of any size.
-const MOST: u64 = 16 << 30;
+const MAX_BYTES: u64 = 16 << 30;
 
 /// Bytes of a triangle in a mesh and its bounding volume hierarchy.
 pub const TRIANGLE_BYTES: u64 = 160;
@@ -34,7 +34,7 @@ impl Budget {
 
     /// Most bytes that a scene of so many bytes of files may take.
     pub fn allowance(files: u64) -> u64 {
-        files.saturating_mul(PER_BYTE).saturating_add(FLOOR).min(MOST)
+        files.saturating_mul(PER_BYTE).saturating_add(FLOOR).min(MAX_BYTES)
     }
 
     /// Reserves memory, or fails where it is more than the files allow.
@@ -67,6 +67,6 @@ mod tests {
         budget.grow(1);
         budget.take(1, PER_BYTE, "c").unwrap();
         assert!(budget.take(u64::MAX, u64::MAX, "d").is_err());
-        assert_eq!(Budget::allowance(u64::MAX), MOST);
+        assert_eq!(Budget::allowance(u64::MAX), MAX_BYTES);
     }
 }

@@ -24,12 +24,12 @@ pub const WITHIN_REGION: f64 = 0.05;
 /// Clearance of a camera, as a fraction of the smaller of the diagonals of region and scene.
 pub const CLEARANCE: f64 = 1e-3;
 /// Default limit of new cameras.
-pub const DEFAULT_MOST_CAMERAS: usize = 1000;
+pub const DEFAULT_MAX_CAMERAS: usize = 1000;
 /// θ below which cameras are hardly ever redundant, degrees: gains do not fade, and a number of cameras must be
 /// given.
-pub const LEAST_THETA_DEG: f64 = 1.0;
+pub const MIN_THETA_DEG: f64 = 1.0;
 /// Most candidates times points: their bits take half a gibibyte, and as many for each side of a point.
-pub const MOST_VISIBILITY_BITS: u64 = 1 << 32;
+pub const MAX_VISIBILITY_BITS: u64 = 1 << 32;
 
 #[derive(Debug, Clone, Copy)]
 pub struct Settings {
@@ -142,9 +142,9 @@ impl<'a> Search<'a> {
         monitor: &dyn Monitor,
     ) -> Result<Search<'a>> {
         let (wanted, samples) = settings.counts();
-        if (wanted as u64).saturating_mul(samples as u64) > MOST_VISIBILITY_BITS {
+        if (wanted as u64).saturating_mul(samples as u64) > MAX_VISIBILITY_BITS {
             return Err(Error::Usage(format!(
-                "{wanted} candidates times {samples} points on surfaces is more than {MOST_VISIBILITY_BITS}; ask for fewer of either"
+                "{wanted} candidates times {samples} points on surfaces is more than {MAX_VISIBILITY_BITS}; ask for fewer of either"
             )));
         }
         let sampled = SampledScene::new(times, samples)?;

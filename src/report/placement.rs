@@ -8,7 +8,7 @@ use super::plot::chart::{Chart, Kind, Mark, Series};
 use super::plot::marker::Look;
 use crate::placement::{Figures, Lighting};
 
-const MOST_MARKERS: usize = 40;
+const MAX_MARKERS: usize = 40;
 const SIZE: [u32; 2] = [860, 420];
 const REACHABLE_SURFACE: &str = "% of the surface that is reachable";
 
@@ -52,7 +52,7 @@ fn series(name: String, number: usize, figures: &[Figures], value: impl Fn(&Figu
     let mark = |(at, figures): (usize, &Figures)| Mark { x: (at + 1) as f64, y: value(figures), ..Mark::default() };
     // From no camera, which covers nothing.
     let marks = std::iter::once(Mark::default()).chain(figures.iter().enumerate().map(mark)).collect();
-    let kind = if figures.len() <= MOST_MARKERS { Kind::Line } else { Kind::Curve };
+    let kind = if figures.len() <= MAX_MARKERS { Kind::Line } else { Kind::Curve };
     Series { name, kind, look: Look::of(number), marks }
 }
 

@@ -22,7 +22,7 @@ use crate::simplify::selection::Bounds;
 
 const SIZE: [u32; 2] = [860, 420];
 /// Triangles over a pixel that have the last colour.
-const MOST_LAYERS: u32 = 16;
+const MAX_LAYERS: u32 = 16;
 /// Images with an error map.
 const ERROR_MAPS: usize = 4;
 
@@ -133,9 +133,9 @@ pub fn pictures(scene: &QuadMesh, capture: &mut Capture, background: Background)
 /// A picture of the triangles over each pixel.
 fn overdraw_picture(title: &str, layers: &Plane<u32>) -> Result<Plane<Rgb>> {
     let size = [layers.width(), layers.height()];
-    let share = |count: u32| f64::from(count.min(MOST_LAYERS)) / f64::from(MOST_LAYERS);
-    let ticks = [0, 4, 8, 12, MOST_LAYERS]
-        .map(|count| (share(count), if count == MOST_LAYERS { format!("{count} or more") } else { count.to_string() }));
+    let share = |count: u32| f64::from(count.min(MAX_LAYERS)) / f64::from(MAX_LAYERS);
+    let ticks = [0, 4, 8, 12, MAX_LAYERS]
+        .map(|count| (share(count), if count == MAX_LAYERS { format!("{count} or more") } else { count.to_string() }));
     let sum: u64 = layers.data().iter().map(|&count| u64::from(count)).sum();
     let sheet = Sheet {
         title: title.to_owned(),

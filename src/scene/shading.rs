@@ -20,7 +20,7 @@ use crate::mesh::Ray;
 /// Reflections and refractions on one path; beyond, the ambient light is used.
 pub const MAX_BOUNCES: u32 = 8;
 /// Paths of less weight end in the ambient light, too.
-const LEAST_WEIGHT: f64 = 1e-4;
+const MIN_WEIGHT: f64 = 1e-4;
 
 /// Weight of reflection, weight of refraction and index of refraction of an opaque surface.
 pub const OPAQUE: [f64; 3] = [0.0, 0.0, 1.0];
@@ -140,7 +140,7 @@ impl SceneAtTime {
 
     /// Radiance that arrives from `direction` on the side of `out`.
     fn along(&self, surface: &Surface, out: DVec3, direction: DVec3, path: Path) -> DVec3 {
-        if path.bounces > MAX_BOUNCES || path.weight < LEAST_WEIGHT {
+        if path.bounces > MAX_BOUNCES || path.weight < MIN_WEIGHT {
             return self.light.sky.ambient;
         }
         #[cfg(test)]

@@ -18,7 +18,7 @@ const PIECE_BYTES: u64 = 16 << 20;
 /// The description of the film for the page.
 const DESCRIPTION: &str = "film.json";
 /// Bytes of it, at most.
-const MOST_DESCRIPTION_BYTES: u64 = 64 << 10;
+const MAX_DESCRIPTION_BYTES: u64 = 64 << 10;
 /// Names that a film has on a site.
 const FILMS: [&str; 3] = ["film.lfold", "film.glb", "film.png"];
 
@@ -94,7 +94,7 @@ fn described_film(path: &Path) -> Result<Option<&'static str>> {
     }
     let mut text = Vec::new();
     let file = File::open(path).map_err(|error| Error::io(path, error))?;
-    file.take(MOST_DESCRIPTION_BYTES).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
+    file.take(MAX_DESCRIPTION_BYTES).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
     let Ok(described) = serde_json::from_slice::<Value>(&text) else { return Ok(None) };
     let has = |key: &str| described.get(key).is_some();
     let url = described.get("url").and_then(Value::as_str);

@@ -15,7 +15,7 @@ pub const VIEWS: usize = 126;
 /// Error of affine texture coordinates along one axis, in texels: on both axes together it is half a texel.
 const AXIS_ERROR_TEXELS: f64 = 0.35;
 /// Columns or rows that a tile is divided into, at most: such a tile takes so many triangles that it is not selected.
-pub const MOST_PARTS: u32 = 1024;
+pub const MAX_PARTS: u32 = 1024;
 /// Solid angle of a view of 90 degrees: that of a cube face, a sixth of the sphere.
 const VIEW_AREA: f64 = 4.0 * PI / 6.0;
 
@@ -190,7 +190,7 @@ impl CostModel {
                 let texels = (root - 1.0) / (root + 1.0) * texels / f64::from(parts);
                 texels.is_nan() || texels > AXIS_ERROR_TEXELS
             };
-            let (mut below, mut parts) = (0, MOST_PARTS);
+            let (mut below, mut parts) = (0, MAX_PARTS);
             while parts - below > 1 {
                 let middle = below + (parts - below) / 2;
                 (below, parts) = if is_off(middle) { (middle, parts) } else { (below, middle) };

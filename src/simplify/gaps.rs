@@ -19,9 +19,9 @@ use crate::mesh::Ray;
 /// Pixels beside a gap within which its border is looked for.
 const BORDER_PIXELS: i32 = 32;
 /// Length in the plane of a face by which a tile is extended, at most: 11 degrees.
-const MOST_LONGER: f64 = 0.2;
+const MAX_LONGER: f64 = 0.2;
 /// Largest factor by which that changes the distance of a tile's farthest corner.
-const MOST_FARTHER: f64 = 2.0;
+const MAX_FARTHER: f64 = 2.0;
 /// Squares of a cube face's side within which a capture saw something or not.
 const SEEN_LEVEL: u32 = 5;
 
@@ -204,12 +204,12 @@ fn reaching(tile: &QuadTile, gap: &Ray, margin: f64) -> Option<PlaneRect> {
 /// Whether a rectangle is not much larger than that of a tile, and its corners not much farther.
 fn may_become(tile: &QuadTile, rect: PlaneRect) -> bool {
     let is_near = (0..2).all(|axis| {
-        tile.rect.min[axis] - rect.min[axis] <= MOST_LONGER && rect.max[axis] - tile.rect.max[axis] <= MOST_LONGER
+        tile.rect.min[axis] - rect.min[axis] <= MAX_LONGER && rect.max[axis] - tile.rect.max[axis] <= MAX_LONGER
     });
     let farthest = |rect: PlaneRect| {
         let along = rect.corners().map(|corner| tile.plane.hit(direction(tile.cell.face, corner)));
         along.into_iter().fold(0.0, f64::max)
     };
     let after = farthest(rect);
-    is_near && after.is_finite() && after <= MOST_FARTHER * farthest(tile.rect)
+    is_near && after.is_finite() && after <= MAX_FARTHER * farthest(tile.rect)
 }

@@ -36,7 +36,7 @@ const SAMPLES_A_JOB: usize = 4096;
 pub(super) const WAITING: usize = 1 << 19;
 pub(super) const VOXEL_BYTES: u64 = size_of::<Voxel>() as u64;
 /// Voxels whose nearest face is nearer than this, in metres, are one: logarithms of distances stay finite.
-const LEAST_M: f64 = 1e-9;
+const MIN_M: f64 = 1e-9;
 
 /// Bits of a key: its face, 21 of distance, 20 each of row and column.
 const FACE_SHIFT: u32 = 61;
@@ -184,7 +184,7 @@ fn voxel_key(end: DVec3, level: u32) -> u64 {
     let side = f64::from(1u32 << level);
     let [column, row] = plane.map(|at| ((0.5 * (at + 1.0) * side) as u64).min((1 << level) - 1));
     let [forward, ..] = face.axes();
-    let octave = (end.dot(forward).max(LEAST_M) / LEAST_M).ln();
+    let octave = (end.dot(forward).max(MIN_M) / MIN_M).ln();
     let distance = ((octave * 0.5 * side) as u64).min((1 << (FACE_SHIFT - DISTANCE_SHIFT)) - 1);
     (face as u64) << FACE_SHIFT | distance << DISTANCE_SHIFT | row << ROW_SHIFT | column
 }

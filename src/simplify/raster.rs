@@ -34,7 +34,7 @@ use triangle::{Pixels, Triangle};
 /// Rows that one job draws.
 const ROWS_A_JOB: u32 = 16;
 /// Part of the light behind a pixel below which nothing of it shows: a hundredth of an 8-bit code.
-const LEAST_OPEN: f32 = 1.0 / 65_536.0;
+const MIN_OPEN: f32 = 1.0 / 65_536.0;
 
 /// Bits of an inverse depth in single precision that a z-buffer leaves out: 13 of the mantissa stay, 0.01%.
 pub const DEPTH_BITS_LEFT_OUT: u32 = 10;
@@ -224,7 +224,7 @@ impl Raster {
             counts[range.clone()].iter_mut().for_each(|count| *count += 1);
             for (x, pixel) in span.zip(&mut pixels[range]) {
                 let open = 1.0 - pixel.w;
-                if open < LEAST_OPEN {
+                if open < MIN_OPEN {
                     continue;
                 }
                 let x = f64::from(x) + sample.offset[0];

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::candidates::{CandidateSettings, Extent, candidates};
 use super::capture::Capture;
-use super::cost::{CostModel, MOST_PARTS, ViewShares};
+use super::cost::{CostModel, MAX_PARTS, ViewShares};
 use super::fit::TilePlane;
 use super::gaps::SeenDirections;
 use super::gbuffer;
@@ -308,7 +308,7 @@ fn read(words: &mut Words<'_>, region: ViewingRegion, notes: Vec<String>) -> Opt
             divisions: [words.small()?, words.small()?],
         };
         let is_met = tile.corners().iter().all(|corner| corner.is_finite());
-        (is_met && tile.divisions.iter().all(|parts| (1..=MOST_PARTS).contains(parts))).then_some(tile)
+        (is_met && tile.divisions.iter().all(|parts| (1..=MAX_PARTS).contains(parts))).then_some(tile)
     })?;
     let seen = SeenDirections::of_words(words.0.as_slice())?;
     let selection = Selection { tilings, primal, dual, prices, iterations, convergence, used };

@@ -38,7 +38,7 @@ pub type Use = [f64; CONSTRAINTS];
 /// Rounds in which prices are looked for at which a tiling is feasible at all.
 const FEASIBILITY_ROUNDS: usize = 100;
 /// Part of what all budgets are worth below which one does not limit a selection: prices fall towards 0 and do not come there.
-const LEAST_WORTH: f64 = 0.01;
+const MIN_WORTH: f64 = 0.01;
 /// Iterations after which the best prices so far are scaled until the selection is feasible.
 const REPAIR_INTERVAL: usize = 25;
 
@@ -113,7 +113,7 @@ impl Selection {
             ("peak_overdraw", views * budgets.peak_overdraw),
         ];
         let all: f64 = worth.iter().map(|(_, worth)| worth).sum();
-        worth.into_iter().filter(|(_, worth)| *worth > LEAST_WORTH * all).map(|(name, _)| name).collect()
+        worth.into_iter().filter(|(_, worth)| *worth > MIN_WORTH * all).map(|(name, _)| name).collect()
     }
 }
 

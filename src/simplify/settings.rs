@@ -17,7 +17,7 @@ const TEXELS_BEFORE_ATLAS: f64 = 2.0;
 /// Texels across a pixel of the capture: as many as pixels would blur once more what pixels have blurred.
 const TEXELS_ACROSS_PIXEL: f64 = 2.0;
 /// Spheres that tiles cover in fact, whatever the budget.
-const MOST_AREA: f64 = 64.0;
+const MAX_AREA: f64 = 64.0;
 
 /// Cells that get tilings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,6 +89,6 @@ impl Settings {
         let wanted =
             self.pixels_per_degree.map_or_else(|| TEXELS_ACROSS_PIXEL * capture.pixels_per_unit(), f64::to_degrees);
         let texels = TEXELS_BEFORE_ATLAS * f64::from(self.atlas).powi(2);
-        wanted.min((texels / (4.0 * std::f64::consts::PI * self.budgets.area.min(MOST_AREA))).sqrt())
+        wanted.min((texels / (4.0 * std::f64::consts::PI * self.budgets.area.min(MAX_AREA))).sqrt())
     }
 }

@@ -4,10 +4,10 @@
 //! them.
 
 use super::short_cuts::ShortCuts;
-use super::texture_filter::{MOST_TEXELS, TextureFilter};
+use super::texture_filter::{MAX_TEXELS, TextureFilter};
 
 /// Of any texel within the radius: one that no other sample reaches has the light of this one.
-const LEAST_WEIGHT: f32 = 1e-20;
+const MIN_WEIGHT: f32 = 1e-20;
 /// Sweeps of Gauss–Seidel on each level of the multigrid.
 const SWEEPS: usize = 4;
 
@@ -37,13 +37,13 @@ impl LightBuffer {
         };
         let weight = |texel: usize, at: f32| self.filter.weight(texel as f32 - at);
         let (columns, rows) = (range(x), range(y));
-        let mut weights = [0.0; MOST_TEXELS];
+        let mut weights = [0.0; MAX_TEXELS];
         columns.clone().zip(&mut weights).for_each(|(column, value)| *value = weight(column, x));
         for row in rows {
             let of_row = weight(row, y);
             let sums = &mut self.sums[row * self.side..][columns.clone()];
             for (sum, of_column) in sums.iter_mut().zip(weights) {
-                let weight = (of_row * of_column).max(LEAST_WEIGHT);
+                let weight = (of_row * of_column).max(MIN_WEIGHT);
                 *sum = std::array::from_fn(|channel| sum[channel] + weight * [r, g, b, 1.0][channel]);
             }
         }

@@ -1,7 +1,7 @@
 //! Reconstruction filters of light (Seurat 5.2): the weight of a sample in the texels around it, by rows and columns.
 
 /// Texels of a row that a sample reaches, at most.
-pub const MOST_TEXELS: usize = 5;
+pub const MAX_TEXELS: usize = 5;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum TextureFilter {
@@ -51,7 +51,7 @@ mod tests {
             let weights: Vec<f32> = (0..=100).map(|step| filter.weight(step as f32 * radius / 100.0)).collect();
             assert!(weights.is_sorted_by(|a, b| a >= b) && weights[0] > 0.5 && weights[100] >= 0.0, "{filter:?}");
             let texels = 1 + (2.0 * radius) as usize;
-            assert!(texels <= MOST_TEXELS && filter.weight(-0.3) == filter.weight(0.3));
+            assert!(texels <= MAX_TEXELS && filter.weight(-0.3) == filter.weight(0.3));
         }
     }
 

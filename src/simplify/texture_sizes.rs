@@ -58,7 +58,7 @@ pub enum Sizing {
 }
 
 /// Sizes of one texture that are compared, at most.
-const MOST_SIZES: usize = 64;
+const MAX_SIZES: usize = 64;
 
 /// Places textures in an atlas of at most `most` texels a side.
 pub fn layout(textures: &[TileTexture], most: u32, sizing: Sizing, monitor: &dyn Monitor) -> Result<Layout> {
@@ -154,7 +154,7 @@ fn variance(textures: &[TileTexture]) -> f64 {
 /// `alpha_weight`, twice the variance of light.
 fn representations(texture: &TileTexture, alpha_weight: f64, monitor: &dyn Monitor) -> Result<Vec<Representation>> {
     let full = encoded(texture);
-    let step = (texture.side / MOST_SIZES).next_multiple_of(BLOCK).max(BLOCK);
+    let step = (texture.side / MAX_SIZES).next_multiple_of(BLOCK).max(BLOCK);
     let sides = (1..).map(|at| at * step).take_while(|&side| side < texture.side).chain([texture.side]);
     let of = |side: usize| {
         monitor.check()?;

@@ -1,7 +1,7 @@
 //! Codec headers as bytes (depth.md 3 and 16, color.md 2).
 
 use crate::block::SIDE;
-use crate::color::quality::{MOST_QUALITY, Pu21};
+use crate::color::quality::{MAX_QUALITY, Pu21};
 use crate::container::StreamEntry;
 use crate::container::fields::Fields;
 use crate::container::serialize::PutFields;
@@ -256,8 +256,8 @@ fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
         COLOR_CELLS_BC6H => ColorCoding::Cells(Some(ColorBlocks::Bc6h)),
         COLOR_TRANSFORM_8 | COLOR_TRANSFORM_HALF => {
             min_quality = fields.finite_f64("the quality")?;
-            if !(0.0..=MOST_QUALITY).contains(&min_quality) {
-                return Err(fields.error(format!("a quality of {min_quality} is not within 0 to {MOST_QUALITY}")));
+            if !(0.0..=MAX_QUALITY).contains(&min_quality) {
+                return Err(fields.error(format!("a quality of {min_quality} is not within 0 to {MAX_QUALITY}")));
             }
             let planes = fields.u8()?;
             if planes != PLANES {

@@ -13,7 +13,7 @@ use lightfold::color::transform::tables::BUILT_IN;
 use lightfold::color::transform::{Tables, TransformChunk};
 use lightfold::entropy::Encoder;
 use lightfold::entropy::Family;
-use lightfold::entropy::tables::MOST_OWN;
+use lightfold::entropy::tables::MAX_OWN;
 
 use crate::docs::{hex_bytes, read, table};
 
@@ -53,8 +53,8 @@ fn families_and_limits_are_those_of_the_code() {
     says_of_sets(format!("| contexts | {},{:03} |", CONTEXTS / 1000, CONTEXTS % 1000));
     says_of_sets(format!("| distributions of a table set | {CLUSTERS} |"));
     says_of_sets(format!("| built-in sets | {BUILT_IN}, numbers 0 to {} |", BUILT_IN - 1));
-    says_of_sets(format!("| own sets of a stream, in its codec header | 0 to {MOST_OWN}:"));
-    says(format!("| 28 | 1 | u8 | own_set_count | 0 to {MOST_OWN} |"));
+    says_of_sets(format!("| own sets of a stream, in its codec header | 0 to {MAX_OWN}:"));
+    says(format!("| 28 | 1 | u8 | own_set_count | 0 to {MAX_OWN} |"));
     says(format!("F must be at most {MAX_FRAMES}"));
     assert_eq!(CACHED, 15, "four bits of a payload's header");
     says(format!("bits 4 to 6: offset_set, 0 or {} (section 6.3)", OFFSET_SETS.len() - 1));

@@ -16,7 +16,7 @@ import { MemoryFilm } from "./memory_film.ts";
 import { chance } from "./vectors.ts";
 
 const SIZE: [number, number] = [64, 48];
-const LEAST_DB = 50;
+const MIN_DB = 50;
 
 function shot(yaw: number, more: Partial<Shot> = {}): Shot {
   return { pose: { eye: [0.05, 1.55, 0.05], yaw, pitch: -0.1 }, frame: 0, size: SIZE, fovDeg: 90, steps: 256, ...more };
@@ -56,7 +56,7 @@ describe("The processor", { skip: withoutProgram }, () => {
       for (const one of shots) {
         const { rgba, counts } = (await MemoryFilm.open(bytesOf(film), one.frame)).render(one);
         const found = psnr(codesOf(rgba), rendered(film, one));
-        assert.ok(found >= LEAST_DB, `${found} dB at yaw ${one.pose.yaw}`);
+        assert.ok(found >= MIN_DB, `${found} dB at yaw ${one.pose.yaw}`);
         assert.equal(counts.primary_rays, SIZE[0] * SIZE[1]);
         const rays = raysOf(film, one);
         for (const kind of ["hole_rays", "background_rays"] as const) {
@@ -70,7 +70,7 @@ describe("The processor", { skip: withoutProgram }, () => {
     const film = films.encodeWith("alpha.lfold", withMattes(64), "--clip");
     const { rgba } = (await MemoryFilm.open(bytesOf(film), SHOTS[1].frame)).render(SHOTS[1]);
     const found = psnr(codesOf(rgba), rendered(film, SHOTS[1]));
-    assert.ok(found >= LEAST_DB, `${found} dB`);
+    assert.ok(found >= MIN_DB, `${found} dB`);
   });
 
   for (const depth of ["planar", "distance"]) {
@@ -81,7 +81,7 @@ describe("The processor", { skip: withoutProgram }, () => {
         for (const one of [shot(0.1), shot(0.9, { frame: 1 })]) {
           const { rgba, counts } = (await MemoryFilm.open(bytesOf(film), one.frame)).render(one);
           const found = psnr(codesOf(rgba), rendered(film, one));
-          assert.ok(found >= LEAST_DB, `${found} dB at yaw ${one.pose.yaw}`);
+          assert.ok(found >= MIN_DB, `${found} dB at yaw ${one.pose.yaw}`);
           assert.ok(Math.abs(counts.hole_rays - raysOf(film, one)["hole_rays"]) <= 2);
           assert.ok(counts.hole_rays > 0);
         }

@@ -14,7 +14,7 @@ import { chance, spoiled, vectors } from "./vectors.ts";
 const skip = withoutBrowser || withoutProgram;
 const PAGE = "tests/player.page.ts";
 /** What a picture of the device must equal that of the processor to. */
-const LEAST_DB = 50;
+const MIN_DB = 50;
 /** Pixels along a side of the images. */
 const FACE = 64;
 const SIZE: [number, number] = [64, 48];
@@ -72,7 +72,7 @@ describe("The player", { skip }, () => {
       for (const one of SHOTS) {
         await call("settle", one);
         const found = psnr(codesOf(await picture(call)), rendered(films.path("film.lfold"), one));
-        assert.ok(found >= LEAST_DB, `${found} dB at yaw ${one.pose.yaw}`);
+        assert.ok(found >= MIN_DB, `${found} dB at yaw ${one.pose.yaw}`);
       }
       assert.deepEqual(await call("problems"), []);
     });
@@ -89,7 +89,7 @@ describe("The player", { skip }, () => {
         for (const one of SHOTS.slice(1, 3)) {
           await call("settle", one);
           const found = psnr(codesOf(await picture(call)), rendered(film, one));
-          assert.ok(found >= LEAST_DB, `${found} dB at yaw ${one.pose.yaw}`);
+          assert.ok(found >= MIN_DB, `${found} dB at yaw ${one.pose.yaw}`);
         }
       });
     });
@@ -130,7 +130,7 @@ describe("The player", { skip }, () => {
         assert.deepEqual([unitsMissing, shownFrame], [0, frame]);
       }
       const played = psnr(codesOf(await picture(call)), rendered(films.path("film.lfold"), { ...SHOTS[0], frame: 2 }));
-      assert.ok(played >= LEAST_DB, `${played} dB`);
+      assert.ok(played >= MIN_DB, `${played} dB`);
     });
   });
 
@@ -149,11 +149,11 @@ describe("The player", { skip }, () => {
             stats = await call<PlayerStats>("draw", { ...view, frame: 1, playing: true });
             const codes = codesOf(await picture(call));
             const found = [psnr(codes, first), psnr(codes, second)];
-            assert.ok(Math.max(...found) >= LEAST_DB, `${found.join()} dB`);
+            assert.ok(Math.max(...found) >= MIN_DB, `${found.join()} dB`);
             seen += Number(found[0] > found[1]);
           }
           assert.equal(stats.shownFrame, 1);
-          assert.ok(psnr(codesOf(await picture(call)), second) >= LEAST_DB);
+          assert.ok(psnr(codesOf(await picture(call)), second) >= MIN_DB);
           assert.ok(seen > 0, "no picture was drawn meanwhile");
         },
         renderer,
@@ -168,14 +168,14 @@ describe("The player", { skip }, () => {
       for (const one of [first, last, first]) {
         await call("settle", one);
         const found = psnr(codesOf(await picture(call)), rendered(film, one));
-        assert.ok(found >= LEAST_DB, `${found} dB in frame ${one.frame}`);
+        assert.ok(found >= MIN_DB, `${found} dB in frame ${one.frame}`);
       }
       // Away and back, while nothing more arrives.
       server.fault = () => "held";
       await call("draw", { ...last, frame: 1 });
       await call("settle", first);
       const found = psnr(codesOf(await picture(call)), rendered(film, first));
-      assert.ok(found >= LEAST_DB, `${found} dB after another frame`);
+      assert.ok(found >= MIN_DB, `${found} dB after another frame`);
     });
   });
 
@@ -186,7 +186,7 @@ describe("The player", { skip }, () => {
         for (const one of SHOTS.slice(0, 3)) {
           await call("settle", one);
           const found = psnr(codesOf(await picture(call)), rendered(film, one));
-          assert.ok(found >= LEAST_DB, `${found} dB in frame ${one.frame}`);
+          assert.ok(found >= MIN_DB, `${found} dB in frame ${one.frame}`);
         }
         assert.deepEqual(await call("problems"), []);
       });
@@ -210,7 +210,7 @@ describe("The player", { skip }, () => {
             const { counters, unitsMissing } = await call<PlayerStats>("settle", one);
             assert.deepEqual([counters["primary_rays"], unitsMissing], [SIZE[0] * SIZE[1], 0]);
             const found = psnr(codesOf(await picture(call)), rendered(film, one));
-            assert.ok(found >= LEAST_DB, `${found} dB of ${name} at yaw ${pose.pose.yaw}`);
+            assert.ok(found >= MIN_DB, `${found} dB of ${name} at yaw ${pose.pose.yaw}`);
           }
           for (const stereo of ["side-by-side", "anaglyph"]) {
             await call("settle", { ...SHOTS[0], stereo, overlays: ["holes"] });

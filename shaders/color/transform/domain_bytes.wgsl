@@ -5,8 +5,8 @@ const FRACTION_BITS: u32 = 6u;
 const FINE_BITS: u32 = 4u;
 const KEY_BITS: u32 = 8u;
 const MIDDLE: i32 = 128;
-const LEAST_KEY: i32 = 0;
-const MOST_KEY: i32 = 255;
+const MIN_KEY: i32 = 0;
+const MAX_KEY: i32 = 255;
 
 fn sample_of(keys: vec3i) -> vec3u {
     return vec3u(keys);

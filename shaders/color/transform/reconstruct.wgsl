@@ -53,7 +53,7 @@ fn transform_rows(local: u32, place: vec2u, level: u32, channel: u32, column_cou
         } else {
             let fine = keys_of_channels(vec3i(luma[turn], green[turn], value), fraction);
             let keys = (fine + ((1 << fraction) >> 1u)) >> vec3u(fraction);
-            put(4u * place.x + x, 4u * place.y + y, clamp(keys, vec3i(LEAST_KEY), vec3i(MOST_KEY)));
+            put(4u * place.x + x, 4u * place.y + y, clamp(keys, vec3i(MIN_KEY), vec3i(MAX_KEY)));
         }
     }
 }

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::choice::{Choices, one_of};
 use crate::cli::refuse;
-use crate::color::quality::MOST_QUALITY;
+use crate::color::quality::MAX_QUALITY;
 use crate::color::settings::{SearchSettings, Target};
 use crate::color::transform::blocks::MAX_FRAMES;
 use crate::color::transform::tables::TableSet;
@@ -132,8 +132,8 @@ impl ColorArgs {
                 return refuse(format!("{option} {db}: 0 to 200 dB was expected"));
             }
         }
-        if let Some(quality) = self.quality.filter(|quality| !(0.0..=MOST_QUALITY).contains(quality)) {
-            return refuse(format!("--quality {quality}: 0 to {MOST_QUALITY} was expected"));
+        if let Some(quality) = self.quality.filter(|quality| !(0.0..=MAX_QUALITY).contains(quality)) {
+            return refuse(format!("--quality {quality}: 0 to {MAX_QUALITY} was expected"));
         }
         let exposure_ev = self.exposure.unwrap_or(0.0);
         if !(-8.0..=8.0).contains(&exposure_ev) {

@@ -7,7 +7,7 @@ use crate::cli::refuse;
 use crate::effort::Effort;
 use crate::error::Result;
 use crate::image::sequence::FrameRange;
-use crate::placement::search::{DEFAULT_MOST_CAMERAS, DEFAULT_UNTIL, LEAST_THETA_DEG};
+use crate::placement::search::{DEFAULT_MAX_CAMERAS, DEFAULT_UNTIL, MIN_THETA_DEG};
 use crate::placement::{CandidateKind, Lighting, Settings, Stop};
 use crate::scene::Scene;
 use crate::scene::capture::frames_of_animation;
@@ -145,7 +145,7 @@ impl Args {
             return Stop { cameras: Some(0), until: 0.0 };
         }
         let until = self.until.unwrap_or(if self.cameras.is_some() { 0.0 } else { DEFAULT_UNTIL });
-        Stop { cameras: Some(self.cameras.map_or(DEFAULT_MOST_CAMERAS, |count| count as usize)), until }
+        Stop { cameras: Some(self.cameras.map_or(DEFAULT_MAX_CAMERAS, |count| count as usize)), until }
     }
 
     pub(super) fn check(&self) -> Result<()> {
@@ -153,7 +153,7 @@ impl Args {
         if self.theta.is_some() && self.lighting == Lighting::Diffuse {
             return refuse("--theta needs --lighting specular");
         }
-        let is_small = matches!(self.lighting(), Lighting::Specular { theta_deg } if theta_deg < LEAST_THETA_DEG);
+        let is_small = matches!(self.lighting(), Lighting::Specular { theta_deg } if theta_deg < MIN_THETA_DEG);
         if is_small && (self.is_endless() || self.until.is_some()) {
             return refuse(
                 "--theta below 1 degree needs --cameras without --until: gains hardly decrease, so the search would not end",

@@ -177,7 +177,7 @@ impl Taste {
 }
 
 /// Trees that are tried for a region before it is given up: few have more leaves than their bytes justify.
-const MOST_TRIES: usize = 1000;
+const MAX_TRIES: usize = 1000;
 
 /// A payload of which all that stands behind its header is chosen by taste. The payload is legal.
 pub fn random_payload<S: Keyed>(
@@ -210,7 +210,7 @@ fn random_substream(
     set: &TableSet,
     (taste, random_below): (Taste, RandomBelow<'_>),
 ) -> Result<Vec<u8>> {
-    for _ in 0..MOST_TRIES {
+    for _ in 0..MAX_TRIES {
         let mut stream = Encoder::default();
         let author = Author::new(&mut stream, set, |question: Question<'_>| taste.answer(question, random_below));
         Region::read_by(author, u64::MAX, root, setting).map_err(Error::invalid)?;

@@ -3,7 +3,7 @@
 /// Side of a region in pixels; regions are coded independently.
 pub const REGION: usize = 32;
 /// Side of the smallest block, and of the squares that means are kept for.
-pub const LEAST: usize = 4;
+pub const MIN_SIDE: usize = 4;
 /// Most frames of a chunk.
 pub const MAX_FRAMES: u32 = 96;
 
@@ -17,7 +17,7 @@ pub struct Shape {
 
 impl Shape {
     pub fn side(self) -> usize {
-        LEAST << self.level
+        MIN_SIDE << self.level
     }
 
     pub fn pixels(self) -> usize {
@@ -43,7 +43,7 @@ pub struct Block {
 impl Block {
     /// The block that covers a region of this size.
     pub fn root([width, height]: [usize; 2], frames: usize) -> Block {
-        let level = (width.max(height).div_ceil(LEAST).next_power_of_two()).trailing_zeros() as usize;
+        let level = (width.max(height).div_ceil(MIN_SIDE).next_power_of_two()).trailing_zeros() as usize;
         Block { place: Place { x: 0, y: 0, frame: 0 }, shape: Shape { level, frames } }
     }
 
@@ -111,7 +111,7 @@ mod tests {
             assert_eq!(padded_pixels(size), padded.sum::<u64>());
             for [_, _, width, height] in regions(size) {
                 let side = Block::root([width, height], 1).shape.side();
-                assert!(side >= width.max(height) && (side == LEAST || side / 2 < width.max(height)));
+                assert!(side >= width.max(height) && (side == MIN_SIDE || side / 2 < width.max(height)));
             }
         }
     }

@@ -25,7 +25,7 @@ pub trait Coder {
                 (1 << bits) + 10 + self.bits(low, bits)
             }
             _ => {
-                let bits = self.bits(bits, 5).min(MOST_NUMBER_BITS);
+                let bits = self.bits(bits, 5).min(MAX_NUMBER_BITS);
                 (1 << bits) + 25 + self.bits(low, bits)
             }
         }
@@ -33,7 +33,7 @@ pub trait Coder {
 }
 
 /// Raw bits of the largest number.
-const MOST_NUMBER_BITS: u32 = 22;
+const MAX_NUMBER_BITS: u32 = 22;
 
 /// Class, raw bits and their count of a number.
 #[inline(always)]

@@ -1,11 +1,11 @@
 //! Means of squares of 4×4 pixels, from which the mean of the next block is predicted (color.md 6.5).
 
 use crate::color::transform::basis::{BASIS_BITS, basis};
-use crate::color::transform::blocks::{Block, LEAST, REGION};
+use crate::color::transform::blocks::{Block, MIN_SIDE, REGION};
 use crate::color::transform::domain::CHANNELS;
 use crate::color::transform::steps::STEP_BITS;
 
-const SIDE: usize = REGION / LEAST;
+const SIDE: usize = REGION / MIN_SIDE;
 
 /// Mean of each square of a region in the last of its coded frames, in units of 2^-fraction.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -21,7 +21,7 @@ impl Means {
     /// The level that is predicted for a block's mean: from the frame before, else from the squares on the left and above.
     pub fn predict(&self, channel: usize, block: Block, step: i32) -> i32 {
         let means = &self.0[channel];
-        let (x, y, squares) = (block.place.x / LEAST, block.place.y / LEAST, block.shape.side() / LEAST);
+        let (x, y, squares) = (block.place.x / MIN_SIDE, block.place.y / MIN_SIDE, block.shape.side() / MIN_SIDE);
         let sum_of = |at: &mut dyn Iterator<Item = usize>| at.fold(0i32, |sum, at| sum.wrapping_add(means[at]));
         let mean = if block.place.frame > 0 {
             let mut inside = (y..y + squares).flat_map(|y| (x..x + squares).map(move |x| y * SIDE + x));
@@ -43,9 +43,9 @@ impl Means {
             sum.wrapping_add(coefficient.wrapping_mul(basis(frames, plane, frames - 1)))
         });
         let mean = (sum.wrapping_add(1 << (BASIS_BITS - 1)) >> BASIS_BITS) >> (2 + block.shape.level);
-        let squares = block.shape.side() / LEAST;
-        for y in block.place.y / LEAST..block.place.y / LEAST + squares {
-            let first = y * SIDE + block.place.x / LEAST;
+        let squares = block.shape.side() / MIN_SIDE;
+        for y in block.place.y / MIN_SIDE..block.place.y / MIN_SIDE + squares {
+            let first = y * SIDE + block.place.x / MIN_SIDE;
             self.0[channel][first..first + squares].fill(mean);
         }
     }
@@ -53,7 +53,7 @@ impl Means {
     /// Notes the means of the square at pixel (x, y) of the region.
     pub fn set_square(&mut self, [x, y]: [usize; 2], means: [i32; CHANNELS]) {
         for (channel, mean) in self.0.iter_mut().zip(means) {
-            channel[y / LEAST * SIDE + x / LEAST] = mean;
+            channel[y / MIN_SIDE * SIDE + x / MIN_SIDE] = mean;
         }
     }
 }

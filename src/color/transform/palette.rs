@@ -5,7 +5,7 @@ use crate::color::transform::coder::Coder;
 use crate::color::transform::contexts::{LATER_FRAME, LATER_PIXEL, LATER_ROW, PALETTE_COLOR, PALETTE_SIZE, PIXEL, ROW};
 
 /// Most colours of a palette.
-pub const MOST_COLORS: usize = 16;
+pub const MAX_COLORS: usize = 16;
 /// Colours that a cache holds.
 pub const CACHED: usize = 15;
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::color::transform::basis::{MAX_LENGTH, length_index};
-use crate::color::transform::blocks::{Block, LEAST, Place, REGION, Shape, padded_pixels, regions};
+use crate::color::transform::blocks::{Block, MIN_SIDE, Place, REGION, Shape, padded_pixels, regions};
 use crate::color::transform::coder::{Reader, SourceCoder};
 use crate::color::transform::contexts;
 use crate::color::transform::domain::{self, CHANNELS, Domain};
@@ -134,7 +134,7 @@ impl Leaves {
         match self.lists.last_mut() {
             Some(list) if list.len() < list.capacity() => list.push(leaf),
             _ => {
-                let mut list = Vec::with_capacity((self.count / SPARE_SHARE).max(LEAST_LIST));
+                let mut list = Vec::with_capacity((self.count / SPARE_SHARE).max(MIN_LIST));
                 list.push(leaf);
                 self.lists.push(list);
             }
@@ -318,9 +318,9 @@ impl<C: SourceCoder> RegionReader<'_, C> {
     }
 }
 
-/// A list of leaves has room for one in so many of those that there are, and for at least [`LEAST_LIST`].
+/// A list of leaves has room for one in so many of those that there are, and for at least [`MIN_LIST`].
 const SPARE_SHARE: usize = 8;
-const LEAST_LIST: usize = 8;
+const MIN_LIST: usize = 8;
 
 /// Most bytes of a leaf or of a colour of a palette: a leaf of which there is no other counts one, with a palette of one colour two.
 const ITEM_BYTES: u64 = 88;
@@ -358,12 +358,12 @@ fn bound(payload_bytes: u64, size: [usize; 2], frames: u32, level_bytes: u64, by
 }
 
 /// Leaves of the least size with the largest palettes, and levels of all coefficients.
-const BYTES_A_PIXEL: u64 = MAX_LEAF_BYTES / (LEAST * LEAST) as u64 + CHANNELS as u64 * LEVEL_BYTES;
+const BYTES_A_PIXEL: u64 = MAX_LEAF_BYTES / (MIN_SIDE * MIN_SIDE) as u64 + CHANNELS as u64 * LEVEL_BYTES;
 
 /// Leaves of the least size, each with the largest palette or with levels of all coefficients.
 const PARSED_BYTES_A_PIXEL: u64 = {
-    let palette = MAX_LEAF_BYTES / (LEAST * LEAST) as u64;
-    let levels = ITEM_BYTES.div_ceil((LEAST * LEAST) as u64) + (CHANNELS * size_of::<Level>()) as u64;
+    let palette = MAX_LEAF_BYTES / (MIN_SIDE * MIN_SIDE) as u64;
+    let levels = ITEM_BYTES.div_ceil((MIN_SIDE * MIN_SIDE) as u64) + (CHANNELS * size_of::<Level>()) as u64;
     if palette > levels { palette } else { levels }
 };
 
@@ -371,9 +371,9 @@ const PARSED_BYTES_A_PIXEL: u64 = {
 pub fn note_palette(palette: &Palette, block: Block, header: &Header, domain: &Domain, means: &mut Means) {
     let side = block.shape.side();
     let indices = palette.frame(block.shape, block.shape.frames - 1);
-    for (y, x) in (0..side).step_by(LEAST).flat_map(|y| (0..side).step_by(LEAST).map(move |x| (y, x))) {
+    for (y, x) in (0..side).step_by(MIN_SIDE).flat_map(|y| (0..side).step_by(MIN_SIDE).map(move |x| (y, x))) {
         let mut sums = [0; 3];
-        for at in (y..y + LEAST).flat_map(|y| (x..x + LEAST).map(move |x| y * side + x)) {
+        for at in (y..y + MIN_SIDE).flat_map(|y| (x..x + MIN_SIDE).map(move |x| y * side + x)) {
             let index = indices.map_or(0, |indices| usize::from(indices[at]));
             let color = palette.colors.get(index).copied().unwrap_or_default();
             sums.iter_mut().zip(color).for_each(|(sum, key)| *sum += key);
@@ -388,7 +388,7 @@ pub fn note_palette(palette: &Palette, block: Block, header: &Header, domain: &D
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::transform::palette::{Color, MOST_COLORS};
+    use crate::color::transform::palette::{Color, MAX_COLORS};
 
     const ALLOCATION: u64 = Region::ALLOCATION as u64;
 
@@ -396,20 +396,20 @@ mod tests {
     fn bounds_of_parsed_chunks_hold_what_they_are_made_of() {
         let leaf = size_of::<Leaf>() as u64;
         let list = 3 * size_of::<Vec<Leaf>>() as u64;
-        let with_room = leaf + leaf.div_ceil(SPARE_SHARE as u64) + (list + ALLOCATION).div_ceil(LEAST_LIST as u64);
+        let with_room = leaf + leaf.div_ceil(SPARE_SHARE as u64) + (list + ALLOCATION).div_ceil(MIN_LIST as u64);
         let palette = |colors: usize| {
             // One colour has no indices.
             let indices = if colors > 1 { ALLOCATION } else { 0 };
             ALLOCATION + (size_of::<Palette>() + colors * size_of::<Color>()) as u64 + ALLOCATION + indices
         };
         assert!(with_room <= ITEM_BYTES, "a leaf takes {with_room}");
-        for colors in 1..=MOST_COLORS {
+        for colors in 1..=MAX_COLORS {
             let bytes = with_room + palette(colors);
             assert!(bytes <= (1 + colors as u64) * ITEM_BYTES, "a leaf with {colors} colours takes {bytes}");
             assert!(bytes <= MAX_LEAF_BYTES, "a leaf with {colors} colours takes {bytes}");
         }
         let places = size_of::<Range<usize>>() + size_of::<usize>();
-        let region = LEAST_LIST as u64 * leaf + ALLOCATION + (size_of::<Region>() + places) as u64;
+        let region = MIN_LIST as u64 * leaf + ALLOCATION + (size_of::<Region>() + places) as u64;
         assert!(region <= REGION_BYTES, "a region takes {region}");
     }
 

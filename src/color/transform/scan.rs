@@ -6,7 +6,7 @@ const SIDE: usize = 32;
 /// Row length of magnitudes: two more positions on the right and below are always 0.
 const ROW: usize = SIDE + 2;
 /// Magnitudes are counted up to this.
-const MOST: u32 = 15;
+const MAX_HELD: u32 = 15;
 
 /// Positions of a plane of a size in zigzag order along the diagonals.
 const fn zigzag<const N: usize>(side: usize) -> [Position; N] {
@@ -78,13 +78,13 @@ impl Magnitudes {
 
     #[inline(always)]
     pub fn set(&mut self, position: Position, magnitude: u32) {
-        self.0[Self::index(position)] = magnitude.min(MOST) as u8;
+        self.0[Self::index(position)] = magnitude.min(MAX_HELD) as u8;
     }
 
     #[inline(always)]
     pub fn raise(&mut self, position: Position, magnitude: u32) {
         let held = &mut self.0[Self::index(position)];
-        *held = (*held).max(magnitude.min(MOST) as u8);
+        *held = (*held).max(magnitude.min(MAX_HELD) as u8);
     }
 
     /// Raises each magnitude to that of another plane.

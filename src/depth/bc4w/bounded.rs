@@ -21,11 +21,11 @@ const LANES: usize = 8;
 const FIRST_SQUARES: u16 = 8;
 const TRIALS: Trials = Trials { fitted: 16, polished: 8 };
 /// The limit in units of 2^shift. The square of the largest error that is kept apart is above it at each shift.
-const MOST_UNITS: u64 = 32_000;
+const MAX_UNITS: u64 = 32_000;
 
 /// Where more squares are left, the search ends with what it knows: on tiles whose codes lie far apart, where whole
 /// families of pairs are about as good as each other.
-const MOST_SQUARES: usize = 1 << 13;
+const MAX_SQUARES: usize = 1 << 13;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Mode {
@@ -93,7 +93,7 @@ impl<'a> Search<'a> {
         let endpoints = tile.endpoints(u64::MAX);
         let plan = Plan::all().clone();
         let mut shift = 0;
-        while limit.div_ceil(1 << shift) > MOST_UNITS {
+        while limit.div_ceil(1 << shift) > MAX_UNITS {
             shift += 1;
         }
         Search {
@@ -138,7 +138,7 @@ impl<'a> Search<'a> {
             if size == 1 {
                 return self.exact(&kept).or(self.known);
             }
-            if kept.len() > MOST_SQUARES {
+            if kept.len() > MAX_SQUARES {
                 return self.known;
             }
             size /= 2;
@@ -166,7 +166,7 @@ impl<'a> Search<'a> {
     fn pass(&mut self, squares: &[Square], size: u16) -> Vec<Square> {
         let costs: Vec<_> = squares.chunks(LANES).map(|group| self.costs(&self.levels(group, size))).collect();
         let mut room = Vec::new();
-        let mut least = vec![[[i16::MOST; LANES]; 2]; self.lines.len()];
+        let mut least = vec![[[i16::MAX_SUM; LANES]; 2]; self.lines.len()];
         let ranges = &self.ranges;
         for (group, costs) in squares.chunks(LANES).zip(&costs) {
             let ends = ends(group, size);
@@ -179,7 +179,8 @@ impl<'a> Search<'a> {
                 }
             });
         }
-        self.bounds = least.iter().map(|sides| sides.map(|lanes| lanes.into_iter().fold(i16::MOST, lesser))).collect();
+        self.bounds =
+            least.iter().map(|sides| sides.map(|lanes| lanes.into_iter().fold(i16::MAX_SUM, lesser))).collect();
         self.drop_lines();
         if size <= self.try_below {
             self.try_lines();
@@ -187,7 +188,7 @@ impl<'a> Search<'a> {
         }
         let mut kept = Vec::new();
         for (group, costs) in squares.chunks(LANES).zip(&costs) {
-            let mut total = [i16::MOST; LANES];
+            let mut total = [i16::MAX_SUM; LANES];
             let (bounds, ranges) = (&self.bounds, &self.ranges);
             let ends = ends(group, size);
             self.plan.for_each_line(costs, &mut room, |line, a, b| {
@@ -235,7 +236,7 @@ impl<'a> Search<'a> {
     }
 
     fn levels(&self, group: &[Square], size: u16) -> Levels {
-        let mut levels = Levels { least: [[0; LANES]; 8], most: [[0; LANES]; 8], background: [i16::MOST; LANES] };
+        let mut levels = Levels { least: [[0; LANES]; 8], most: [[0; LANES]; 8], background: [i16::MAX_SUM; LANES] };
         for lane in 0..LANES {
             let Square { mode, low, high } = group[lane.min(group.len() - 1)];
             let [most_low, most_high] = [low, high].map(|at| (at + size - 1).min(self.last));
@@ -274,7 +275,7 @@ impl<'a> Search<'a> {
                 for lane in 0..LANES {
                     let error = u32::from(nearest[lane].min(most));
                     let cost = ((error * error) >> self.shift) as i16;
-                    costs[lane] = if nearest[lane] > self.tile.bound { i16::MOST } else { cost };
+                    costs[lane] = if nearest[lane] > self.tile.bound { i16::MAX_SUM } else { cost };
                 }
             } else if self.tile.background >> pixel & 1 != 0 {
                 *costs = levels.background;
@@ -285,7 +286,7 @@ impl<'a> Search<'a> {
 
     fn exact(&self, squares: &[Square]) -> Option<Solution> {
         const FEW: usize = 4;
-        let mut best = vec![[(f64::MOST, Pair { e0: 0, e1: 0 }); 2]; self.lines.len()];
+        let mut best = vec![[(f64::MAX_SUM, Pair { e0: 0, e1: 0 }); 2]; self.lines.len()];
         let mut room = Vec::new();
         for group in squares.chunks(FEW) {
             let pairs: [Pair; FEW] = std::array::from_fn(|lane| group[lane.min(group.len() - 1)].pair());
@@ -310,13 +311,13 @@ impl<'a> Search<'a> {
     fn exact_costs<const L: usize>(&self, pairs: [Pair; L]) -> Costs<f64, L> {
         let palettes = pairs.map(Pair::palette);
         let levels = palettes.map(surface_codes);
-        let background = palettes.map(|palette| if palette.contains(&BACKGROUND_CODE) { 0.0 } else { f64::MOST });
+        let background = palettes.map(|palette| if palette.contains(&BACKGROUND_CODE) { 0.0 } else { f64::MAX_SUM });
         std::array::from_fn(|pixel| {
             if self.tile.surfaces >> pixel & 1 != 0 {
                 let code = self.tile.codes[pixel];
                 levels.map(|levels| {
                     let error = levels.iter().fold(u16::MAX, |least, level| least.min(level.abs_diff(code)));
-                    if error > self.tile.bound { f64::MOST } else { f64::from(error) * f64::from(error) }
+                    if error > self.tile.bound { f64::MAX_SUM } else { f64::from(error) * f64::from(error) }
                 })
             } else if self.tile.background >> pixel & 1 != 0 {
                 background
@@ -337,7 +338,7 @@ fn ends(group: &[Square], size: u16) -> [[i16; LANES]; 2] {
 #[inline(always)]
 fn within([first, last]: [i16; 2], [low, high]: &[[i16; LANES]; 2], mut costs: [i16; LANES]) -> [i16; LANES] {
     for lane in 0..LANES {
-        costs[lane] = if (low[lane] < first) | (high[lane] > last) { i16::MOST } else { costs[lane] };
+        costs[lane] = if (low[lane] < first) | (high[lane] > last) { i16::MAX_SUM } else { costs[lane] };
     }
     costs
 }

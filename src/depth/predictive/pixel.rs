@@ -22,15 +22,15 @@ pub const SYMBOLS: usize = 12;
 /// Residuals of the first symbols.
 pub const RESIDUALS: [i32; 5] = [0, 1, -1, 2, -2];
 
-const MOST_CONFIDENCE: u8 = 2;
+const MAX_CONFIDENCE: u8 = 2;
 /// Share of a residual, in 256ths, that slopes take over, by confidence.
 const GAINS: [i32; 3] = [256, 128, 85];
 /// Share of the left prediction, in 256ths, by the confidence of the pixels on the left and above.
 const WEIGHTS: [[i32; 3]; 3] = [[128, 85, 64], [171, 128, 102], [192, 154, 128]];
 /// Bounds from which an escape starts a surface of its own.
-const LEAST_COARSE_BOUND: i32 = 50;
+const MIN_COARSE_BOUND: i32 = 50;
 /// Escapes from which one does at any bound.
-const LEAST_EDGE: i32 = 64;
+const MIN_EDGE: i32 = 64;
 
 /// Half of the codes, in 256ths: what is predicted where nothing is known.
 pub const MIDDLE: i32 = 32_768 << 8;
@@ -56,7 +56,7 @@ impl Pixel {
     /// A pixel of a plane.
     #[inline(always)]
     pub fn in_plane(value: i32, slope: [i32; 2]) -> Pixel {
-        Pixel { value, slope, class: AS_PREDICTED, confidence: MOST_CONFIDENCE, magnitude: 0 }
+        Pixel { value, slope, class: AS_PREDICTED, confidence: MAX_CONFIDENCE, magnitude: 0 }
     }
 
     #[inline(always)]
@@ -71,7 +71,7 @@ impl Pixel {
 
     /// Whether it is as predicted by slopes that are no longer new.
     pub fn is_settled(&self) -> bool {
-        self.is_as_predicted() && self.confidence == MOST_CONFIDENCE
+        self.is_as_predicted() && self.confidence == MAX_CONFIDENCE
     }
 
     /// Its code; 65535 for background.
@@ -267,7 +267,7 @@ impl Prediction {
             value: self.value.wrapping_add(residual.wrapping_mul(steps.step)),
             slope: self.corrected(residual, steps),
             class: (i32::from(AS_PREDICTED) + residual) as u8,
-            confidence: (self.confidence + 1).min(MOST_CONFIDENCE),
+            confidence: (self.confidence + 1).min(MAX_CONFIDENCE),
             magnitude: residual.unsigned_abs() as u8,
         }
     }
@@ -287,7 +287,7 @@ impl Prediction {
     pub fn escaped(&self, residual: i32, steps: &Steps) -> Pixel {
         let value = self.value.wrapping_add(residual.wrapping_mul(steps.step));
         let (class, magnitude) = (ESCAPED, residual.unsigned_abs().min(255) as u8);
-        if steps.bound < LEAST_COARSE_BOUND && residual.abs() < LEAST_EDGE {
+        if steps.bound < MIN_COARSE_BOUND && residual.abs() < MIN_EDGE {
             Pixel { value, class, magnitude, ..self.with_residual(residual, steps) }
         } else {
             Pixel { value, slope: [0; 2], class, confidence: 0, magnitude }

@@ -5,9 +5,9 @@ use crate::depth::predictive::pixel::{MIDDLE, Pixel, Steps};
 use crate::depth::predictive::projection::Curvature;
 
 /// Slopes stay within ± this.
-const MOST_SLOPE: i32 = 1 << 20;
+const MAX_SLOPE: i32 = 1 << 20;
 /// The largest argument of a square.
-const MOST_HEIGHT: i32 = 32_767;
+const MAX_HEIGHT: i32 = 32_767;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Plane {
@@ -84,7 +84,7 @@ impl Plane {
         std::array::from_fn(|x| {
             // 512ths of a code, then quarters.
             let height = self.slope[0] * half(x) + start;
-            let quarters = (height >> 7).clamp(-MOST_HEIGHT, MOST_HEIGHT);
+            let quarters = (height >> 7).clamp(-MAX_HEIGHT, MAX_HEIGHT);
             let bend = (((quarters * quarters) as u32 >> 12) * curvature.factor) >> 7;
             self.value.wrapping_add(height >> 1).wrapping_add(bend as i32)
         })
@@ -92,7 +92,7 @@ impl Plane {
 }
 
 fn clamp_slope(slope: i32) -> i32 {
-    slope.clamp(-MOST_SLOPE, MOST_SLOPE)
+    slope.clamp(-MAX_SLOPE, MAX_SLOPE)
 }
 
 #[cfg(test)]
@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn no_legal_plane_overflows() {
-        let extremes = [i32::MIN, -MOST_SLOPE, -1, 0, 1, MOST_SLOPE, i32::MAX];
+        let extremes = [i32::MIN, -MAX_SLOPE, -1, 0, 1, MAX_SLOPE, i32::MAX];
         for octave in [0, 512, 131_071] {
             let shape = if octave == 0 { Shape::None } else { Shape::Planar };
             let curvature = Projection { shape, octave }.curvature();

@@ -92,13 +92,13 @@ struct FaceLogs {
 
 impl FaceLogs {
     /// Faces up to this side are kept, 8 MiB.
-    const MOST_SIDE: u32 = 2048;
+    const MAX_SIDE: u32 = 2048;
     /// Faces of so many sides are kept, those used last.
     const KEPT: usize = 2;
 
     fn of(side: u32) -> Option<Arc<FaceLogs>> {
         static KEPT: Mutex<Vec<Arc<FaceLogs>>> = Mutex::new(Vec::new());
-        if side > FaceLogs::MOST_SIDE {
+        if side > FaceLogs::MAX_SIDE {
             return None;
         }
         let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);

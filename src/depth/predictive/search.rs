@@ -19,7 +19,7 @@ use crate::effort::Effort;
 const ROUNDS: usize = 30;
 const FAST_ROUNDS: usize = 8;
 /// Largest number of a plane's change.
-const MOST_CHANGE: f64 = 8000.0;
+const MAX_CHANGE: f64 = 8000.0;
 
 #[derive(Debug, Clone, Copy)]
 pub struct SearchSettings {
@@ -286,7 +286,7 @@ impl<S: Sink> FrameSearch<'_, S> {
                 (x - f64::from(plane.slope[0])) / f64::from(steps.slope),
                 (y - f64::from(plane.slope[1])) / f64::from(steps.slope),
             ];
-            if exact.iter().any(|number| number.abs() > MOST_CHANGE) {
+            if exact.iter().any(|number| number.abs() > MAX_CHANGE) {
                 continue;
             }
             let [value, x, y] = exact.map(|number| number.round() as i32);

@@ -24,7 +24,7 @@ use crate::scene::model::animation::{Animation, Channel};
 /// Part of a frame that a key may lie beside it.
 const NEAR_FRAME: f64 = 1e-3;
 /// Metres; a near plane must be beyond 0.
-const LEAST_NEAR_M: f64 = 0.01;
+const MIN_NEAR_M: f64 = 0.01;
 
 pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
     let Parsed { document, blob } = document::parse(content.bytes)?;
@@ -146,7 +146,7 @@ impl Parts {
         let mut perspective = json!({
             "yfov": lens.fov_y_deg.to_radians(),
             "aspectRatio": lens.aspect,
-            "znear": if lens.near_m > 0.0 { lens.near_m } else { LEAST_NEAR_M },
+            "znear": if lens.near_m > 0.0 { lens.near_m } else { MIN_NEAR_M },
         });
         if lens.far_m.is_finite() {
             perspective["zfar"] = lens.far_m.into();

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 
 /// Prims and lists inside each other at most.
-const MOST_DEEP: u32 = 64;
+const MAX_DEEP: u32 = 64;
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
@@ -141,7 +141,7 @@ impl<'a> Parser<'a> {
     }
 
     fn value(&mut self, deep: u32) -> Result<Value> {
-        if deep > MOST_DEEP {
+        if deep > MAX_DEEP {
             return self.fail("less nesting");
         }
         let is_file = self.peek() == Some('@');
@@ -213,7 +213,7 @@ impl<'a> Parser<'a> {
 
     /// Entries of metadata, behind its parenthesis.
     fn metadata(&mut self, deep: u32) -> Result<Vec<(String, Value)>> {
-        if deep > MOST_DEEP {
+        if deep > MAX_DEEP {
             return self.fail("less nesting");
         }
         let mut entries = Vec::new();
@@ -235,7 +235,7 @@ impl<'a> Parser<'a> {
 
     /// The content of a prim, up to its closing mark or the end of the file.
     fn body(&mut self, prim: &mut Prim, close: Option<char>, deep: u32) -> Result<()> {
-        if deep > MOST_DEEP {
+        if deep > MAX_DEEP {
             return self.fail("less nesting");
         }
         loop {

@@ -11,7 +11,7 @@ use crate::epipolar::lines::Line;
 use crate::gpu::layout::{LineSplit, words_of};
 
 /// Radiance of a split at most, so that floats stay finite: far more than half floats hold.
-const MOST_RADIANCE: f64 = 1e30;
+const MAX_RADIANCE: f64 = 1e30;
 
 /// The splits of lines, for a kernel.
 #[derive(Debug, Default)]
@@ -59,7 +59,7 @@ impl<'a> Highlights<'a> {
             let is_wanted = |line: usize| wanted.get(line / 32).is_some_and(|word| word >> (line % 32) & 1 == 1);
             let highlight = |line: usize| shader.as_ref().filter(|_| is_wanted(line))?.highlight(line - first);
             let split = |&(place, light): &(f64, glam::DVec3)| LineSplit {
-                light: light.min(glam::DVec3::splat(MOST_RADIANCE)).as_vec3().to_array(),
+                light: light.min(glam::DVec3::splat(MAX_RADIANCE)).as_vec3().to_array(),
                 place: place as f32,
             };
             lines

@@ -240,10 +240,10 @@ mod tests {
             ("UNKNOWN", UNKNOWN.to_bits()),
             ("TILE", TILE),
             ("COUNTERS", COUNTERS as u32),
-            ("MOST_REACH", normal::MOST_REACH as u32),
+            ("MAX_REACH", normal::MAX_REACH as u32),
             ("SETTLE_TIMES", active_views::SETTLE_TIMES),
             ("MAX_INSIDE", solid::MAX_INSIDE as u32),
-            ("MOST_BEFORE_STEPS", ray::MOST_BEFORE_STEPS),
+            ("MAX_BEFORE_STEPS", ray::MAX_BEFORE_STEPS),
         ];
         let floats = [
             ("DEPTH_EPSILON", DEPTH_EPSILON),
@@ -258,16 +258,16 @@ mod tests {
             ("GIVEN_UP", GIVEN_UP),
             ("EDGE_CONTRAST", samples::EDGE_CONTRAST),
             ("EDGE_BLACK", samples::EDGE_BLACK),
-            ("LEAST_LAYER", layers::LEAST_LAYER),
+            ("MIN_LAYER", layers::MIN_LAYER),
             ("AROUND_REACH", Footprint::Around.reach()),
             ("GROWTH", ray::GROWTH),
             ("MIN_POSITIVE", f32::MIN_POSITIVE),
             ("ROUNDING", segments::ROUNDING),
             ("SURELY_BELOW_ONE", segments::SURELY_BELOW_ONE),
-            ("LEAST_M", pyramid::LEAST_M),
-            ("LEAST_WEIGHT", material::LEAST_WEIGHT),
+            ("MIN_M", pyramid::MIN_M),
+            ("MIN_WEIGHT", material::MIN_WEIGHT),
             ("CLEAR", material::CLEAR),
-            ("LEAST_IOR", IOR_RANGE[0]),
+            ("MIN_IOR", IOR_RANGE[0]),
             ("GREATEST_IOR", IOR_RANGE[1]),
             ("SAME_SURFACE", normal::SAME_SURFACE),
             ("FIT", normal::FIT),
@@ -275,7 +275,7 @@ mod tests {
             ("SAME_MATERIAL", normal::SAME_MATERIAL as f32),
             ("FLAT", solid::FLAT),
             ("BEHIND_TEXELS", solid::BEHIND_TEXELS),
-            ("LEAST_SHARE", secondary_rays::LEAST_SHARE),
+            ("MIN_SHARE", secondary_rays::MIN_SHARE),
             ("LIFT_TEXELS", secondary_rays::LIFT_TEXELS),
             ("HIDDEN_TEXELS", secondary_rays::HIDDEN_TEXELS),
             ("RECORDED_SINE", secondary_rays::RECORDED_SINE),
@@ -294,11 +294,11 @@ mod tests {
         "FOUND_NOTHING",
         "FOUND_LIGHT",
         "FOUND_SURFACE",
-        "MOST_PENDING",
+        "MAX_PENDING",
         "NO_TEXEL",
         "NO_LIMIT_M",
-        "LEAST_LENGTH",
-        "LEAST_INVERTIBLE_M",
+        "MIN_LENGTH",
+        "MIN_INVERTIBLE_M",
     ];
 
     #[test]
@@ -325,7 +325,7 @@ mod tests {
                 assert_eq!(twins.get(name), Some(&value), "{name} of {}", kernel.name);
                 seen.insert(name.to_owned());
             }
-            if let Some(room) = source.contains("MOST_PENDING").then(|| value("MOST_PENDING").unwrap()) {
+            if let Some(room) = source.contains("MAX_PENDING").then(|| value("MAX_PENDING").unwrap()) {
                 assert!(room >= f64::from(1 + 3 * MAX_BOUNCES));
             }
         }

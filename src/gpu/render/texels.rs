@@ -18,7 +18,7 @@ use crate::march::{ActiveViews, DepthPyramid, Level};
 use crate::views::{ColorCoding, ColorTexels, FaceTexels, Rect, bounds, overlap};
 
 /// Most stale rectangles that are sent one by one; beyond, the whole image is sent.
-const MOST_RECTANGLES: usize = 64;
+const MAX_RECTANGLES: usize = 64;
 
 /// Texels that are not on the device yet, of one kind.
 type Stale = (StreamKind, Rect);
@@ -252,7 +252,7 @@ impl DeviceTexels {
     fn send(&mut self, gpu: &Gpu, image: &Image<'_>) -> Result<u64> {
         let (origin, whole, texels) = (self.origin(image.id), self.whole(), image.texels);
         let Some(resident) = self.resident.get_mut(&image.id) else { return Ok(0) };
-        if resident.stale.len() > MOST_RECTANGLES {
+        if resident.stale.len() > MAX_RECTANGLES {
             resident.stale = whole;
         }
         // Texels in the backend's buffers are copied instead.

@@ -88,7 +88,7 @@ pub(super) fn compacted(seed: u64) -> Vec<Case> {
 
 /// Moves of surfaces: flat, slanted, by chance, the greatest, and steps of the tolerance and one more.
 fn moves([width, rows]: [u32; 2], random: &mut Random) -> Vec<i32> {
-    const MOST: i32 = 1 << 26;
+    const MAX_VALUE: i32 = 1 << 26;
     let mut moves = Vec::new();
     for _ in 0..rows {
         let mut row: Vec<i32> = Vec::new();
@@ -100,8 +100,8 @@ fn moves([width, rows]: [u32; 2], random: &mut Random) -> Vec<i32> {
                 0 => near,
                 1 => near + 40 * at as i32,
                 2 => near + (at % 2) as i32 * (320 + random.below(2) as i32),
-                3 => random.word() as i32 % MOST,
-                4 => [MOST, -MOST][(at % 2) as usize],
+                3 => random.word() as i32 % MAX_VALUE,
+                4 => [MAX_VALUE, -MAX_VALUE][(at % 2) as usize],
                 _ => 0,
             };
             row.extend((0..length).map(|at| moved(at, random)));

@@ -16,7 +16,7 @@ use crate::monitor::Monitor;
 use crate::views::{BACKGROUND, FaceTexels, UNKNOWN};
 
 /// Texels of less are left out.
-const LEAST_ALPHA: f32 = 0.5;
+const MIN_ALPHA: f32 = 0.5;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Point {
@@ -91,7 +91,7 @@ impl Image<'_> {
         let Image { view, face, number, clip } = self;
         let texel = row as usize * face.size[0] as usize + column as usize;
         let inverse_depth = face.inverse_depth[texel];
-        if inverse_depth == UNKNOWN || face.alpha(texel) < LEAST_ALPHA {
+        if inverse_depth == UNKNOWN || face.alpha(texel) < MIN_ALPHA {
             return None;
         }
         let centre = [column, row].map(|at| at as f32 + 0.5);

@@ -9,7 +9,7 @@ use glam::Vec4;
 use crate::image::{Face, TexelMap};
 use crate::march::packet::lanes::{ALL, Lanes, Points, either, lanes_of, number_of, to_whole};
 use crate::march::segments::{ROUNDING, SURELY_BELOW_ONE};
-use crate::march::{ActiveView, ActiveViews, Footprint, LEAST_M, ViewPyramids};
+use crate::march::{ActiveView, ActiveViews, Footprint, MIN_M, ViewPyramids};
 use crate::views::{ColorCoding, ColorTexels, FaceTexels, UNKNOWN};
 
 /// Longest side of a guessed image, in texels: places in it are exact to far less than one.
@@ -28,7 +28,7 @@ pub(crate) struct PacketView<'a> {
     turns_of_faces: [[[Lanes; 3]; 3]; 6],
     /// For [`PacketView::guessed`]: a cube whose images have one projection, which covers the face.
     whole_faces: Option<Map>,
-    /// [`PacketView::near_m`], at least [`LEAST_M`].
+    /// [`PacketView::near_m`], at least [`MIN_M`].
     least_guessed_m: Lanes,
     pub(crate) from_eye: [Lanes; 3],
     reach_m: f32,
@@ -160,7 +160,7 @@ impl<'a> PacketView<'a> {
             turn,
             turns_of_faces: Face::CUBE.map(|face| turn_of_face(turn, face)),
             whole_faces: alike.filter(|&map| !is_view && are_small && is_whole(map)),
-            least_guessed_m: Lanes::splat(active.view.near_m.abs().max(LEAST_M)),
+            least_guessed_m: Lanes::splat(active.view.near_m.abs().max(MIN_M)),
             from_eye: active.from_eye.to_array().map(Lanes::splat),
             reach_m: active.from_eye.abs().max_element(),
             near_m: Lanes::splat(active.view.near_m),
@@ -398,7 +398,7 @@ impl<'a> PacketView<'a> {
     /// Lanes, of those tested, whose segments it proves empty.
     #[inline(always)]
     pub(crate) fn prove(&self, tested: u32, ends: [&Points; 2], guess: usize, reach_m: Lanes) -> u32 {
-        let error_m = ROUNDING * (reach_m + self.reach_m) + LEAST_M;
+        let error_m = ROUNDING * (reach_m + self.reach_m) + MIN_M;
         if let Some(first) = self.guessed(ends[0], guess)
             && let Some(last) = self.guessed(ends[1], guess)
         {

@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, VecDeque};
 /// Frames over which the median is taken.
 const FRAMES: usize = 5;
 /// Frames before which nothing is decided, as the first ones are slow.
-const LEAST: usize = 3;
+const MIN_SAMPLES: usize = 3;
 /// Frames after which a time is forgotten, as the visible scene changes.
 const MEMORY: u64 = 120;
 /// Part of the time that must suffice for one view more.
@@ -77,7 +77,7 @@ impl PerformanceCulling {
 
     /// The time of frames with so many views, where enough of them are remembered.
     fn median_ms(&self, views: usize) -> Option<f64> {
-        let times = self.times.get(&views).filter(|times| times.len() >= LEAST)?;
+        let times = self.times.get(&views).filter(|times| times.len() >= MIN_SAMPLES)?;
         let mut sorted: Vec<f64> = times.iter().map(|&(_, ms)| ms).collect();
         sorted.sort_by(f64::total_cmp);
         sorted.get((sorted.len() - 1) / 2).copied()
@@ -130,8 +130,8 @@ mod tests {
     #[test]
     fn as_many_views_take_part_as_fit() {
         let taken = run(10.0, 9, 60, |_| 2.0);
-        assert_eq!(taken[..LEAST], [9; LEAST]);
-        assert!(taken[LEAST..].iter().all(|&views| views == 5), "{taken:?}");
+        assert_eq!(taken[..MIN_SAMPLES], [9; MIN_SAMPLES]);
+        assert!(taken[MIN_SAMPLES..].iter().all(|&views| views == 5), "{taken:?}");
         // One at least.
         assert_eq!(run(10.0, 9, 60, |_| 100.0)[59], 1);
         // Where all fit, nothing happens.

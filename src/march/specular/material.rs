@@ -10,7 +10,7 @@ use crate::march::interpolate::surface_texels;
 use crate::streams::convert::IOR_RANGE;
 
 /// Sums of weights below this are 0: half a step of their 8 bits.
-pub const LEAST_WEIGHT: f32 = 0.5 / 255.0;
+pub const MIN_WEIGHT: f32 = 0.5 / 255.0;
 /// A refractive material whose weights sum up to this much is clear glass, which follows Fresnel's equations.
 pub const CLEAR: f32 = 0.95;
 
@@ -35,7 +35,7 @@ pub fn surface_material(views: &ActiveViews<'_>, point: Vec3) -> Option<Material
         ior += texel.weight * glass * index;
         weights += texel.weight;
     });
-    if reflect + refract <= LEAST_WEIGHT * weights {
+    if reflect + refract <= MIN_WEIGHT * weights {
         return None;
     }
     let ior = if refract > 0.0 { IOR_RANGE[0] + ior / refract * (IOR_RANGE[1] - IOR_RANGE[0]) } else { IOR_RANGE[0] };

@@ -14,7 +14,7 @@ use crate::views::{BACKGROUND, FaceTexels, UNKNOWN};
 /// A view sees a point where the logarithm of its depth differs by at most this.
 pub const SAME_SURFACE: f32 = 0.02;
 /// Texels of a fit on each side of its middle, at most: 5 × 5.
-pub const MOST_REACH: i32 = 2;
+pub const MAX_REACH: i32 = 2;
 /// Greatest relative residual of a polynomial: a little more than the steps of depth codes leave.
 pub const FIT: f32 = 0.01;
 /// Adjacent texels are of one surface where their inverse depths differ by at most this part.
@@ -157,7 +157,7 @@ impl Image<'_> {
 
     fn fit(&self) -> Option<Fit> {
         self.get(0, 0)?;
-        (1..=MOST_REACH).rev().find_map(|reach| self.bent(reach)).or_else(|| self.flat())
+        (1..=MAX_REACH).rev().find_map(|reach| self.bent(reach)).or_else(|| self.flat())
     }
 
     /// Least squares of the second degree over a whole square of (2·reach + 1)² texels; none where it does not fit.

@@ -27,7 +27,7 @@ use crate::march::{
 use crate::views::{BACKGROUND, UNKNOWN};
 
 /// Rays of a smaller share are not traced.
-pub const LEAST_SHARE: f32 = 1.0 / 256.0;
+pub const MIN_SHARE: f32 = 1.0 / 256.0;
 /// Upper limit of [`RenderSettings::max_bounces`].
 pub const MAX_BOUNCES: u32 = 8;
 /// Rays start this far above a surface, in its texels.
@@ -137,7 +137,7 @@ impl<'a> SecondaryRays<'a> {
         let recorded = share * recorded_share * recorded_light;
         let share = share - share * recorded_share;
         let whole = recorded + share * hit.light;
-        if share < LEAST_SHARE {
+        if share < MIN_SHARE {
             return whole;
         }
         counters.normal_evals += 1;
@@ -148,13 +148,13 @@ impl<'a> SecondaryRays<'a> {
         }
         let material = material.at_angle(cosine);
         let (mut light, mut left) = (Vec3::ZERO, share);
-        if share * material.refract >= LEAST_SHARE {
+        if share * material.refract >= MIN_SHARE {
             let proxy = front.proxy.map(|at| self.proxies.proxies[at].sphere);
             let refraction = Refraction { views: self.views, steps: &self.settings.steps, proxy };
             let ray = Ray { origin: front.point, direction: hit.direction };
             for exit in refraction.pass(&ray, &front.patch, material.ior, counters).into_iter().flatten() {
                 let share = share * material.refract * exit.part;
-                if share < LEAST_SHARE {
+                if share < MIN_SHARE {
                     continue;
                 }
                 if let Some(found) = self.trace(&exit.ray, &front, share, bounces, counters) {
@@ -163,7 +163,7 @@ impl<'a> SecondaryRays<'a> {
                 }
             }
         }
-        if share * material.reflect >= LEAST_SHARE {
+        if share * material.reflect >= MIN_SHARE {
             let origin = front.point + LIFT_TEXELS * front.patch.texel_m * front.patch.normal;
             let ray = Ray { origin, direction: reflect(hit.direction, front.patch.normal) };
             if let Some(found) = self.trace(&ray, &front, share * material.reflect, bounces, counters) {

@@ -19,26 +19,26 @@ use crate::streams::convert::IOR_RANGE;
 
 use plane_extrapolation::Spread;
 
-pub use environment::MOST_TEXELS;
+pub use environment::MAX_TEXELS;
 
 /// Least number of connected texels in an image that a sphere is fitted to.
-pub const LEAST_TEXELS: usize = 32;
+pub const MIN_TEXELS: usize = 32;
 /// Proxies at most, by their texels in one image.
-pub const MOST_PROXIES: usize = 16;
+pub const MAX_PROXIES: usize = 16;
 /// Clusters at most that spheres are fitted to.
-pub const MOST_CANDIDATES: usize = 256;
+pub const MAX_CANDIDATES: usize = 256;
 /// A texel is an inlier at most this far from a sphere, in parts of its radius.
 pub const ON_SPHERE: f64 = 0.02;
 /// Least part of inliers of a fit.
 pub const INLIERS: f64 = 0.95;
 /// Least extent of the texels in parts of the radius: spheres of any size fit a flat cluster.
-pub const LEAST_EXTENT: f64 = 0.5;
+pub const MIN_EXTENT: f64 = 0.5;
 /// Occupancy of a sphere is tested at this part of its radius.
 pub const WITHIN: f32 = 0.7;
 /// Least radius in metres: steps around a smaller sphere would coincide.
-pub const LEAST_RADIUS_M: f32 = 1e-6;
+pub const MIN_RADIUS_M: f32 = 1e-6;
 /// Points are coplanar where the determinant of their covariance, scaled to a trace of 1, is below this. A cap over
-/// [`LEAST_EXTENT`] of the radius has more than 1e-4.
+/// [`MIN_EXTENT`] of the radius has more than 1e-4.
 pub const IN_PLANE: f64 = 1e-9;
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -131,7 +131,7 @@ impl Cluster {
         let FittedSphere { centre, radius_m } = sphere;
         let [low, high] = [DVec3::min, DVec3::max].map(|of| self.points(images).reduce(of).unwrap_or_default());
         let is_outside = |from: &DVec3| (*from - centre).length() > radius_m;
-        (high - low).length() >= LEAST_EXTENT * radius_m
+        (high - low).length() >= MIN_EXTENT * radius_m
             && self.inliers(self, images) >= INLIERS
             && self.seen_from.iter().all(is_outside)
     }
@@ -155,12 +155,12 @@ fn refractors(views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Refr
     let mut clusters: Vec<Cluster> = Vec::new();
     for mut part in large {
         monitor.check()?;
-        if !part.join(&mut clusters, &images) && clusters.len() < MOST_CANDIDATES && part.fit(&images) {
+        if !part.join(&mut clusters, &images) && clusters.len() < MAX_CANDIDATES && part.fit(&images) {
             clusters.push(part);
         }
     }
     // The largest first, here too.
-    let lengths = if clusters.is_empty() { 0..0 } else { 1..LEAST_TEXELS };
+    let lengths = if clusters.is_empty() { 0..0 } else { 1..MIN_TEXELS };
     for len in lengths.rev() {
         for (image, small) in images.iter().zip(&small).enumerate().map(|(at, (image, small))| ((at, image), small)) {
             monitor.check()?;
@@ -173,11 +173,11 @@ fn refractors(views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Refr
         let fits = cluster.fit(&images);
         let FittedSphere { centre, radius_m } = cluster.sphere;
         let sphere = Sphere { centre: centre.as_vec3(), radius_m: radius_m as f32 };
-        let is_outside = sphere.radius_m >= LEAST_RADIUS_M && sphere.centre.length() > sphere.radius_m;
+        let is_outside = sphere.radius_m >= MIN_RADIUS_M && sphere.centre.length() > sphere.radius_m;
         let ior = (cluster.ior_sum / cluster.len as f64) as f32;
         (fits && is_outside && is_occupied(views, &sphere)).then_some(Refractor { sphere, ior })
     };
-    Ok(clusters.into_iter().filter_map(of_cluster).take(MOST_PROXIES).collect())
+    Ok(clusters.into_iter().filter_map(of_cluster).take(MAX_PROXIES).collect())
 }
 
 /// Whether no view sees empty space within a sphere.
@@ -197,7 +197,7 @@ struct Connected {
     small: SmallParts,
 }
 
-/// Parts of fewer texels than [`LEAST_TEXELS`], which can only join others. There may be one for every other texel.
+/// Parts of fewer texels than [`MIN_TEXELS`], which can only join others. There may be one for every other texel.
 #[derive(Default)]
 struct SmallParts {
     texels: Vec<u32>,
@@ -265,7 +265,7 @@ fn connected(number: usize, image: &SpecularImage<'_>) -> Connected {
         }
         match members.len() {
             0 => {}
-            1..LEAST_TEXELS => found.small.push(&members),
+            1..MIN_TEXELS => found.small.push(&members),
             _ => found.large.push(Cluster::new((number, image), members.clone())),
         }
     }
@@ -354,10 +354,10 @@ mod tests {
 
     #[test]
     fn spheres_are_found_up_to_a_limit() {
-        for count in [1, 5, MOST_PROXIES, MOST_PROXIES + 4] {
+        for count in [1, 5, MAX_PROXIES, MAX_PROXIES + 4] {
             let (field, centres) = beads(count);
             let found = proxies(&field, &[0]);
-            assert_eq!(found.proxies.len(), count.min(MOST_PROXIES));
+            assert_eq!(found.proxies.len(), count.min(MAX_PROXIES));
             for Proxy { sphere, ior, .. } in &found.proxies {
                 let off_m = |centre: &DVec3| (*centre - sphere.centre.as_dvec3()).length();
                 assert_eq!(centres.iter().filter(|centre| off_m(centre) < 1e-3).count(), 1, "{sphere:?}");
@@ -372,13 +372,13 @@ mod tests {
     /// A second view sees past all balls but the smallest.
     #[test]
     fn spheres_with_empty_space_count_not_as_found() {
-        let (_, mut centres) = beads(2 * MOST_PROXIES + 1);
-        centres.swap(0, 2 * MOST_PROXIES);
+        let (_, mut centres) = beads(2 * MAX_PROXIES + 1);
+        centres.swap(0, 2 * MAX_PROXIES);
         let mut radii = vec![0.4; centres.len()];
-        radii[2 * MOST_PROXIES] = 0.3;
-        let small = [centres[2 * MOST_PROXIES]];
+        radii[2 * MAX_PROXIES] = 0.3;
+        let small = [centres[2 * MAX_PROXIES]];
         let field = field(vec![glass(&centres, &radii), glass(&small, &[0.3])], CODING);
-        assert_eq!(proxies(&field, &[0]).proxies.len(), MOST_PROXIES);
+        assert_eq!(proxies(&field, &[0]).proxies.len(), MAX_PROXIES);
         let found = proxies(&field, &[0, 1]);
         let [Proxy { sphere, .. }] = &found.proxies[..] else { panic!("{:?}", found.proxies.len()) };
         assert!(

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::image::plane::Plane;
 use crate::report::plot::palette::{Rgb, heat};
 
-const MOST_CODES: u8 = 64;
+const MAX_CODES: u8 = 64;
 
 /// Draws a picture and the truth in display codes, and the largest difference of each pixel.
 pub fn draw(title: &str, [shown, wanted]: [&Plane<Rgb>; 2], difference: &Plane<u8>) -> Result<Plane<Rgb>> {
@@ -18,9 +18,9 @@ pub fn draw(title: &str, [shown, wanted]: [&Plane<Rgb>; 2], difference: &Plane<u
         key: Vec::new(),
         bar,
     };
-    let share = |code: u8| f64::from(code.min(MOST_CODES)) / f64::from(MOST_CODES);
-    let ticks = [0u8, 16, 32, 48, MOST_CODES]
-        .map(|code| (share(code), if code == MOST_CODES { format!("{code} or more") } else { code.to_string() }));
+    let share = |code: u8| f64::from(code.min(MAX_CODES)) / f64::from(MAX_CODES);
+    let ticks = [0u8, 16, 32, 48, MAX_CODES]
+        .map(|code| (share(code), if code == MAX_CODES { format!("{code} or more") } else { code.to_string() }));
     let bar =
         Bar { color: heat, ticks: ticks.to_vec(), label: "largest difference in display codes".into(), mark: None };
     let worst = difference.data().iter().copied().max().unwrap_or_default();

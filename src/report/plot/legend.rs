@@ -9,7 +9,7 @@ use super::style::{MARKER, TICK_EM, tick};
 const LINE: f64 = 17.0;
 /// Width of swatches with the gap behind them, in pixels.
 const SWATCH: f64 = 30.0;
-const MOST: usize = 28;
+const MAX_ENTRIES: usize = 28;
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum Swatch {
@@ -50,7 +50,8 @@ impl Legend {
     }
 
     pub fn height(&self) -> f64 {
-        let lines = |count: usize, title: &str| count.min(MOST + 1) + usize::from(!title.is_empty() && count > 0);
+        let lines =
+            |count: usize, title: &str| count.min(MAX_ENTRIES + 1) + usize::from(!title.is_empty() && count > 0);
         let gap = if self.key.is_empty() || self.entries.is_empty() { 0.0 } else { LINE * 0.6 };
         LINE * (lines(self.entries.len(), &self.title) + lines(self.key.len(), &self.key_title)) as f64 + gap
     }
@@ -60,7 +61,7 @@ impl Legend {
         let mut pen = Pen { drawing, at, room: self.width() };
         if !self.entries.is_empty() {
             pen.title(&self.title);
-            for entry in self.entries.iter().take(MOST) {
+            for entry in self.entries.iter().take(MAX_ENTRIES) {
                 pen.swatch(&entry.swatch);
                 pen.words(SWATCH, &entry.name);
             }
@@ -72,7 +73,7 @@ impl Legend {
             }
             pen.title(&self.key_title);
             let indent = self.key_indent();
-            for (name, text) in self.key.iter().take(MOST) {
+            for (name, text) in self.key.iter().take(MAX_ENTRIES) {
                 pen.write(0.0, tick(name).bold());
                 pen.words(indent, text);
             }
@@ -110,8 +111,8 @@ impl Pen<'_> {
     }
 
     fn rest(&mut self, count: usize) {
-        if count > MOST {
-            self.write(0.0, tick(&format!("and {} more", count - MOST)).ink(palette::FAINT_TEXT));
+        if count > MAX_ENTRIES {
+            self.write(0.0, tick(&format!("and {} more", count - MAX_ENTRIES)).ink(palette::FAINT_TEXT));
             self.at[1] += LINE;
         }
     }
@@ -146,9 +147,9 @@ mod tests {
     #[test]
     fn long_names_are_cut_and_many_are_counted() {
         let entry = || Entry { swatch: Swatch::Patch(Ink::BLACK), name: "a rather long name of a series".repeat(3) };
-        let entries = (0..MOST + 5).map(|_| entry()).collect();
+        let entries = (0..MAX_ENTRIES + 5).map(|_| entry()).collect();
         let legend = Legend { title: "t".into(), entries, key_title: String::new(), key: vec![], room: 100.0 };
-        assert_eq!((legend.width(), legend.height()), (100.0, LINE * (MOST + 2) as f64));
+        assert_eq!((legend.width(), legend.height()), (100.0, LINE * (MAX_ENTRIES + 2) as f64));
         let mut drawing = Drawing::new(200, 800, "");
         legend.draw(&mut drawing, [0.0, 0.0]);
         let said = format!("{:?}", drawing.shapes);

@@ -3,7 +3,7 @@
 use super::kind::Measured;
 use super::study::{Results, Study, Weights};
 
-const LEAST_SECONDS: f64 = 1e-9;
+const MIN_SECONDS: f64 = 1e-9;
 
 #[derive(Debug, Clone)]
 pub struct Scored<'a> {
@@ -58,7 +58,7 @@ pub fn best(values: &[Option<f64>]) -> Option<usize> {
 
 /// The logarithm of the weighted product of bytes and decoding time.
 fn product(point: &Measured, weights: Weights) -> Option<f64> {
-    let seconds = point.number("decode_seconds")?.max(LEAST_SECONDS);
+    let seconds = point.number("decode_seconds")?.max(MIN_SECONDS);
     let bytes = point.number("bytes_container")?.max(1.0);
     Some(weights.compression * bytes.ln() + weights.decoding * seconds.ln())
 }

@@ -7,7 +7,7 @@ import { FormatError } from "../format/types.ts";
 import { type Distributions, distributionsOf, SLOTS, SYMBOLS } from "./rans.ts";
 
 /** Most table sets that a codec header brings along. */
-const MOST_OWN_SETS = 8;
+const MAX_OWN_SETS = 8;
 
 /** `depth`: predictive depth and alpha (depth.md 15). `color`: the transform codec (color.md 6). */
 export type ModelName = "depth" | "color";
@@ -172,9 +172,9 @@ function setOf(alphabets: ArrayLike<number>, frequency: () => number, isWhole: b
 /** Reads the own table sets of a codec header (entropy.md 4): `varint` gives its next number (container.md 1). `count` is 0 to 8, else a
  *  FormatError. */
 export function readTables(model: ModelName, count: number, varint: () => number): EntropyTables {
-  if (count > MOST_OWN_SETS) {
+  if (count > MAX_OWN_SETS) {
     const section = model === "depth" ? "depth.md 3" : "color.md 2";
-    throw new FormatError(`A codec header has ${count} table sets, at most ${MOST_OWN_SETS} are legal (${section}).`);
+    throw new FormatError(`A codec header has ${count} table sets, at most ${MAX_OWN_SETS} are legal (${section}).`);
   }
   const { alphabets } = modelOf(model);
   return { model, own: Array.from({ length: count }, () => setOf(alphabets, varint, false)) };

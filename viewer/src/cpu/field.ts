@@ -1,7 +1,7 @@
 // The light field of the worker that renders: the texels of loaded views, as the page sends them.
 
 import { inverseDepths } from "../views/inverse_depth.ts";
-import { LEAST_M } from "../views/active.ts";
+import { MIN_M } from "../views/active.ts";
 import { rayLength, VIEW_FACE } from "../views/face.ts";
 import { halfValue } from "../views/straight.ts";
 import { FaceTexels, UNKNOWN } from "./face_texels.ts";
@@ -100,7 +100,7 @@ export class Field {
       const texels = Array.from({ length: VIEW_FACE + 1 }, (_, face) => faces.get(face)?.texels);
       const cube = texels.slice(0, VIEW_FACE).filter((face) => face !== undefined);
       // Only a cube has a texel in every direction.
-      const isBounded = cube.length === VIEW_FACE && texels[VIEW_FACE] === undefined && place.nearM >= LEAST_M;
+      const isBounded = cube.length === VIEW_FACE && texels[VIEW_FACE] === undefined && place.nearM >= MIN_M;
       const greatest = isBounded ? Math.max(...cube.map((face) => face.greatest)) : UNKNOWN;
       return { ...place, faces: texels, greatest };
     });

@@ -11,9 +11,9 @@ import { type FaceTexels, UNKNOWN } from "./face_texels.ts";
 /** How far texels that decide about a point reach beyond the one that contains it, in texels. */
 export const AROUND_REACH = 0.5 - 1 / 64;
 /** Squares of lengths that are no greater are those of no direction. */
-const LEAST_SQUARED = 2 ** -126;
+const MIN_SQUARED = 2 ** -126;
 /** Planar depths that are less have no inverse. */
-const LEAST_DEPTH_M = 1e-37;
+const MIN_DEPTH_M = 1e-37;
 
 /** What a view says about a point. */
 export const EMPTY = 0;
@@ -129,7 +129,7 @@ export class MarchedViews {
 
   /** Projects the local direction into an image: {@link x}, {@link y} and {@link inverseDepth}. Answers whether it lies in one. */
   project(view: MarchedView): boolean {
-    if (!this.findFace(view) || this.planarM < LEAST_DEPTH_M) {
+    if (!this.findFace(view) || this.planarM < MIN_DEPTH_M) {
       return false;
     }
     const { map, width, height } = this.face!;
@@ -154,7 +154,7 @@ export class MarchedViews {
     const isNear = squared < view.nearM * view.nearM;
     if (!isProjected) {
       // The center itself has no direction.
-      return isNear && squared <= LEAST_SQUARED ? EMPTY : NOT_KNOWN;
+      return isNear && squared <= MIN_SQUARED ? EMPTY : NOT_KNOWN;
     }
     // Within near, whatever the texels say.
     if (isNear) {

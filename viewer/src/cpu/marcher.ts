@@ -9,7 +9,7 @@ import { Colors } from "./colors.ts";
 import { type MarchedViews } from "./marched_views.ts";
 import { Rays } from "./rays.ts";
 
-const LEAST_LAYER = 1 / 64;
+const MIN_LAYER = 1 / 64;
 const MAX_LAYERS = 8;
 const MAX_EXITS = 64;
 const BEHIND = Math.exp(HOLE_DIFFERENCE);
@@ -190,12 +190,12 @@ export class Marcher {
   #show(distanceM: number): void {
     const { coverage, alpha } = this.#colors;
     const opacity = coverage * alpha;
-    this.#isWithin ||= alpha <= 1 - LEAST_LAYER && coverage > 1 - LEAST_LAYER;
-    if (opacity < LEAST_LAYER) {
+    this.#isWithin ||= alpha <= 1 - MIN_LAYER && coverage > 1 - MIN_LAYER;
+    if (opacity < MIN_LAYER) {
       return;
     }
     let left = this.#left * (1 - opacity);
-    if (this.#layers + 1 === MAX_LAYERS || opacity > 1 - LEAST_LAYER || left < LEAST_LAYER) {
+    if (this.#layers + 1 === MAX_LAYERS || opacity > 1 - MIN_LAYER || left < MIN_LAYER) {
       left = 0;
     }
     this.#add(this.#left - left);

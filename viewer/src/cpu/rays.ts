@@ -2,7 +2,7 @@
 // src/march/segments.rs and src/march/intersect.rs.
 
 import { VIEW_FACE } from "../views/face.ts";
-import { LEAST_M, segmentsOf, type Steps } from "../views/active.ts";
+import { MIN_M, segmentsOf, type Steps } from "../views/active.ts";
 import { UNKNOWN } from "./face_texels.ts";
 import { AROUND_REACH, EMPTY, type MarchedView, type MarchedViews, OCCUPIED } from "./marched_views.ts";
 
@@ -123,7 +123,7 @@ export class Rays {
     const fromX = view.fromEye[0];
     const fromY = view.fromEye[1];
     const fromZ = view.fromEye[2];
-    const errorM = ROUNDING * (reachM + Math.max(Math.abs(fromX), Math.abs(fromY), Math.abs(fromZ))) + LEAST_M;
+    const errorM = ROUNDING * (reachM + Math.max(Math.abs(fromX), Math.abs(fromY), Math.abs(fromZ))) + MIN_M;
     marched.turn(view, this.x * toM - fromX, this.y * toM - fromY, this.z * toM - fromZ);
     let allM = Math.max(Math.abs(marched.localX), Math.abs(marched.localY), Math.abs(marched.localZ));
     const hasTo = marched.findFace(view);

@@ -1,17 +1,17 @@
 // Attributes of a container, and what those of the footage say (formats/container.md 6.4 to 6.6).
 
 import { FileFields, quoted } from "./bytes.ts";
-import { MOST_FRAME, PROBE_NAME, readOrientation, readPosition } from "./index_tables.ts";
+import { MAX_FRAME, PROBE_NAME, readOrientation, readPosition } from "./index_tables.ts";
 import { FormatError, type Quaternion, type StreamKind, type Vec3 } from "./types.ts";
 
-const LEAST_ATTRIBUTE_BYTES = 4;
+const MIN_ATTRIBUTE_BYTES = 4;
 const ATTRIBUTE_NAME = /^[a-z0-9_.]{1,64}$/u;
 /** In place of a frame: black light, background, no material, an alpha of 0. */
 const NO_FRAME = 2 ** 32 - 1;
 /** Rec. 709: x and y of red, green, blue and white. */
 const REC_709: readonly number[] = [0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329];
 /** Determinants below it are those of primaries on one line. */
-const LEAST_DETERMINANT = 1e-9;
+const MIN_DETERMINANT = 1e-9;
 
 /** Kinds of streams by number (container.md 5). */
 export const STREAM_KINDS: readonly StreamKind[] = ["color", "depth", "material", "alpha"];
@@ -53,7 +53,7 @@ export function readAttributes(fields: FileFields): ReadonlyMap<string, Uint8Arr
   if (count === 0) {
     throw fields.error("An attribute table has no attributes");
   }
-  fields.fits(count, "attributes", LEAST_ATTRIBUTE_BYTES);
+  fields.fits(count, "attributes", MIN_ATTRIBUTE_BYTES);
   const attributes = new Map<string, Uint8Array>();
   let before = "";
   for (let row = 0; row < count; row += 1) {
@@ -114,7 +114,7 @@ function readChromaticities(fields: FileFields): number[] {
   const determinant = tripleProduct(red, green, blue);
   const parts = [tripleProduct(white, green, blue), tripleProduct(red, white, blue), tripleProduct(red, green, white)];
   const spans = parts.every((part) => Number.isFinite(part / determinant) && part !== 0);
-  if (!isFinite || !(Math.abs(determinant) >= LEAST_DETERMINANT) || !spans) {
+  if (!isFinite || !(Math.abs(determinant) >= MIN_DETERMINANT) || !spans) {
     throw new FormatError(`The chromaticities ${values.join(", ")} span no colors (${fields.section}).`);
   }
   return values;
@@ -136,8 +136,8 @@ function readProbeName(fields: FileFields): string {
 }
 
 function checkFrame(fields: FileFields, start: number, frame: number): void {
-  if (frame >= MOST_FRAME) {
-    throw fields.error(`A row names frame ${frame}, frames are numbered below ${MOST_FRAME}`, start);
+  if (frame >= MAX_FRAME) {
+    throw fields.error(`A row names frame ${frame}, frames are numbered below ${MAX_FRAME}`, start);
   }
 }
 

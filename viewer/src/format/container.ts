@@ -15,7 +15,7 @@ import {
   unitRectOf,
   type UnitTable,
 } from "./index_tables.ts";
-import { checkLimits, MOST_HEADER_BYTES, MOST_INDEX_BYTES } from "./limits.ts";
+import { checkLimits, MAX_HEADER_BYTES, MAX_INDEX_BYTES } from "./limits.ts";
 import {
   type ByteSource,
   type Chunk,
@@ -76,9 +76,9 @@ export class Container {
       throw new FormatError(`The container ends after its head, at byte ${source.byteCount} (container.md 7).`);
     }
     const foot = await footOf(source, signal);
-    if (foot.indexBytes > MOST_INDEX_BYTES) {
+    if (foot.indexBytes > MAX_INDEX_BYTES) {
       throw new UnsupportedError(
-        `The container has an index of ${foot.indexBytes} bytes; this player reads at most ${MOST_INDEX_BYTES}.`,
+        `The container has an index of ${foot.indexBytes} bytes; this player reads at most ${MAX_INDEX_BYTES}.`,
       );
     }
     const bytes = await source.read(foot.indexOffset, foot.indexBytes, signal);
@@ -208,8 +208,8 @@ function readHeaders(rows: readonly StreamRow[]): CodecHeader[] {
       return header;
     }
     bytes += headerBytes.length;
-    if (bytes > MOST_HEADER_BYTES) {
-      throw new UnsupportedError(`The streams have more than ${MOST_HEADER_BYTES} bytes of different codec headers.`);
+    if (bytes > MAX_HEADER_BYTES) {
+      throw new UnsupportedError(`The streams have more than ${MAX_HEADER_BYTES} bytes of different codec headers.`);
     }
     const read = readHeader(stream, at, headerBytes);
     ofBytes.set(key, read);

@@ -20,11 +20,11 @@ import {
 } from "./index_tables.ts";
 import type { Chunk, Probe } from "./types.ts";
 
-const LEAST_PROBE_BYTES = 27;
+const MIN_PROBE_BYTES = 27;
 /** One of them in the chunk table. */
-const LEAST_STREAM_BYTES = 2;
-const LEAST_CHUNK_BYTES = 1;
-const MOST_PROBES = 2 ** 16;
+const MIN_STREAM_BYTES = 2;
+const MIN_CHUNK_BYTES = 1;
+const MAX_PROBES = 2 ** 16;
 
 const PROBE_ORIENTATION = 1;
 const PROBE_FRAMES = 2;
@@ -78,17 +78,17 @@ export function readCompact(bytes: Uint8Array, offset: number, hasAttributes: bo
     throw fields.error(`Order ${order} of the chunk table is unknown`);
   }
   const dataset = readDataset(fields);
-  fields.fits(probeCount, "probes", LEAST_PROBE_BYTES);
+  fields.fits(probeCount, "probes", MIN_PROBE_BYTES);
   const probes: Probe[] = [];
   for (let row = 0; row < probeCount; row += 1) {
     probes.push(readProbe(fields, probes.at(-1) ?? BEFORE_PROBES));
   }
-  fields.fits(streamCount, "streams", LEAST_STREAM_BYTES);
+  fields.fits(streamCount, "streams", MIN_STREAM_BYTES);
   const streams: CompactStream[] = [];
   for (let row = 0; row < streamCount; row += 1) {
     streams.push(readStream(fields, streams, probeCount));
   }
-  checkChunkCount(fields, chunkCount, LEAST_CHUNK_BYTES);
+  checkChunkCount(fields, chunkCount, MIN_CHUNK_BYTES);
   const chunks = new ChunkTable(fields, streams, chunkCount).read(order === 1, offset);
   const attributes = hasAttributes ? readAttributes(fields) : new Map<string, Uint8Array>();
   fields.finish();
@@ -152,7 +152,7 @@ function readStream(fields: FileFields, rows: readonly CompactStream[], probes: 
   if (flags & STREAM_CHUNK_FRAMES) {
     row.chunkFrames = fields.varint32();
   }
-  checkStream(fields, start, row, Math.min(probes, MOST_PROBES));
+  checkStream(fields, start, row, Math.min(probes, MAX_PROBES));
   return row;
 }
 

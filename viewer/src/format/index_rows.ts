@@ -17,8 +17,8 @@ import {
 } from "./index_tables.ts";
 import type { Chunk, Probe } from "./types.ts";
 
-const LEAST_PROBE_BYTES = 98;
-const LEAST_STREAM_BYTES = 36;
+const MIN_PROBE_BYTES = 98;
+const MIN_STREAM_BYTES = 36;
 const CHUNK_BYTES = 40;
 
 /** Reads an index that starts at `offset` of its file, which is also where the chunks end. */
@@ -26,10 +26,10 @@ export function readRows(bytes: Uint8Array, offset: number): IndexTables {
   const fields = new FileFields(bytes, "container.md 4", offset);
   const [probeCount, streamCount, chunkCount] = [fields.u32(), fields.u32(), fields.u32()];
   const dataset = readDataset(fields);
-  fields.fits(probeCount, "probes", LEAST_PROBE_BYTES);
+  fields.fits(probeCount, "probes", MIN_PROBE_BYTES);
   const probes = Array.from({ length: probeCount }, () => readProbe(fields));
   fields.section = "container.md 5";
-  fields.fits(streamCount, "streams", LEAST_STREAM_BYTES);
+  fields.fits(streamCount, "streams", MIN_STREAM_BYTES);
   const streams = Array.from({ length: streamCount }, () => readStream(fields, probeCount));
   fields.section = "container.md 6";
   checkChunkCount(fields, chunkCount, CHUNK_BYTES);

@@ -14,13 +14,13 @@ import {
 
 /** Bytes of the head of a file, before which no chunk lies. */
 export const HEAD_BYTES = 16;
-const MOST_SIZE = 16_384;
-export const MOST_FRAME = 2 ** 31;
-const MOST_CHUNK_BYTES = 2 ** 30;
+const MAX_SIZE = 16_384;
+export const MAX_FRAME = 2 ** 31;
+const MAX_CHUNK_BYTES = 2 ** 30;
 /** Rows of the chunk table that this player reads; each takes some hundred bytes of memory. */
-const MOST_CHUNKS = 2 ** 22;
+const MAX_CHUNKS = 2 ** 22;
 /** Payload bytes of a stored byte, by storage. */
-const MOST_EXPANSION: Readonly<Record<Storage, number>> = { raw: 1, lzma2: 16_384, zstd: 32_768 };
+const MAX_EXPANSION: Readonly<Record<Storage, number>> = { raw: 1, lzma2: 16_384, zstd: 32_768 };
 /** How chunks are stored, by number. */
 export const STORAGES: readonly Storage[] = ["raw", "lzma2", "zstd"];
 export const PROBE_NAME = /^[A-Za-z0-9_-][A-Za-z0-9._-]*$/u;
@@ -124,7 +124,7 @@ export function checkProbe(fields: FileFields, start: number, { name, frames: [f
   if (!PROBE_NAME.test(name)) {
     throw fields.error(`The probe name ${quoted(name)} has other than letters, digits, ".", "_" and "-"`, start);
   }
-  if (first > last || last >= MOST_FRAME) {
+  if (first > last || last >= MAX_FRAME) {
     throw fields.error(`A probe is active from frame ${first} to ${last}`, start);
   }
 }
@@ -138,11 +138,11 @@ export function checkStream(fields: FileFields, start: number, stream: StreamRow
   if (probe >= probes) {
     throw fields.error(`A stream is of probe ${probe}, where the file has ${probes}`, start);
   }
-  if ([width, height, unitWidth, unitHeight].some((size) => size < 1 || size > MOST_SIZE)) {
+  if ([width, height, unitWidth, unitHeight].some((size) => size < 1 || size > MAX_SIZE)) {
     const sizes = `${width}x${height} pixels in units of ${unitWidth}x${unitHeight}`;
-    throw fields.error(`A stream has ${sizes}, where each size is 1 to ${MOST_SIZE}`, start);
+    throw fields.error(`A stream has ${sizes}, where each size is 1 to ${MAX_SIZE}`, start);
   }
-  if (frameCount < 1 || firstFrame + frameCount > MOST_FRAME) {
+  if (frameCount < 1 || firstFrame + frameCount > MAX_FRAME) {
     throw fields.error(`A stream has ${frameCount} frames from frame ${firstFrame} on, which is impossible`, start);
   }
 }
@@ -159,7 +159,7 @@ export function checkPlace(
   if (offset < HEAD_BYTES || offset + storedBytes > end) {
     throw fields.error(`A chunk of ${storedBytes} bytes at byte ${offset} lies outside the file's chunks`, start);
   }
-  const most = Math.min(MOST_CHUNK_BYTES, storedBytes * MOST_EXPANSION[storage]);
+  const most = Math.min(MAX_CHUNK_BYTES, storedBytes * MAX_EXPANSION[storage]);
   if (rawBytes > most || (storage === "raw" && rawBytes !== storedBytes)) {
     throw fields.error(`A chunk of ${storedBytes} stored bytes cannot mean ${rawBytes} bytes`, start);
   }
@@ -168,8 +168,8 @@ export function checkPlace(
 /** Refuses a chunk table that does not fit what is left of the index, with rows of at least `least` bytes, or is too large for this player. */
 export function checkChunkCount(fields: FileFields, count: number, least: number): void {
   fields.fits(count, "chunks", least);
-  if (count > MOST_CHUNKS) {
-    throw new UnsupportedError(`The container has ${count} chunks; this player reads at most ${MOST_CHUNKS}.`);
+  if (count > MAX_CHUNKS) {
+    throw new UnsupportedError(`The container has ${count} chunks; this player reads at most ${MAX_CHUNKS}.`);
   }
 }
 

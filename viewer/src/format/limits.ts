@@ -15,15 +15,15 @@ const UNIT_FRAMES_RATIO = 1024;
 const PIXELS = 2 ** 38;
 const PIXELS_RATIO = 2 ** 20;
 /** Largest index. */
-export const MOST_INDEX_BYTES = 2 ** 26;
+export const MAX_INDEX_BYTES = 2 ** 26;
 /** All different codec headers together, whose tables take up to some ten times their bytes. */
-export const MOST_HEADER_BYTES = 2 ** 24;
+export const MAX_HEADER_BYTES = 2 ** 24;
 
 // What decoding holds, in bytes.
 const UNIT_BYTES = 4096;
 const REGION_SIDE = 32;
-const LEAST_SIDE = 4;
-const MOST_KEYFRAME_TABLE = 4 * 2 ** 20;
+const MIN_SIDE = 4;
+const MAX_KEYFRAME_TABLE = 4 * 2 ** 20;
 
 /** Refuses streams that take more memory or time to decode than a file of `fileBytes` justifies: an UnsupportedError. `headers` are those
  *  of the streams, in their order. */
@@ -91,7 +91,7 @@ function chunkBytes(stream: StreamRow, { unit, frameCount, rawBytes }: Chunk, he
   if (header.kind !== "color") {
     return 10 * rawBytes;
   }
-  const keyframes = 4 * rawBytes + Math.min(8 * rawBytes, MOST_KEYFRAME_TABLE);
+  const keyframes = 4 * rawBytes + Math.min(8 * rawBytes, MAX_KEYFRAME_TABLE);
   if (header.coding.name === "cells") {
     return keyframes;
   }
@@ -111,7 +111,7 @@ function regionsOf(width: number, height: number): [number, number] {
   let [regions, pixels] = [0, 0];
   for (const [columns, right] of parts(width)) {
     for (const [rows, bottom] of parts(height)) {
-      let side = LEAST_SIDE;
+      let side = MIN_SIDE;
       while (side < Math.max(right, bottom)) {
         side *= 2;
       }

@@ -3,8 +3,8 @@
 import { FormatError } from "./types.ts";
 
 const SECTION = "container.md 6.1";
-const LEAST_DICTIONARY = 1 << 12;
-const MOST_DICTIONARY = 1 << 24;
+const MIN_DICTIONARY = 1 << 12;
+const MAX_DICTIONARY = 1 << 24;
 /** What a stream may become before memory grows with it. */
 const FIRST_OUTPUT = 1 << 16;
 
@@ -15,7 +15,7 @@ const HALF = 1 << 10;
 /** Distances of slots from this one on have bits of equal probability. */
 const FIRST_DIRECT_SLOT = 14;
 const ALIGN_BITS = 4;
-const LEAST_MATCH = 2;
+const MIN_MATCH = 2;
 
 // Places of probabilities, before those of literals.
 const IS_MATCH = 0;
@@ -34,12 +34,12 @@ const MIDDLE = LOW + (16 << 3);
 const HIGH = MIDDLE + (16 << 3);
 const REPEAT_LENGTH = MATCH_LENGTH + HIGH + 256;
 const LITERAL = REPEAT_LENGTH + HIGH + 256;
-const MOST_LITERAL_CONTEXTS = 1 << 4;
+const MAX_LITERAL_CONTEXTS = 1 << 4;
 
 /** Dictionary size of a payload of `rawBytes`: the power of two that covers it, 4 KiB to 16 MiB. */
 function dictionaryBytes(rawBytes: number): number {
-  let size = LEAST_DICTIONARY;
-  while (size < rawBytes && size < MOST_DICTIONARY) {
+  let size = MIN_DICTIONARY;
+  while (size < rawBytes && size < MAX_DICTIONARY) {
     size *= 2;
   }
   return size;
@@ -66,7 +66,7 @@ class Decoder {
   private code = 0;
   private end = 0;
   // The state between symbols.
-  private readonly probabilities = new Uint16Array(LITERAL + 0x300 * MOST_LITERAL_CONTEXTS);
+  private readonly probabilities = new Uint16Array(LITERAL + 0x300 * MAX_LITERAL_CONTEXTS);
   private state = 0;
   private repeats: [number, number, number, number] = [0, 0, 0, 0];
   private literalContextBits = 0;
@@ -324,17 +324,17 @@ class Decoder {
 
   private matchLength(place: number, position: number): number {
     if (this.bit(place) === 0) {
-      return LEAST_MATCH + this.tree(place + LOW + (position << 3), 3);
+      return MIN_MATCH + this.tree(place + LOW + (position << 3), 3);
     }
     if (this.bit(place + 1) === 0) {
-      return LEAST_MATCH + 8 + this.tree(place + MIDDLE + (position << 3), 3);
+      return MIN_MATCH + 8 + this.tree(place + MIDDLE + (position << 3), 3);
     }
-    return LEAST_MATCH + 16 + this.tree(place + HIGH, 8);
+    return MIN_MATCH + 16 + this.tree(place + HIGH, 8);
   }
 
   /** Bytes between a match and its source, less 1. */
   private distance(length: number): number {
-    const slot = this.tree(SLOT + (Math.min(length - LEAST_MATCH, 3) << 6), 6);
+    const slot = this.tree(SLOT + (Math.min(length - MIN_MATCH, 3) << 6), 6);
     if (slot < 4) {
       return slot;
     }

@@ -15,11 +15,11 @@ import {
 } from "./zstd_tables.ts";
 
 const MAGIC = 0xfd2fb528;
-const MOST_WINDOW = 1 << 24;
-const MOST_BLOCK = 1 << 17;
+const MAX_WINDOW = 1 << 24;
+const MAX_BLOCK = 1 << 17;
 /** Offsets of codes above it reach beyond any window. */
-const MOST_OFFSET_CODE = 24;
-const LEAST_OF_FOUR_STREAMS = 6;
+const MAX_OFFSET_CODE = 24;
+const MIN_OF_FOUR_STREAMS = 6;
 
 /** Least value and number of extra bits of each code. */
 interface LengthCodes {
@@ -91,7 +91,7 @@ class Frame {
   }
 
   decode(): Uint8Array {
-    const mostBlock = Math.min(MOST_BLOCK, this.window);
+    const mostBlock = Math.min(MAX_BLOCK, this.window);
     for (let isLast = false; !isLast;) {
       const head = this.number(3);
       isLast = (head & 1) === 1;
@@ -132,8 +132,8 @@ class Frame {
       const base = 2 ** (10 + (byte >>> 3));
       this.window = base + (base / 8) * (byte & 7);
     }
-    if (this.window > MOST_WINDOW) {
-      throw damagedFrame(`its window has ${this.window} bytes, at most ${MOST_WINDOW} are legal`);
+    if (this.window > MAX_WINDOW) {
+      throw damagedFrame(`its window has ${this.window} bytes, at most ${MAX_WINDOW} are legal`);
     }
     const width = descriptor >>> 6;
     if (width === 0 && !isSingle) {
@@ -186,7 +186,7 @@ class Frame {
     if (kind < 2) {
       const count = Math.floor(sizes / (form % 2 === 0 ? 8 : 16));
       const size = kind === 0 ? count : 1;
-      if (count > MOST_BLOCK || head + size > bytes.length) {
+      if (count > MAX_BLOCK || head + size > bytes.length) {
         throw early();
       }
       const found = bytes.subarray(head, head + size);
@@ -195,7 +195,7 @@ class Frame {
     const width = 2 ** [10, 10, 14, 18][form];
     const count = Math.floor(sizes / 16) % width;
     const size = Math.floor(sizes / 16 / width);
-    if (count > MOST_BLOCK || head + size > bytes.length) {
+    if (count > MAX_BLOCK || head + size > bytes.length) {
       throw early();
     }
     let body = bytes.subarray(head, head + size);
@@ -207,7 +207,7 @@ class Frame {
     if (!this.huffman) {
       throw damagedFrame("a Huffman table is missing");
     }
-    if (count < (form === 0 ? 1 : LEAST_OF_FOUR_STREAMS)) {
+    if (count < (form === 0 ? 1 : MIN_OF_FOUR_STREAMS)) {
       throw damagedFrame(`${form === 0 ? "a Huffman stream" : "four streams"} of ${count} literals`);
     }
     const out = new Uint8Array(count);
@@ -276,7 +276,7 @@ class Frame {
     let place = 0;
     for (let left = count; left > 0; left -= 1) {
       const offsetCode = offsets.symbols[offset];
-      if (offsetCode > MOST_OFFSET_CODE) {
+      if (offsetCode > MAX_OFFSET_CODE) {
         throw damagedFrame("a match reaches too far back");
       }
       const value = (1 << offsetCode) + bits.take(offsetCode);

@@ -147,11 +147,11 @@ export interface HuffmanTable {
   rows: Uint16Array;
 }
 
-const MOST_HUFFMAN_BITS = 11;
+const MAX_HUFFMAN_BITS = 11;
 
 function huffmanTable(weights: number[]): HuffmanTable {
   const total = weights.reduce((sum, weight) => sum + (weight > 0 ? 2 ** (weight - 1) : 0), 0);
-  const longest = total > 0 && total < 1 << MOST_HUFFMAN_BITS ? 32 - Math.clz32(total) : 0;
+  const longest = total > 0 && total < 1 << MAX_HUFFMAN_BITS ? 32 - Math.clz32(total) : 0;
   const rest = 2 ** longest - total;
   const all = [...weights, 32 - Math.clz32(rest)];
   // A code of which no symbol has the longest length is one of fewer bits.

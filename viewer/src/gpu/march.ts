@@ -1,6 +1,6 @@
 // Renders a light field on the device: the kernels of shaders/march (CALF 6). Mirrors src/gpu/render.rs.
 
-import { type ActiveViews, LEAST_M } from "../views/active.ts";
+import { type ActiveViews, MIN_M } from "../views/active.ts";
 import type { Camera } from "../views/camera.ts";
 import { GREATEST_WORD } from "./depth_planes.ts";
 import { DeviceError } from "./device.ts";
@@ -32,7 +32,7 @@ const GIVEN_UP = -1;
 /** Most samples that a dispatch of several rows of workgroups compares with views: systems reset a device that is busy for seconds. */
 const WORK = 2 ** 28;
 /** A surface emits four secondary rays, and searches for the far side of a solid along three; at most so many rays of a bounce matter. */
-const MOST_SURFACES = 256;
+const MAX_SURFACES = 256;
 /** After a dispatch that took less, in milliseconds, the next one may have twice the rows. */
 const SHORT_MS = 50;
 
@@ -43,7 +43,7 @@ function countWords([width, height]: readonly [number, number]): number {
 
 /** Most secondary rays per camera ray. */
 function mostSecondaryRays(maxBounces: number): number {
-  const surfaces = (bounce: number): number => Math.min(MOST_SURFACES, 4 ** bounce);
+  const surfaces = (bounce: number): number => Math.min(MAX_SURFACES, 4 ** bounce);
   let rays = 0;
   for (let bounce = 0; bounce < maxBounces; bounce += 1) {
     rays += 3 * surfaces(bounce) + surfaces(bounce + 1);
@@ -187,7 +187,7 @@ export class Marcher {
     this.gpu.submit((encoder) => {
       views.forEach(({ view, streams }, at) => {
         const planes = this.texels.planes(view);
-        if (planes.hasGreatest && streams.nearM >= LEAST_M) {
+        if (planes.hasGreatest && streams.nearM >= MIN_M) {
           const to = 4 * (at * rowWords("View") + member);
           encoder.copyBufferToBuffer(planes.planes, 4 * GREATEST_WORD, rows, to, 4);
         }

@@ -43,7 +43,7 @@ const LARGEST_FLOAT = (2 - 2 ** -23) * 2 ** 127;
 /** The word of a view that has no image of a face, and images of a view in its row. */
 const NO_FACE = 0xffffffff;
 const FACES_OF_VIEW = 8;
-const MOST_BOUNCES = 8;
+const MAX_BOUNCES = 8;
 const CODINGS = { light: 0, srgb: 1, linear: 2 };
 const HOLES: Readonly<Record<HoleFill, number>> = { blank: 0, nearest: 1, behind: 2 };
 /** Weights by angles, coverage between texels, and thin surfaces: all departures from the paper. */
@@ -102,7 +102,7 @@ function sceneRow(
     tolerance: HOLE_DIFFERENCE + steps.uncertainty,
     holes: HOLES[settings.holes],
     ...codingRow(coding),
-    max_bounces: Math.min(settings.maxBounces, MOST_BOUNCES),
+    max_bounces: Math.min(settings.maxBounces, MAX_BOUNCES),
     longest_segment: segments.longest,
     first_segment: segments.first,
     near_m: 0,

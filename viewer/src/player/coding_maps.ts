@@ -6,9 +6,9 @@ import type { StoredChunk } from "./jobs.ts";
 import { type DecodeContext, storedChunk, type UnitFrame } from "./unit_source.ts";
 
 /** Bytes of maps at most. Units of a picture beyond it have none. */
-const MOST_BYTES = 64 << 20;
+const MAX_BYTES = 64 << 20;
 /** Units that workers are asked for at once. */
-const MOST_ASKED = 8;
+const MAX_ASKED = 8;
 
 /** How each pixel of a unit is coded in a frame (codec/depth/coding_map.ts), row by row. */
 export interface UnitCodings {
@@ -45,7 +45,7 @@ export class CodingMaps {
     let bytes = 0;
     for (const unit of units) {
       bytes += this.#bytesOf(unit);
-      if (bytes > MOST_BYTES || this.#broken.has(unit.chunk)) {
+      if (bytes > MAX_BYTES || this.#broken.has(unit.chunk)) {
         continue;
       }
       const key = keyOf(unit);
@@ -84,7 +84,7 @@ export class CodingMaps {
   /** Asks for as many of the units that wait as may be asked for at once. */
   #pump(fetch: Chunk[]): void {
     this.#waiting = this.#waiting.filter((unit) => {
-      if (this.#asked.has(keyOf(unit)) || this.#asked.size >= MOST_ASKED) {
+      if (this.#asked.has(keyOf(unit)) || this.#asked.size >= MAX_ASKED) {
         return true;
       }
       const stored = storedChunk(this.decoding, unit.chunk, fetch);
@@ -126,7 +126,7 @@ export class CodingMaps {
   #trim(): void {
     let bytes = [...this.#maps.values()].reduce((sum, map) => sum + map.bytes.length, 0);
     for (const [key, map] of this.#maps) {
-      if (bytes <= MOST_BYTES) {
+      if (bytes <= MAX_BYTES) {
         return;
       }
       this.#maps.delete(key);

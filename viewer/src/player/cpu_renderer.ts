@@ -13,9 +13,9 @@ import type { PixelsOf } from "./unit_source.ts";
 import { WorkerTexels } from "./worker_texels.ts";
 
 /** A picture of so many pixels takes a part of a second. */
-const MOST_PIXELS = 320 * 180;
+const MAX_PIXELS = 320 * 180;
 /** Steps of a ray at most. */
-const MOST_STEPS = 128;
+const MAX_STEPS = 128;
 
 /** A picture that was ordered. */
 interface Waiting {
@@ -26,7 +26,7 @@ interface Waiting {
 export class CpuRenderer implements Renderer {
   readonly texels: WorkerTexels;
   readonly name = "cpu";
-  readonly mostPixels = MOST_PIXELS;
+  readonly mostPixels = MAX_PIXELS;
   readonly hasEffects = false;
   onFailed: (message: string) => void = () => undefined;
   readonly #worker: Worker;
@@ -114,7 +114,7 @@ export class CpuRenderer implements Renderer {
     const coding = showsOverlay ? OVERLAY_CODING : active.coding;
     const order = renderOrder({ ...active, coding }, camera, {
       size: sizeOfEye(request),
-      steps: Math.min(view.steps, MOST_STEPS),
+      steps: Math.min(view.steps, MAX_STEPS),
       showsOverlay,
       looksBehindHoles: !view.overlays.has("holes"),
     });

@@ -36,11 +36,11 @@ import { type DecodeContext, unitFrame } from "./unit_source.ts";
 
 /** Bytes of the textures and planes of probes at most, unless one probe alone has more. */
 const TEXEL_BYTES = 1 << 30;
-const MOST_WORKERS = 4;
+const MAX_WORKERS = 4;
 /** Bytes of the decoders that workers keep, of all together. */
 const DECODER_BYTES = 512 << 20;
 /** Views that the processor draws from at most: each adds to the time of a picture. */
-const MOST_CPU_VIEWS = 4;
+const MAX_CPU_VIEWS = 4;
 /** An image takes about as much again as its textures for planes and pyramids, and again for pictures of its units. */
 const IMAGE_SHARE = 3;
 /** Frames that are decoded ahead of a film that plays. */
@@ -109,7 +109,7 @@ function mostViewsOf(catalogue: Catalogue, mostFaces: number, isCpu: boolean): n
     throw new UnsupportedError("The images of a probe are larger than the processor draws; a graphics device may.");
   }
   const room = Math.max(1, Math.floor(TEXEL_BYTES / ofView));
-  return Math.min(views.length, room, isCpu ? MOST_CPU_VIEWS : Infinity);
+  return Math.min(views.length, room, isCpu ? MAX_CPU_VIEWS : Infinity);
 }
 
 /** The device that shall draw, if any. */
@@ -123,7 +123,7 @@ async function openGpu(choice: RendererChoice): Promise<Gpu | undefined> {
 
 /** The chunks of a container, and workers for them. */
 function decodeContextOf(container: Container): DecodeContext {
-  const workers = Math.max(1, Math.min(MOST_WORKERS, (navigator.hardwareConcurrency || 2) - 1));
+  const workers = Math.max(1, Math.min(MAX_WORKERS, (navigator.hardwareConcurrency || 2) - 1));
   const settings: WorkerSettings = { keptBytes: DECODER_BYTES / workers };
   const start = (): Worker => {
     const worker = new Worker(new URL("./worker.js", import.meta.url), { type: "module" });

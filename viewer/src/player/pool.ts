@@ -11,7 +11,7 @@ interface Waiting {
 }
 
 /** Jobs that a worker has at a time: while one is done, the next ones are there. */
-const MOST_SENT = 8;
+const MAX_SENT = 8;
 
 interface Member {
   worker: Worker;
@@ -104,7 +104,7 @@ export class WorkerPool {
   }
 
   private pump(member: Member): void {
-    while (member.sent.size < MOST_SENT && member.queue.length > 0) {
+    while (member.sent.size < MAX_SENT && member.queue.length > 0) {
       const waiting = member.queue.shift()!;
       const { job } = waiting;
       if (member.failure !== undefined) {

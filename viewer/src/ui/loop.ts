@@ -6,7 +6,7 @@ import type { PlayerStats } from "../player/types.ts";
 const SLOW_MS = 100;
 const FAST_MS = 20;
 /** Least part of the resolution along a side. */
-const LEAST_FACTOR = 0.125;
+const MIN_FACTOR = 0.125;
 /** Without motion for so long the eye is still. */
 const STILL_MS = 180;
 /** Between pictures that only wait for data. */
@@ -30,7 +30,7 @@ export class Resolution {
       // A full picture while the eye was still.
       this.#moving = ms <= SLOW_MS ? factor : this.#moving;
     } else if (factor === this.#moving && ms > SLOW_MS) {
-      this.#moving = Math.max(factor / 2, LEAST_FACTOR);
+      this.#moving = Math.max(factor / 2, MIN_FACTOR);
     } else if (factor === this.#moving && ms < FAST_MS) {
       this.#moving = Math.min(factor * 2, 1);
     }

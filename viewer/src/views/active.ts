@@ -15,7 +15,7 @@ const CAMERA_EPSILON = 0.01;
 /** A hit has a texel's surface where the logarithms of their distances differ by no more than this, beyond the uncertainty of steps. */
 export const HOLE_DIFFERENCE = 0.1;
 /** Views with a nearer surface have no bound on inverse depths. Metres. */
-export const LEAST_M = 1e-18;
+export const MIN_M = 1e-18;
 
 export interface ActiveView {
   /** Its place in the catalogue. */

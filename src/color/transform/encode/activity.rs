@@ -1,7 +1,7 @@
 //! How busy regions are, which says how fine their steps are (color.md 6.3).
 
 use crate::color::quality::Quality;
-use crate::color::transform::blocks::LEAST;
+use crate::color::transform::blocks::MIN_SIDE;
 use crate::color::transform::domain::Keyed;
 use crate::color::transform::encode::source::CellSource;
 use crate::color::transform::steps::{DELTA_UNIT, DELTAS};
@@ -32,7 +32,7 @@ pub fn delta<S: Keyed, Q: Quality<S>>(
                 image.slopes.push(pixel.iter().map(|&sample| quality.codes_a_key(sample)).sum::<f32>() / 3.0);
             }
         }
-        for (y, x) in (0..height).step_by(LEAST).flat_map(|y| (0..width).step_by(LEAST).map(move |x| (y, x))) {
+        for (y, x) in (0..height).step_by(MIN_SIDE).flat_map(|y| (0..width).step_by(MIN_SIDE).map(move |x| (y, x))) {
             sum += f64::from(image.weight([x, y]));
             count += 1;
         }
@@ -54,7 +54,7 @@ impl Image {
     fn weight(&self, place: [usize; 2]) -> f32 {
         let height = self.luma.len() / self.width;
         let [[columns, rows], [inner_columns, inner_rows]] = [AROUND, 0].map(|around| {
-            let range = |at: usize, most: usize| at.saturating_sub(around)..(at + LEAST + around).min(most);
+            let range = |at: usize, most: usize| at.saturating_sub(around)..(at + MIN_SIDE + around).min(most);
             [range(place[0], self.width), range(place[1], height)]
         });
         let count = (columns.len() * rows.len()) as f32;

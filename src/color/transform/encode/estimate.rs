@@ -1,14 +1,14 @@
 //! Rough costs of all blocks of a region, which say what partitions are worth a closer look.
 
 use crate::color::transform::basis::{LENGTHS, length_index};
-use crate::color::transform::blocks::{Block, LEAST, REGION, Shape};
+use crate::color::transform::blocks::{Block, MIN_SIDE, REGION, Shape};
 use crate::color::transform::domain::CHANNELS;
 use crate::color::transform::domain::Domain;
 use crate::color::transform::encode::source::{RegionSource, TimeBases};
 use crate::color::transform::encode::weights::FrameWeights;
 use crate::color::transform::steps::{STEP_BITS, Steps};
 
-const SQUARES: usize = (REGION / LEAST) * (REGION / LEAST);
+const SQUARES: usize = (REGION / MIN_SIDE) * (REGION / MIN_SIDE);
 const LEVELS: usize = 4;
 /// Bits of a block, and of a split.
 const BLOCK_BITS: f32 = 8.0;
@@ -81,7 +81,7 @@ impl Estimates {
 
     fn index(&self, block: Block) -> usize {
         let run = self.runs[block.place.frame * self.frames + block.shape.frames - 1].unwrap_or(0);
-        let square = block.place.y / LEAST * (REGION / LEAST) + block.place.x / LEAST;
+        let square = block.place.y / MIN_SIDE * (REGION / MIN_SIDE) + block.place.x / MIN_SIDE;
         (run * LEVELS + block.shape.level) * SQUARES + square
     }
 

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::color::quality::{MOST_QUALITY, Quality, outside_codes};
+use crate::color::quality::{MAX_QUALITY, Quality, outside_codes};
 use crate::color::settings::{SearchSettings, Target};
 use crate::color::transform::blocks::regions;
 use crate::color::transform::domain::{ChromaSlopes, Keyed, forward};
@@ -47,7 +47,7 @@ const LITTLE: f64 = 0.1;
 /// Largest step index that is tried.
 pub const COARSEST: i32 = 240;
 /// Steepest slope of chroma in 16ths.
-const MOST_SLOPE: f64 = 24.0;
+const MAX_SLOPE: f64 = 24.0;
 /// What steps of half-float keys are above those of bytes for the same quality.
 const USUAL_HALF_OFFSET: f64 = 96.0;
 
@@ -415,7 +415,7 @@ fn fit_slopes<S: Keyed>(cell: &CellSource<'_, S>) -> ChromaSlopes {
     let slope = |at: usize| {
         // Less than a twentieth of its energy explained: prediction would only add noise.
         let follows = both[at] * both[at] > 0.05 * luma * chroma[at];
-        if follows { (16.0 * both[at] / luma).round().clamp(-MOST_SLOPE, MOST_SLOPE) as i8 } else { 0 }
+        if follows { (16.0 * both[at] / luma).round().clamp(-MAX_SLOPE, MAX_SLOPE) as i8 } else { 0 }
     };
     ChromaSlopes { green: slope(0), orange: slope(1) }
 }
@@ -443,7 +443,7 @@ fn visible_units(error: f64) -> u64 {
 fn step_of_quality<S: Keyed, Q: Quality<S>>(least: f64) -> i32 {
     let mut loss = LOSS_OF_FINEST;
     let mut step = 0;
-    while step < COARSEST && loss * LOSS_A_STEP <= MOST_QUALITY - least {
+    while step < COARSEST && loss * LOSS_A_STEP <= MAX_QUALITY - least {
         loss *= LOSS_A_STEP;
         step += 1;
     }

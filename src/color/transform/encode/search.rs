@@ -11,7 +11,7 @@ use crate::color::transform::encode::source::{RegionSource, TimeBases};
 use crate::color::transform::encode::tree::{BlockLevels, Tree};
 use crate::color::transform::encode::weights::{FrameWeights, TimeWeights};
 use crate::color::transform::means::Means;
-use crate::color::transform::palette::{ColorCache, MOST_COLORS, Palette};
+use crate::color::transform::palette::{ColorCache, MAX_COLORS, Palette};
 use crate::color::transform::payload::Header;
 use crate::color::transform::region::{PALETTE, PARTS, QUARTERS, TRANSFORM, note_palette};
 use crate::color::transform::scan::Magnitudes;
@@ -299,7 +299,7 @@ impl<'a> Search<'a> {
                     if palette.colors.get(latest) != Some(color) {
                         latest = match palette.colors.iter().position(|held| held == color) {
                             Some(place) => place,
-                            None if palette.colors.len() == MOST_COLORS => return None,
+                            None if palette.colors.len() == MAX_COLORS => return None,
                             None => {
                                 palette.colors.push(*color);
                                 palette.colors.len() - 1

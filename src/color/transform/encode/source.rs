@@ -3,7 +3,7 @@
 use pulp::{Arch, NullaryFnOnce};
 
 use crate::color::transform::basis::{BASIS_BITS, basis, length_index};
-use crate::color::transform::blocks::{Block, LEAST};
+use crate::color::transform::blocks::{Block, MIN_SIDE};
 use crate::color::transform::domain::{CHANNELS, ChromaSlopes, Keyed, forward, forward_fine};
 use crate::color::transform::palette::Color;
 
@@ -59,7 +59,7 @@ impl RegionSource {
             };
         }
         let vectors = Arch::new();
-        let transform = |level| vectors.dispatch(SpatialTransform { samples: &samples, side, size: LEAST << level });
+        let transform = |level| vectors.dispatch(SpatialTransform { samples: &samples, side, size: MIN_SIDE << level });
         let spatial = (0..=root.shape.level).map(transform).collect();
         let variances = std::array::from_fn(|channel| variance(&samples[channel * keys.len()..][..keys.len()]));
         RegionSource { root, keys, spatial, variances }

@@ -12,7 +12,7 @@ const RESPONSE: f64 = 1.5;
 /// Change of all weights that does what a step index does, in octaves.
 const OCTAVES_A_STEP: f64 = 0.3;
 /// Weights are from 1/32 to 32.
-const MOST_OCTAVES: f64 = 5.0;
+const MAX_OCTAVES: f64 = 5.0;
 
 /// Weights of the frames of a chunk, as logarithms to base 2.
 #[derive(Debug, Clone)]
@@ -45,7 +45,7 @@ impl FrameWeights {
         }
         let finer = (self.octaves.iter().sum::<f64>() / self.octaves.len() as f64 / OCTAVES_A_STEP).round();
         for (octaves, weight) in self.octaves.iter_mut().zip(&mut self.weights) {
-            *octaves = (*octaves - OCTAVES_A_STEP * finer).clamp(-MOST_OCTAVES, MOST_OCTAVES);
+            *octaves = (*octaves - OCTAVES_A_STEP * finer).clamp(-MAX_OCTAVES, MAX_OCTAVES);
             *weight = exp2(*octaves) as f32;
         }
         finer as i32

@@ -25,11 +25,11 @@ use crate::monitor::Monitor;
 use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, View};
 
 /// Greatest width of a face, in texels.
-pub const MOST_TEXELS: u32 = 128;
+pub const MAX_TEXELS: u32 = 128;
 /// Texels that refract less than this part of the light straight through are not splatted.
-pub const LEAST_THROUGH: f32 = 0.5;
+pub const MIN_THROUGH: f32 = 0.5;
 /// Points at most that planes are fitted to, in quadratic time.
-pub const MOST_EDGES: usize = 4096;
+pub const MAX_EDGES: usize = 4096;
 /// Splats are weighted by this power of the view's camera weight: refracted light differs more between views than surfaces.
 pub const NEARNESS: i32 = 4;
 
@@ -99,7 +99,7 @@ struct Seen {
 /// The environment map of a sphere with an index of refraction.
 pub fn map(views: &ActiveViews<'_>, sphere: Sphere, ior: f32, monitor: &dyn Monitor) -> Result<View> {
     let of_views = views.views.iter().flat_map(|view| view.view.faces.iter().flatten().map(|face| face.size[0]));
-    let size = of_views.max().unwrap_or(1).clamp(1, MOST_TEXELS).next_power_of_two();
+    let size = of_views.max().unwrap_or(1).clamp(1, MAX_TEXELS).next_power_of_two();
     let far_m = views.far_m() + sphere.centre.length();
     // Steps are a few texels of the map wide.
     let steps = Steps::new(96, sphere.radius_m * 2.0 / size as f32, far_m, 8);
@@ -160,7 +160,7 @@ impl Search<'_> {
         }
     }
 
-    /// Surface points beside hidden texels, evenly thinned to [`MOST_EDGES`].
+    /// Surface points beside hidden texels, evenly thinned to [`MAX_EDGES`].
     fn edges(&self, known: &[Option<Seen>]) -> Result<Vec<Edge>> {
         let size = self.face.size[0] as usize;
         let at_edge = |&at: &usize| {
@@ -182,7 +182,7 @@ impl Search<'_> {
         let is_seen = |at: &usize| known[*at].is_some_and(|seen| seen.distance_m.is_finite());
         let beside: Vec<usize> = (0..known.len()).filter(is_seen).filter(at_edge).collect();
         self.monitor.check()?;
-        let some: Vec<usize> = beside.iter().copied().step_by(beside.len().div_ceil(MOST_EDGES).max(1)).collect();
+        let some: Vec<usize> = beside.iter().copied().step_by(beside.len().div_ceil(MAX_EDGES).max(1)).collect();
         Ok(some.into_par_iter().filter_map(edge).collect())
     }
 
@@ -219,7 +219,7 @@ impl Search<'_> {
                     return None;
                 }
                 let ray = Ray { origin: point, direction: (point - image.view.from_eye).try_normalize()? };
-                let exit = self.through(&ray, ior).filter(|exit| exit.part >= LEAST_THROUGH)?;
+                let exit = self.through(&ray, ior).filter(|exit| exit.part >= MIN_THROUGH)?;
                 let hit = intersect(Acceleration::Pyramid, &alone, &exit.ray, steps, &mut Counters::default());
                 let end = hit.map_or(exit.ray.direction, |hit_m| alone.views[0].local(exit.ray.at(hit_m)));
                 Some((view.project(end)?, exit.part, image.texels.color.get(at)))

@@ -9,10 +9,10 @@ use crate::error::Result;
 use crate::monitor::Monitor;
 
 /// Least part of the points that lie in a plane.
-pub const LEAST_PART: f32 = 0.1;
+pub const MIN_PART: f32 = 0.1;
 /// A point lies in a plane where their distances in its direction differ by at most this part.
 pub const IN_PLANE: f32 = 0.01;
-pub const MOST_PLANES: usize = 8;
+pub const MAX_PLANES: usize = 8;
 
 /// The vector whose product with a direction is 1 over the distance of the plane in it.
 pub type Plane = Vec3;
@@ -31,9 +31,9 @@ fn lies_in(plane: Plane, edge: &Edge) -> bool {
 
 /// The planes of some points, the one with the most points first. Takes quadratic time.
 pub fn planes(edges: &[Edge], monitor: &dyn Monitor) -> Result<Vec<Plane>> {
-    let least = (LEAST_PART * edges.len() as f32).max(3.0) as usize;
+    let least = (MIN_PART * edges.len() as f32).max(3.0) as usize;
     let (mut left, mut found) = (edges.to_vec(), Vec::new());
-    while found.len() < MOST_PLANES && left.len() >= least {
+    while found.len() < MAX_PLANES && left.len() >= least {
         let count_of = |edge: &Edge| -> Result<Option<(usize, Plane)>> {
             monitor.check()?;
             // Surfaces seen from the centre face it.

@@ -13,7 +13,7 @@ const BAD_DB: usize = 60;
 /// PSNR in dB from which on a tile is as good as exact: what GDC 6.4 says that BC4w hardly exceeds.
 const PERFECT_DB: usize = 85;
 /// Runs without which a difference of times is not told from noise.
-const LEAST_RUNS: usize = 3;
+const MIN_RUNS: usize = 3;
 /// R² from which on a line is said to fit: much that curves upwards is not exponential.
 const FITS: f64 = 0.95;
 
@@ -169,7 +169,7 @@ fn short_windows_decode_faster(results: &Results) -> Option<Judged> {
             format!(
                 "Decoding with the longest window takes {} times as long as with the shortest, in the geometric mean of {count} \
              rows of points. {kept} of {count} rows keep the rule; rows whose spreads overlap, or with fewer than \
-             {LEAST_RUNS} runs: {}.",
+             {MIN_RUNS} runs: {}.",
                 short(geometric_mean(rows.iter().map(|row| row.ratio))),
                 rows.iter().filter(|row| row.is_within_spread).count()
             )
@@ -207,7 +207,7 @@ fn thresholds_grow_exponentially(results: &Results) -> Option<Judged> {
 
 fn cells_cost_time_more_than_bytes(results: &Results) -> Option<Judged> {
     let mut runs = runs::along(results, Some(StreamKind::Color), "color-cell", 2);
-    runs.retain(|run| run.points.iter().all(|(_, point)| point.runs("decode_runs").len() >= LEAST_RUNS));
+    runs.retain(|run| run.points.iter().all(|(_, point)| point.runs("decode_runs").len() >= MIN_RUNS));
     let ratios = runs.iter().filter_map(|run| {
         let [low, high] = range(run.points.iter().map(|(_, point)| container(point).max(1.0)));
         Some((TimeRatio::of(run.points.first()?.1, run.points.last()?.1)?.ratio, high / low))
@@ -245,7 +245,7 @@ fn functions_decode_faster_than_codes(results: &Results) -> Option<Judged> {
 
 struct TimeRatio {
     ratio: f64,
-    /// In every run of at least [`LEAST_RUNS`].
+    /// In every run of at least [`MIN_RUNS`].
     is_faster: bool,
     is_slower: bool,
     /// Runs of both overlap, or are too few.
@@ -257,8 +257,8 @@ impl TimeRatio {
         let ratio = point.number("decode_seconds")? / other.number("decode_seconds")?.max(1e-9);
         let (own, others) = (point.spread("decode_seconds")?, other.spread("decode_seconds")?);
         let runs = point.runs("decode_runs").len().min(other.runs("decode_runs").len());
-        let is_faster = runs >= LEAST_RUNS && own.high < others.low;
-        let is_slower = runs >= LEAST_RUNS && own.low > others.high;
+        let is_faster = runs >= MIN_RUNS && own.high < others.low;
+        let is_slower = runs >= MIN_RUNS && own.low > others.high;
         Some(TimeRatio { ratio, is_faster, is_slower, is_within_spread: !is_faster && !is_slower })
     }
 }

@@ -14,7 +14,7 @@ use crate::report::tradeoff::study::{Axis, Results, Study, product};
 const MAP: [u32; 2] = [410, 340];
 const CHART: [u32; 2] = [619, 340];
 /// Figures of one study at most, where it has more than two axes.
-const MOST_OF_A_STUDY: usize = 4;
+const MAX_OF_A_STUDY: usize = 4;
 
 /// The varied axes of a study: rows and columns of heat maps.
 pub struct Axes<'a> {
@@ -42,9 +42,9 @@ struct MapValues {
 pub fn figures(results: &Results, study: &Study, axes: Axes<'_>) -> Vec<Figure> {
     let combinations = product(&[], axes.others.iter().copied());
     let count = combinations.len();
-    let left = count.saturating_sub(MOST_OF_A_STUDY);
+    let left = count.saturating_sub(MAX_OF_A_STUDY);
     let note = if left == 0 { String::new() } else { format!(" {left} more combinations are in the table only.") };
-    let shown = combinations.into_iter().take(MOST_OF_A_STUDY).enumerate();
+    let shown = combinations.into_iter().take(MAX_OF_A_STUDY).enumerate();
     shown
         .filter_map(|(at, chosen)| {
             let at_cell = |row: &String, column: &String| {

@@ -12,7 +12,7 @@ const WITHOUT_CRACKS: f64 = 3.0;
 /// Area at which its uniform grid is infeasible (figure 13).
 const TOO_SMALL: f64 = 1.25;
 /// Least part of the texels that adaptive sizes save (figure 14).
-const LEAST_SAVING: f64 = 0.18;
+const MIN_SAVING: f64 = 0.18;
 /// What the paper's peak overdraw exceeds its budget by: 5.6 where 5 was asked for (table 1).
 const EXCESS: f64 = 1.12;
 /// Duality gap of a search that has converged.
@@ -231,7 +231,7 @@ fn adaptive_sizes_save_texels(results: &Results) -> Option<Judged> {
         short(most),
         ratios.len()
     );
-    Some(Judged::new(most <= 1.0 - LEAST_SAVING, rests_on))
+    Some(Judged::new(most <= 1.0 - MIN_SAVING, rests_on))
 }
 
 /// Texels at which a curve of (PSNR, texels) has a PSNR, their logarithm interpolated; none outside of the curve.

@@ -8,7 +8,7 @@ import { roomFor, type Samples } from "./samples.ts";
 
 const SECTION = "color.md 4";
 const CLOSED_BY_NEXT = 1;
-const MOST_WEIGHTS = 2 ** 20;
+const MAX_WEIGHTS = 2 ** 20;
 /** Bit of a row, in codecs of blocks: the keyframe is stored as samples. */
 const AS_SAMPLES = 0x80000000;
 
@@ -46,7 +46,7 @@ export function parseCells(payload: Uint8Array, format: CellFormat, frames: numb
   const flags = fields.u8();
   fields.zeros(1);
   const weightCount = fields.u32();
-  if (count === 0 || count > frames || flags > CLOSED_BY_NEXT || weightCount > Math.min(frames, MOST_WEIGHTS)) {
+  if (count === 0 || count > frames || flags > CLOSED_BY_NEXT || weightCount > Math.min(frames, MAX_WEIGHTS)) {
     throw fields.error(
       `${count} keyframes, ${weightCount} weights and flags ${flags} are impossible in ${frames} frames`,
     );

@@ -21,7 +21,7 @@ export function prepareColor(header: ColorHeader, payload: Uint8Array, area: Chu
 }
 
 /** What the state of a substream of fewer than four bytes counts from (formats/entropy.md 3). */
-const LEAST_STATE = 2 ** 16;
+const MIN_STATE = 2 ** 16;
 
 /** A timeline without anything. Its arrays are of one chunk alone, as they may be transferred. */
 function emptyTimeline(): Timeline {
@@ -75,7 +75,7 @@ function prepareTransform(chunk: TransformChunk, payload: Uint8Array, frames: nu
     boxes.push({ x, y, width, height, at: 4 * words, end: region + 1 });
     const bytes = payload.subarray(substreams[region], substreams[region + 1]);
     const [short = 0] = bytes.length < 4 ? wordsOf(bytes) : [];
-    const part = bytes.length < 4 ? Uint32Array.of(LEAST_STATE + short) : wordsOf(bytes);
+    const part = bytes.length < 4 ? Uint32Array.of(MIN_STATE + short) : wordsOf(bytes);
     const steps = Uint32Array.from(chunk.layout.indices.subarray(3 * region, 3 * region + 3));
     parts.push(steps, part);
     words += steps.length + part.length;

@@ -6,11 +6,11 @@ import { UnsupportedError } from "../../format/types.ts";
 export type Samples = Uint8Array | Uint16Array;
 
 /** Most bytes of a picture of a cell, and of what one chunk is parsed into. */
-export const MOST_BYTES = 2 ** 30;
+export const MAX_BYTES = 2 ** 30;
 
 /** Room for the samples of a picture. */
 export function roomFor(pixels: number, isHalf: boolean): Samples {
-  if (3 * pixels * (isHalf ? 2 : 1) > MOST_BYTES) {
+  if (3 * pixels * (isHalf ? 2 : 1) > MAX_BYTES) {
     throw new UnsupportedError(
       `A cell of ${pixels} pixels of color is larger than this player can decode (color.md 1).`,
     );

@@ -7,11 +7,11 @@ import { type Distributions, SYMBOLS } from "../rans.ts";
 import { basis, LENGTHS, lengthIndex } from "./transform/basis.ts";
 import { SUM_CLASSES } from "./transform/levels.ts";
 import { OCTAVE, OFFSET_SETS, ROOTS } from "./transform/steps.ts";
-import { MOST_FRAMES } from "./transform/payload.ts";
+import { MAX_FRAMES } from "./transform/payload.ts";
 import { SCANS } from "./transform/scan.ts";
 
 /** Points of the largest basis in space, which is no length of a block. */
-const MOST_POINTS = 32;
+const MAX_POINTS = 32;
 /** Distributions of a table set (formats/color.md 6.7). */
 const DISTRIBUTIONS = 118;
 
@@ -60,11 +60,11 @@ function pushSet(words: number[], { starts }: Distributions): void {
 function tablesOfFormat(): number[] {
   const scans = SCANS.flatMap(({ places, classes }) => Array.from(places, (place, at) => place | (classes[at] << 16)));
   const distributions = Array.from(colorModel().distributionOf, (distribution) => distribution * SYMBOLS);
-  const heads = Array<number>(MOST_FRAMES + 1).fill(LENGTHS.length);
+  const heads = Array<number>(MAX_FRAMES + 1).fill(LENGTHS.length);
   const steps = [...OCTAVE, ...ROOTS, ...OFFSET_SETS.flatMap((set) => [...set])];
   const first = heads.length + SUM_CLASSES.length + scans.length + distributions.length + steps.length;
   const bases: number[] = [];
-  for (const points of [...LENGTHS, MOST_POINTS]) {
+  for (const points of [...LENGTHS, MAX_POINTS]) {
     heads[points] = lengthIndex(points) | ((first + bases.length) << 8);
     for (let at = 0; at < points * points; at++) {
       bases.push(basis(points, Math.floor(at / points), at % points) >>> 0);

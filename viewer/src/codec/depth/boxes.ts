@@ -9,7 +9,7 @@ import { checkStart, readRecordTable } from "./record_table.ts";
 const WHOLE = 0;
 const CONSTANT = 1;
 const BOXES = 2;
-const MOST_BOXES = 256;
+const MAX_BOXES = 256;
 /** Sides of blocks, at multiples of which boxes in blocks start. */
 const GRID = 4;
 
@@ -72,8 +72,8 @@ export class BoxChunk {
         if (frame === 0) {
           throw fields.error("The first record of a chunk is no whole picture");
         }
-        if (count < 1 || count > MOST_BOXES) {
-          throw fields.error(`A record has ${count} boxes where 1 to ${MOST_BOXES} are legal`);
+        if (count < 1 || count > MAX_BOXES) {
+          throw fields.error(`A record has ${count} boxes where 1 to ${MAX_BOXES} are legal`);
         }
         return { frame, boxes: this.#readBoxes(fields, count) };
       default:

@@ -4,7 +4,7 @@ import { type AlphaHeader, type DepthHeader, FormatError, type MaterialHeader } 
 import type { ChunkArea } from "../types.ts";
 import { BoxChunk } from "./boxes.ts";
 import { NodeChunk } from "./node_chunk.ts";
-import { Grid, MOST_SIDE } from "./nodes.ts";
+import { Grid, MAX_SIDE } from "./nodes.ts";
 import { PredictiveChunk } from "./predictive.ts";
 import { CODES, MATERIALS } from "./texel.ts";
 
@@ -30,8 +30,8 @@ export function parseChunk(
   if (coding.name === "boxes") {
     return new BoxChunk({ texel: CODES, inBlocks: coding.inBlocks }, payload, [width, height], frames);
   }
-  if (width < 1 || height < 1 || width > MOST_SIDE || height > MOST_SIDE) {
-    throw new FormatError(`A tile has ${width}x${height} pixels where sides are 1 to ${MOST_SIDE} (depth.md 3).`);
+  if (width < 1 || height < 1 || width > MAX_SIDE || height > MAX_SIDE) {
+    throw new FormatError(`A tile has ${width}x${height} pixels where sides are 1 to ${MAX_SIDE} (depth.md 3).`);
   }
   const grid = new Grid(width, height);
   if (coding.name === "blocks") {

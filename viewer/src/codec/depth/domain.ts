@@ -14,7 +14,7 @@ const DOMAIN_LINEAR = 1;
 export const DOMAIN_INVERSE = 2;
 
 /** Logarithms of 24-bit values with 8 fraction bits lie below this. */
-export const MOST_LOG = 24 * 0x1000000;
+export const MAX_LOG = 24 * 0x1000000;
 /** First value beyond those of a domain, with 8 fraction bits. */
 const VALUE_END = 0x1000000;
 

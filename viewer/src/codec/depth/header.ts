@@ -10,7 +10,7 @@ import {
 } from "../../format/types.ts";
 import { builtInTables, readTables } from "../entropy.ts";
 import { Fields } from "../fields.ts";
-import { DOMAIN_INVERSE, DOMAIN_LOG, FAR_CODE, MOST_LOG } from "./domain.ts";
+import { DOMAIN_INVERSE, DOMAIN_LOG, FAR_CODE, MAX_LOG } from "./domain.ts";
 import type { Projection } from "./projection.ts";
 
 /** What the stream table says of a stream besides its codec and header: pixels of its images and of its units. */
@@ -23,12 +23,12 @@ export interface StreamShape {
 }
 
 const DEPTH = "depth.md 3";
-const MOST_SIDE = 1024;
-const MOST_WINDOW = 255;
-const MOST_BOXES = 256;
-const MOST_LEVELS = 4096;
-const LEAST_OCTAVE = 512;
-const MOST_OCTAVE = 131071;
+const MAX_SIDE = 1024;
+const MAX_WINDOW = 255;
+const MAX_BOXES = 256;
+const MAX_LEVELS = 4096;
+const MIN_OCTAVE = 512;
+const MAX_OCTAVE = 131071;
 
 /** Reads the header of a stream of depth (depth.md 3); `codec` is DAAB, DAB5, DQPN, DQTR, DB4W or DPRD, others are unsupported. */
 export function parseDepthHeader(codec: string, bytes: Uint8Array, stream: StreamShape): DepthHeader {
@@ -113,8 +113,8 @@ function unknown(kind: string, codec: string): UnsupportedError {
 }
 
 function checkTiles(fields: Fields, { unitWidth, unitHeight }: StreamShape): void {
-  if (unitWidth > MOST_SIDE || unitHeight > MOST_SIDE) {
-    throw fields.error(`Tiles have ${unitWidth}x${unitHeight} pixels, at most ${MOST_SIDE} a side are legal`);
+  if (unitWidth > MAX_SIDE || unitHeight > MAX_SIDE) {
+    throw fields.error(`Tiles have ${unitWidth}x${unitHeight} pixels, at most ${MAX_SIDE} a side are legal`);
   }
 }
 
@@ -133,8 +133,8 @@ function readKeyframeInterval(fields: Fields): number {
 }
 
 function checkWindow(fields: Fields, window: number): void {
-  if (window < 1 || window > MOST_WINDOW) {
-    throw fields.error(`A window has ${window} frames where 1 to ${MOST_WINDOW} are legal`);
+  if (window < 1 || window > MAX_WINDOW) {
+    throw fields.error(`A window has ${window} frames where 1 to ${MAX_WINDOW} are legal`);
   }
 }
 
@@ -142,8 +142,8 @@ function readTemporal(fields: Fields): { window: number; keyframeInterval: numbe
   const window = fields.u16();
   checkWindow(fields, window);
   const boxes = fields.u16();
-  if (boxes < 1 || boxes > MOST_BOXES) {
-    throw fields.error(`Records have at most ${boxes} boxes where 1 to ${MOST_BOXES} are legal`);
+  if (boxes < 1 || boxes > MAX_BOXES) {
+    throw fields.error(`Records have at most ${boxes} boxes where 1 to ${MAX_BOXES} are legal`);
   }
   // Epsilon is a promise of the encoder.
   fields.skip(2);
@@ -166,7 +166,7 @@ function readNodes(fields: Fields, isTree: boolean): DepthHeader["coding"] {
     throw fields.error(`Domain ${domain.kind} is unknown`);
   }
   const isLegal =
-    domain.kind === DOMAIN_LOG ? domain.base === 0 && domain.scale === 0 : domain.base < MOST_LOG && domain.scale > 0;
+    domain.kind === DOMAIN_LOG ? domain.base === 0 && domain.scale === 0 : domain.base < MAX_LOG && domain.scale > 0;
   if (!isLegal) {
     throw fields.error(`Domain ${domain.kind} has base ${domain.base} and scale ${domain.scale}, which is illegal`);
   }
@@ -197,7 +197,7 @@ function projectionOf(fields: Fields, shape: number, octave: number): Projection
   if (shape !== 0 && shape !== 1 && shape !== 2) {
     throw fields.error(`Projection ${shape} is unknown`);
   }
-  if (shape === 0 ? octave !== 0 : octave < LEAST_OCTAVE || octave > MOST_OCTAVE) {
+  if (shape === 0 ? octave !== 0 : octave < MIN_OCTAVE || octave > MAX_OCTAVE) {
     throw fields.error(`Projection ${shape} has ${octave} codes for a factor of two, which is illegal`);
   }
   return { shape, octave };
@@ -205,8 +205,8 @@ function projectionOf(fields: Fields, shape: number, octave: number): Projection
 
 function readLevels(fields: Fields): Uint16Array {
   const count = fields.u16();
-  if (count < 1 || count > MOST_LEVELS) {
-    throw fields.error(`A stream has ${count} levels where 1 to ${MOST_LEVELS} are legal`);
+  if (count < 1 || count > MAX_LEVELS) {
+    throw fields.error(`A stream has ${count} levels where 1 to ${MAX_LEVELS} are legal`);
   }
   const levels = new Uint16Array(count);
   let before = -1;

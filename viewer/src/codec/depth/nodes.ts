@@ -7,7 +7,7 @@ export const NODE_WORDS = 8;
 /** Levels of nodes: 0 to 8. */
 export const LEVELS = 9;
 /** Most pixels of a side of a unit. */
-export const MOST_SIDE = 1024;
+export const MAX_SIDE = 1024;
 /** The last two words of a biquadratic function, and the last word of a platelet. */
 export const MARKER = 0xffffffff;
 

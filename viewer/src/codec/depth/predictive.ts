@@ -13,8 +13,8 @@ export type { Projection } from "./projection.ts";
 export type Levels = Uint16Array;
 
 /** Most frames of a chunk, and pixels of a side of a unit. */
-const MOST_FRAMES = 4096;
-const MOST_SIDE = 1024;
+const MAX_FRAMES = 4096;
+const MAX_SIDE = 1024;
 const BLOCK = 8;
 const MODE_SAME = 1;
 /** How blocks are coded, by their modes (depth.md 15.2). A block that is as before a first frame is background. */
@@ -64,12 +64,12 @@ export class PredictiveChunk {
           : `A payload of predictive depth names table set ${set}, which its stream does not have (depth.md 15.1).`,
       );
     }
-    if (frames > MOST_FRAMES) {
-      throw new FormatError(`A chunk has ${frames} frames where at most ${MOST_FRAMES} are legal (depth.md 15.1).`);
+    if (frames > MAX_FRAMES) {
+      throw new FormatError(`A chunk has ${frames} frames where at most ${MAX_FRAMES} are legal (depth.md 15.1).`);
     }
     const [, , width, height] = area.rect;
-    if (width < 1 || height < 1 || width > MOST_SIDE || height > MOST_SIDE) {
-      throw new FormatError(`A tile has ${width}x${height} pixels where sides are 1 to ${MOST_SIDE} (depth.md 3).`);
+    if (width < 1 || height < 1 || width > MAX_SIDE || height > MAX_SIDE) {
+      throw new FormatError(`A tile has ${width}x${height} pixels where sides are 1 to ${MAX_SIDE} (depth.md 3).`);
     }
     this.frames = frames;
     this.#substream = payload.subarray(1);

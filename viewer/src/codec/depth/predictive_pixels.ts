@@ -43,12 +43,12 @@ const GAINS = Int32Array.of(256, 128, 85);
 const WEIGHTS = Int32Array.of(128, 85, 64, 171, 128, 102, 192, 154, 128);
 /** Magnitudes: the raw bits of each class, and its least (depth.md 15.5). */
 const ESCAPE_BITS = Uint8Array.of(0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 7, 9, 16);
-const ESCAPE_LEAST = Uint16Array.of(3, 4, 5, 7, 9, 13, 17, 25, 33, 49, 65, 97, 129, 193, 321, 833);
+const ESCAPE_MIN = Uint16Array.of(3, 4, 5, 7, 9, 13, 17, 25, 33, 49, 65, 97, 129, 193, 321, 833);
 const CANDIDATE_BITS = Uint8Array.of(0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 5, 6, 7, 8, 9, 16);
-const CANDIDATE_LEAST = Uint16Array.of(0, 1, 2, 3, 5, 7, 11, 15, 23, 31, 47, 79, 143, 271, 527, 1039);
+const CANDIDATE_MIN = Uint16Array.of(0, 1, 2, 3, 5, 7, 11, 15, 23, 31, 47, 79, 143, 271, 527, 1039);
 /** Bounds from which an escape starts a surface of its own, and magnitudes from which one does at any bound. */
-const LEAST_COARSE_BOUND = 50;
-const LEAST_EDGE = 64;
+const MIN_COARSE_BOUND = 50;
+const MIN_EDGE = 64;
 
 /** Half of the codes in 256ths: what is predicted where nothing is known. */
 export const MIDDLE = 32768 * 256;
@@ -236,11 +236,11 @@ export class PixelDecoder {
   #escape(at: number, stream: RansDecoder, isAbove: boolean): void {
     const pixels = this.#pixels;
     const kind = stream.symbol(this.#first.escape + this.#escapeContext(at));
-    const magnitude = ESCAPE_LEAST[kind] + stream.bits(ESCAPE_BITS[kind]);
+    const magnitude = ESCAPE_MIN[kind] + stream.bits(ESCAPE_BITS[kind]);
     const residual = isAbove ? magnitude : -magnitude;
     pixels[at] = this.#value + Math.imul(residual, this.#step);
     let confidence = 0;
-    if (this.#bound < LEAST_COARSE_BOUND && magnitude < LEAST_EDGE) {
+    if (this.#bound < MIN_COARSE_BOUND && magnitude < MIN_EDGE) {
       confidence = Math.min(this.#confidence + 1, 2);
       this.#correctSlopes(residual);
       pixels[at + GX] = this.#gx;
@@ -268,7 +268,7 @@ export class PixelDecoder {
   #otherSurface(at: number, correction: number, stream: RansDecoder, which: number): void {
     const pixels = this.#pixels;
     const kind = stream.symbol(this.#first.candidate + which);
-    const magnitude = CANDIDATE_LEAST[kind] + stream.bits(CANDIDATE_BITS[kind]);
+    const magnitude = CANDIDATE_MIN[kind] + stream.bits(CANDIDATE_BITS[kind]);
     const residual = magnitude > 0 && stream.bits(1) === 1 ? -magnitude : magnitude;
     const isFound = which < this.#findSurfaces(at, correction);
     const surface = isFound ? this.#candidatePixels[which] : at - WORDS;

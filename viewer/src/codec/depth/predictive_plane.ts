@@ -7,13 +7,13 @@ import type { Curvature } from "./projection.ts";
 /** The value at the centre of a block in 256ths of a code; slopes to the right and down, in 256ths of a code for each pixel. */
 export type Plane = readonly [number, number, number];
 
-const MOST_SLOPE = 1 << 20;
+const MAX_SLOPE = 1 << 20;
 const CHANGE_BITS = [0, 0, 1, 1, 2, 6, 14];
-const CHANGE_LEAST = [1, 2, 3, 5, 7, 11, 75];
+const CHANGE_MIN = [1, 2, 3, 5, 7, 11, 75];
 
 /** A slope within ±2²⁰. */
 export function clampSlope(slope: number): number {
-  return Math.max(-MOST_SLOPE, Math.min(MOST_SLOPE, slope));
+  return Math.max(-MAX_SLOPE, Math.min(MAX_SLOPE, slope));
 }
 
 /** The same plane, with slopes within ±2²⁰, seen from a centre that lies half pixels further to the right and down. */
@@ -72,6 +72,6 @@ function readChange(stream: RansDecoder, context: number): number {
     return 0;
   }
   const kind = (symbol - 1) >> 1;
-  const magnitude = CHANGE_LEAST[kind] + stream.bits(CHANGE_BITS[kind]);
+  const magnitude = CHANGE_MIN[kind] + stream.bits(CHANGE_BITS[kind]);
   return symbol % 2 === 1 ? -magnitude : magnitude;
 }

@@ -9,7 +9,7 @@ import type { PredictiveChunk } from "./predictive.ts";
 /** `coding` of a `BoxRow`: `BOX_VALUES`, `BOX_CONSTANT` and `BOX_BLOCKS` of shaders/kernels.json. */
 const BOX_CODINGS = { values: 0, "one value": 1, blocks: 2 } as const;
 /** Most bytes of the codes of a chunk of predictive coding, whose payload may be far smaller. */
-const MOST_UNPACKED = 128 * 2 ** 20;
+const MAX_UNPACKED = 128 * 2 ** 20;
 
 /** What a record writes, of which kind, and where it stands. */
 type Written = Omit<WrittenRect, "box">;
@@ -106,8 +106,8 @@ export function preparedPredictive(chunk: PredictiveChunk, width: number): Prepa
   let codes = new Uint16Array(1024);
   let count = 0;
   const reserve = (more: number): void => {
-    if (2 * (count + more) > MOST_UNPACKED) {
-      const most = MOST_UNPACKED / 2 ** 20;
+    if (2 * (count + more) > MAX_UNPACKED) {
+      const most = MAX_UNPACKED / 2 ** 20;
       throw new UnsupportedError(`The codes of a chunk of predictive depth take more than ${most} MiB.`);
     }
     if (count + more > codes.length) {

@@ -53,14 +53,14 @@ function logAt(side: number, x: number, y: number): number {
 }
 
 /** Faces up to this side are kept, 8 MiB each. */
-const MOST_KEPT_SIDE = 2048;
+const MAX_KEPT_SIDE = 2048;
 /** Faces of so many sides are kept, those used last. */
-const MOST_KEPT = 2;
+const MAX_KEPT = 2;
 const kept = new Map<number, Uint16Array>();
 
 /** `logAt` of all pixels of a face, which units of all streams share. */
 function faceLogs(side: number): Uint16Array | undefined {
-  if (side > MOST_KEPT_SIDE) {
+  if (side > MAX_KEPT_SIDE) {
     return undefined;
   }
   let logs = kept.get(side);
@@ -75,7 +75,7 @@ function faceLogs(side: number): Uint16Array | undefined {
   kept.delete(side);
   kept.set(side, logs);
   for (const first of kept.keys()) {
-    if (kept.size > MOST_KEPT) {
+    if (kept.size > MAX_KEPT) {
       kept.delete(first);
     }
   }

@@ -21,7 +21,7 @@ export const BASIS_BITS = 8;
 /** Numbers of frames that a block may span, ascending (formats/color.md 6.3). */
 export const LENGTHS: readonly number[] = [1, 2, 3, 4, 6, 8, 12, 16, 24];
 /** Most frames of a block. */
-export const MOST_LENGTH = 24;
+export const MAX_LENGTH = 24;
 
 /** Index of each number of frames among the lengths; 9 of those that are none. */
 const INDEX_OF = Uint8Array.from({ length: 97 }, (_, frames) => {

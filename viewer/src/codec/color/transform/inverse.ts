@@ -2,11 +2,11 @@
 
 import { BASIS_BITS, SPACE_BASES } from "./basis.ts";
 
-const MOST_SIDE = 32;
+const MAX_SIDE = 32;
 const HALF = 1 << (BASIS_BITS - 1);
 /** Of the columns: row by row, one sum for each column. */
-const columnsDone = new Int32Array(MOST_SIDE * MOST_SIDE);
-const column = new Int32Array(MOST_SIDE);
+const columnsDone = new Int32Array(MAX_SIDE * MAX_SIDE);
+const column = new Int32Array(MAX_SIDE);
 
 /** Transforms coefficients of a block of a size, 0 to 3, row by row, of which those outside of `columns` x `rows` are 0, into the values
  *  of its pixels. Functions of even frequency are symmetric and those of odd frequency antisymmetric, so that half of each sum gives

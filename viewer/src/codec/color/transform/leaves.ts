@@ -1,7 +1,7 @@
 // The blocks of a parsed chunk in few arrays: leaves of the trees of all regions, their levels, palettes and indices.
 
 import { UnsupportedError } from "../../../format/types.ts";
-import { MOST_BYTES } from "../samples.ts";
+import { MAX_BYTES } from "../samples.ts";
 
 /** Numbers of a leaf in `Leaves.rows`. */
 export const LEAF_ROW = 11;
@@ -79,7 +79,7 @@ function withRoom<T extends Int32Array<ArrayBuffer> | Uint16Array<ArrayBuffer> |
     return array;
   }
   const length = Math.max(2 * array.length, count + more);
-  if (length * array.BYTES_PER_ELEMENT > MOST_BYTES) {
+  if (length * array.BYTES_PER_ELEMENT > MAX_BYTES) {
     throw new UnsupportedError("A chunk of color has more blocks than this player can hold (color.md 6.4).");
   }
   const larger = new (array.constructor as new (length: number) => T)(length);

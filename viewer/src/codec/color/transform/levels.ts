@@ -8,10 +8,10 @@ import type { Leaves } from "./leaves.ts";
 import { MAGNITUDE_ROW, SCANS } from "./scan.ts";
 
 /** Magnitudes are counted up to this. */
-const MOST_MAGNITUDE = 15;
+const MAX_MAGNITUDE = 15;
 /** Classes of sums of five magnitudes, q of formats/color.md 6.6; that of greater sums is the last. */
 export const SUM_CLASSES: Readonly<Uint8Array> = Uint8Array.of(0, 1, 2, 3, 4, 5, 5, 6, 6, 6, 6, 7);
-const MOST_SUM = SUM_CLASSES.length - 1;
+const MAX_SUM = SUM_CLASSES.length - 1;
 /** Contexts of levels at last positions, which come before those of all others. */
 const LAST_LEVELS = 144;
 
@@ -125,7 +125,7 @@ export class LevelReader {
       } else {
         const near = held[place + 1] + held[place + 2] + held[place + MAGNITUDE_ROW];
         const sum = near + held[place + MAGNITUDE_ROW + 1] + held[place + 2 * MAGNITUDE_ROW];
-        const around = SUM_CLASSES[sum > MOST_SUM ? MOST_SUM : sum];
+        const around = SUM_CLASSES[sum > MAX_SUM ? MAX_SUM : sum];
         const symbol = stream.symbol(others + 24 * classes[at] + 3 * around + beside);
         if (symbol === 0) {
           continue;
@@ -139,7 +139,7 @@ export class LevelReader {
       count += 1;
       right = Math.max(right, position & 31);
       bottom = Math.max(bottom, position >> 5);
-      const counted = magnitude > MOST_MAGNITUDE ? MOST_MAGNITUDE : magnitude;
+      const counted = magnitude > MAX_MAGNITUDE ? MAX_MAGNITUDE : magnitude;
       held[place] = counted;
       if (plane === 0 && channels[place] < counted) {
         channels[place] = counted;

@@ -10,7 +10,7 @@ const SECTION = "color.md 6.4";
 /** First byte of a payload of keyframes and weights. */
 const CELLS = 255;
 /** Most frames of a chunk of the transform codec. */
-export const MOST_FRAMES = 96;
+export const MAX_FRAMES = 96;
 /** Pixels of a side of a region. */
 const REGION = 32;
 
@@ -36,9 +36,9 @@ export function holdsCells(payload: Uint8Array): boolean {
 
 /** Refuses more frames than a chunk of the transform codec may have. */
 export function checkFrames(frames: number): void {
-  if (frames > MOST_FRAMES) {
+  if (frames > MAX_FRAMES) {
     throw new FormatError(
-      `A chunk of the transform codec has ${frames} frames, at most ${MOST_FRAMES} are legal (${SECTION}).`,
+      `A chunk of the transform codec has ${frames} frames, at most ${MAX_FRAMES} are legal (${SECTION}).`,
     );
   }
 }

@@ -11,10 +11,10 @@ import { passesOf } from "./passes.ts";
 import { type Layout, parseLayout, regionRect } from "./payload.ts";
 import { RegionReader } from "./region.ts";
 
-const MOST_PIXELS = 32 * 32;
+const MAX_PIXELS = 32 * 32;
 /** Room for the coefficients of a channel of a block, and for the values of the three channels. */
-const coefficients = new Int32Array(MOST_PIXELS);
-const planes = Array.from({ length: CHANNELS }, () => new Int32Array(MOST_PIXELS));
+const coefficients = new Int32Array(MAX_PIXELS);
+const planes = Array.from({ length: CHANNELS }, () => new Int32Array(MAX_PIXELS));
 
 /** The part of a block that lies in the cell, in pixels, and where a leaf's row starts. */
 interface Window {

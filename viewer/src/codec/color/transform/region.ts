@@ -3,7 +3,7 @@
 import { FormatError } from "../../../format/types.ts";
 import { colorModel } from "../../entropy.ts";
 import { type Distributions, RansDecoder } from "../../rans.ts";
-import { LENGTHS, lengthIndex, MOST_LENGTH, TIME_BASES } from "./basis.ts";
+import { LENGTHS, lengthIndex, MAX_LENGTH, TIME_BASES } from "./basis.ts";
 import { CHANNELS, channelsOf, type Domain } from "./domain.ts";
 import * as leaf from "./leaves.ts";
 import { LevelReader } from "./levels.ts";
@@ -40,7 +40,7 @@ export class RegionReader {
   readonly #palettes = new PaletteReader();
   readonly #means = new Means();
   /** Coefficients of frequency 0 in space of the planes of a channel. */
-  readonly #constants = new Int32Array(MOST_LENGTH);
+  readonly #constants = new Int32Array(MAX_LENGTH);
   readonly #sums = new Int32Array(CHANNELS);
   readonly #channels = new Int32Array(CHANNELS);
   #stream: RansDecoder;

@@ -19,13 +19,13 @@ export const OFFSET_SETS: readonly Uint8Array[] = [
 
 /** Unit of a region's delta, in indices, and the least delta. */
 const DELTA_UNIT = 4;
-const LEAST_DELTA = -8;
+const MIN_DELTA = -8;
 /** A delta of 0, as a payload holds it. */
-export const NO_DELTA = -LEAST_DELTA;
+export const NO_DELTA = -MIN_DELTA;
 
 /** Step indices of the three channels of a region, before offsets; `nibble` is the delta as a payload holds it. */
 export function regionIndices(luma: number, chroma: number, nibble: number): [number, number, number] {
-  const moved = DELTA_UNIT * (nibble + LEAST_DELTA);
+  const moved = DELTA_UNIT * (nibble + MIN_DELTA);
   return [luma + moved, chroma + 3 + moved, chroma + 8 + moved];
 }
 
