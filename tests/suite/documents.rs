@@ -1,4 +1,4 @@
-//! README, ARCHITECTURE, BENCHMARKS and the other documents: length, links, and whether they show what there is.
+//! README, ARCHITECTURE, BENCHMARKS and the other documents: links, commands and tables.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -13,14 +13,6 @@ pub const DOCUMENTS: [&str; 5] = ["README.md", "ARCHITECTURE.md", "BENCHMARKS.md
 
 /// Those of folders.
 const MORE_DOCUMENTS: [&str; 2] = ["shaders/README.md", "python/README.md"];
-
-#[test]
-fn short_documents_stay_short() {
-    for (document, most) in [("README.md", 1100), ("ARCHITECTURE.md", 2500)] {
-        let words = read(document).split_whitespace().count();
-        assert!(words <= most, "{document} has {words} words, {most} at most");
-    }
-}
 
 #[test]
 fn the_readme_shows_what_there_is() {
