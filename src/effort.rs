@@ -1,19 +1,19 @@
 //! Search effort.
 
-/// Effort of every search.
+/// Search effort; one setting for all searches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
 pub enum Effort {
-    /// Faster, with a stated loss.
+    /// Faster, with a documented loss.
     Fast,
-    /// Close to the result of exhaustive.
+    /// Close to the result of [`Effort::Exhaustive`].
     #[default]
     Normal,
-    /// Full search: the reference.
+    /// Full search, the reference.
     Exhaustive,
 }
 
 impl Effort {
-    /// `fast`, `normal` or `exhaustive`.
+    /// Returns `fast`, `normal` or `exhaustive`.
     pub fn name(self) -> &'static str {
         match self {
             Effort::Fast => "fast",

@@ -1,21 +1,21 @@
-//! Errors of the library: one sentence each that names the file, the place in it, what was expected and what to do.
+//! Errors of the library. Each message is one sentence with the file, the place in it, what was expected and what to do.
 //!
-//! A message names a setting in backquotes and snake case, such as `` `depth_window` ``; the command line prints its option
-//! instead, `--depth-window`. Exit codes belong to the command line.
+//! A message names a setting in backquotes and snake case, such as `` `depth_window` ``; the command line replaces it by its
+//! option, `--depth-window`. The command line also chooses the exit codes.
 
 use std::fmt::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Result of every fallible function of the crate.
+/// Result of all fallible functions of the crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Longest message; the rest is cut.
+/// Maximum characters of a message; longer messages are cut.
 const MAX_CHARACTERS: usize = 2000;
 
-/// Why an operation failed.
+/// Reason why an operation failed.
 #[derive(Debug)]
 pub enum Error {
-    /// The input breaks its own format: damaged, truncated or contradictory.
+    /// The input violates its own format: damaged, truncated or contradictory.
     Invalid {
         /// The file, or `-`; empty until [`Error::in_file`] names it.
         file: PathBuf,
@@ -26,65 +26,66 @@ pub enum Error {
         /// What was expected and what was found.
         message: String,
     },
-    /// The input is well formed and needs something that this version does not support.
+    /// The input is well formed, but needs something that this version does not support.
     Unsupported {
         /// The file, or `-`; empty until [`Error::in_file`] names it.
         file: PathBuf,
         /// What is not supported, and what to do instead.
         message: String,
     },
-    /// The operating system failed to read or write; the kind of its error tells whether it may be tried again.
+    /// The operating system failed to read or write. The kind of its error shows whether a retry may succeed.
     Io {
         /// The file, or `-`.
         file: PathBuf,
         /// The system's error.
         source: std::io::Error,
     },
-    /// Settings or arguments that are invalid, alone or together.
+    /// Invalid settings or arguments, or an invalid combination of them.
     Usage(String),
-    /// The caller asked to stop (its monitor). No file with a final name is incomplete.
+    /// The caller's monitor requested a stop. No file with a final name is incomplete.
     Interrupted,
     /// The operation stopped early and can be resumed.
     Unfinished {
-        /// Why it stopped.
+        /// Error that stopped the operation.
         cause: Box<Error>,
-        /// What was kept, where, and how to resume.
+        /// What was kept, where it is, and how to resume.
         safe: String,
     },
 }
 
 impl Error {
-    /// Invalid input; [`Error::in_file`] names the file later.
+    /// Creates [`Error::Invalid`]; [`Error::in_file`] names the file later.
     pub fn invalid(message: impl Into<String>) -> Self {
         Error::Invalid { file: PathBuf::new(), offset: None, section: "", message: message.into() }
     }
 
-    /// Invalid input at a byte offset, with the violated section of `formats/`.
+    /// Creates [`Error::Invalid`] with a byte offset and the violated section of `formats/`.
     pub fn invalid_at(section: &'static str, offset: u64, message: impl Into<String>) -> Self {
         Error::Invalid { file: PathBuf::new(), offset: Some(offset), section, message: message.into() }
     }
 
-    /// Unsupported input; [`Error::in_file`] names the file later.
+    /// Creates [`Error::Unsupported`]; [`Error::in_file`] names the file later.
     pub fn unsupported(message: impl Into<String>) -> Self {
         Error::Unsupported { file: PathBuf::new(), message: message.into() }
     }
 
-    /// A failed read or write.
+    /// Creates [`Error::Io`].
     pub fn io(file: impl AsRef<Path>, source: std::io::Error) -> Self {
         Error::Io { file: file.as_ref().to_path_buf(), source }
     }
 
-    /// A file that is not there, yet: [`Error::Io`] of the kind [`std::io::ErrorKind::NotFound`].
+    /// Creates [`Error::Io`] of kind [`std::io::ErrorKind::NotFound`], for a file that does not exist (yet).
     pub fn not_found(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Error::io(file, std::io::Error::new(std::io::ErrorKind::NotFound, message.into()))
     }
 
-    /// A file or folder that another process is writing: [`Error::Io`] of the kind [`std::io::ErrorKind::ResourceBusy`].
+    /// Creates [`Error::Io`] of kind [`std::io::ErrorKind::ResourceBusy`], for a file or folder that another process is
+    /// writing.
     pub fn busy(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Error::io(file, std::io::Error::new(std::io::ErrorKind::ResourceBusy, message.into()))
     }
 
-    /// The file that it is about, where there is one.
+    /// Returns the file that the error is about, if any.
     pub fn file(&self) -> Option<&Path> {
         match self {
             Error::Invalid { file, .. } | Error::Unsupported { file, .. } | Error::Io { file, .. } => {
@@ -95,7 +96,7 @@ impl Error {
         }
     }
 
-    /// Names the file, if no inner call did.
+    /// Sets the file, unless an inner call has set it.
     #[must_use]
     pub fn in_file(mut self, path: impl AsRef<Path>) -> Self {
         if let Error::Invalid { file, .. } | Error::Unsupported { file, .. } | Error::Io { file, .. } = &mut self
@@ -126,7 +127,7 @@ impl Error {
     }
 }
 
-/// A count with its noun, in the plural unless it is one: `1 tile`, `2 boxes`.
+/// Formats a count with its noun, in the plural unless the count is 1: `1 tile`, `2 boxes`.
 pub fn counted(count: u64, what: &str) -> String {
     let ending = match count {
         1 => "",
@@ -136,19 +137,19 @@ pub fn counted(count: u64, what: &str) -> String {
     format!("{count} {what}{ending}")
 }
 
-/// Whether a character is escaped in text: a terminal obeys it, or it breaks a line or changes the direction of text.
+/// True if a character is escaped in text: a control character, or one that breaks a line or changes the direction of text.
 pub fn is_escaped(c: char) -> bool {
     let reorders = matches!(c, '\u{61c}' | '\u{200e}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     c.is_control() || reorders
 }
 
-/// Escapes such characters of a name as `\u{1b}` or `\n`.
+/// Escapes the characters of [`is_escaped`] in a name, such as `\u{1b}` or `\n`.
 pub fn escaped(name: &str) -> String {
     let escape = |c: char| if is_escaped(c) { c.escape_default().to_string() } else { c.to_string() };
     name.chars().map(escape).collect()
 }
 
-/// Writes an error on one line of at most [`MAX_CHARACTERS`], with the characters of [`is_escaped`] escaped.
+/// Writer of an error on one line of at most [`MAX_CHARACTERS`], with the characters of [`is_escaped`] escaped.
 struct Plain<'a, 'f> {
     out: &'a mut fmt::Formatter<'f>,
     left: usize,

@@ -1,4 +1,5 @@
-//! Configuration hash: inputs and settings that a result depends on. Only work of the same configuration may be resumed.
+//! Configuration hash: the inputs and settings that a result depends on. Work can be resumed only with the same
+//! configuration.
 
 use std::fs::Metadata;
 use std::hash::{DefaultHasher, Hasher};
@@ -8,17 +9,17 @@ use std::time::SystemTime;
 const SOURCES: &str = "the sources of lightfold";
 const ANOTHER_VERSION: &str = "it was begun by another version of lightfold";
 
-/// Whether a value is a [`digest`], which tells nothing to people.
+/// True if a value is a [`digest`], which messages do not show.
 fn is_digest(value: &str) -> bool {
     value.starts_with('#')
 }
 
-/// Names and values in a fixed order. Settings are named as in messages, `` `depth_window` ``.
+/// Names and values in a fixed order. Settings are named as in messages: `` `depth_window` ``.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fingerprint(pub Vec<(String, String)>);
 
 impl Fingerprint {
-    /// Version and source hash of the program (`build.rs`), as encoders change between versions.
+    /// Returns the version and the source hash of the program (`build.rs`), because encoders change between versions.
     pub fn of_program() -> Vec<(&'static str, String)> {
         vec![
             ("the version of lightfold", env!("CARGO_PKG_VERSION").to_owned()),
@@ -26,14 +27,16 @@ impl Fingerprint {
         ]
     }
 
-    /// The names of all values that differ, or of all where the names do.
+    /// Returns the names of the values that differ, or all names (up to the shorter list) if the two lists differ in their
+    /// names.
     pub fn differing(&self, now: &Fingerprint) -> Vec<&str> {
         let has_same_names = self.0.len() == now.0.len() && self.0.iter().zip(&now.0).all(|((a, _), (b, _))| a == b);
         let pairs = self.0.iter().zip(&now.0);
         pairs.filter(|(old, new)| !has_same_names || old != new).map(|((name, _), _)| name.as_str()).collect()
     }
 
-    /// The first difference of unfinished work to the work `now`.
+    /// Describes the first difference between unfinished work (`self`) and the current work (`now`); `None` if they are
+    /// equal.
     pub fn difference(&self, now: &Fingerprint) -> Option<String> {
         let mut pairs = self.0.iter().zip(&now.0);
         match pairs.find(|(old, new)| old != new) {
@@ -50,7 +53,7 @@ impl Fingerprint {
     }
 }
 
-/// Name, size and time of a file; no more than the name of what is none.
+/// Path, size in bytes and modification time of a file; size 0 and no time if the path is not a file.
 pub fn file_state(path: &Path) -> (PathBuf, u64, Option<SystemTime>) {
     let meta = path.metadata().ok().filter(|meta| meta.is_file());
     (path.to_owned(), meta.as_ref().map_or(0, Metadata::len), meta.and_then(|meta| meta.modified().ok()))
@@ -60,7 +63,7 @@ pub fn digest(bytes: &[u8]) -> String {
     format!("#{:032x}", u128::from_be_bytes(digest_bytes(bytes)))
 }
 
-/// 128 bits of hash.
+/// Returns a 128-bit hash: two runs of [`DefaultHasher`] with different first bytes.
 pub fn digest_bytes(bytes: &[u8]) -> [u8; 16] {
     let hash = |part: u8| {
         let mut hasher = DefaultHasher::new();

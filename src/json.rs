@@ -1,5 +1,5 @@
-//! Numbers in JSON reports. JSON has no infinities: such a number is null, and the key beside it that ends in `_is` has "inf" or
-//! "-inf". NaN, a number that there is none of, is null alone. CSV has the words in the cells.
+//! Numbers in JSON reports. JSON cannot represent infinities: an infinite number is null, and a second key with the suffix
+//! `_is` has the value "inf" or "-inf". NaN, a missing number, is null alone. CSV has these words in its cells.
 
 use std::io::{self, Write};
 use std::time::Duration;
@@ -10,7 +10,7 @@ use serde_json::ser::{Formatter, PrettyFormatter};
 
 use crate::error::{Error, Result};
 
-/// Indented, with a newline at its end.
+/// Returns indented JSON with a final newline.
 pub fn pretty(value: &impl Serialize) -> Result<String> {
     let mut text = Vec::new();
     let written = value.serialize(&mut serde_json::Serializer::with_formatter(&mut text, Indented::default()));
@@ -21,14 +21,15 @@ pub fn pretty(value: &impl Serialize) -> Result<String> {
         .map_err(|error| Error::invalid(format!("JSON: {error}")))
 }
 
-/// Writes indented JSON. Reports have no bytes but the words of infinite numbers: they become null, and an entry of their own.
+/// Formatter of indented JSON. Byte arrays in reports are always the words of infinite numbers: each is written as null,
+/// followed by an entry for the word.
 #[derive(Default)]
 struct Indented {
     plain: PrettyFormatter<'static>,
-    /// Of the entry that is written now.
+    /// Key of the entry that is being written.
     key: String,
     is_in_key: bool,
-    /// Of the value that was written last, if it is infinite.
+    /// Word of the last value, if it is infinite.
     word: Option<String>,
 }
 
@@ -96,7 +97,7 @@ impl Formatter for Indented {
     }
 }
 
-/// The key beside that of a number.
+/// Key of the word of a number.
 fn word_key(key: &str) -> String {
     format!("{key}_is")
 }
@@ -105,7 +106,7 @@ fn word(value: f64) -> Option<&'static str> {
     value.is_infinite().then_some(if value > 0.0 { "inf" } else { "-inf" })
 }
 
-/// Puts a number into an object, as [`pretty`] writes those of a struct.
+/// Sets a number in an object, in the form that [`pretty`] writes.
 pub fn put(object: &mut Value, key: &str, value: f64) {
     object[key] = value.into();
     if let Some(word) = word(value) {
@@ -113,12 +114,12 @@ pub fn put(object: &mut Value, key: &str, value: f64) {
     }
 }
 
-/// The word of a number that is null, by its key.
+/// Returns the word of a number that is null, by the number's key.
 pub fn read_word<'v>(object: &'v Value, key: &str) -> Option<&'v str> {
     object.get(word_key(key))?.as_str()
 }
 
-/// A number of a report, by its key: infinite where it is null and the key beside it says so.
+/// Returns a number of a report by its key; infinite if it has a word.
 pub fn read_number(object: &Value, key: &str) -> Option<f64> {
     match read_word(object, key) {
         Some("inf") => Some(f64::INFINITY),
@@ -127,12 +128,13 @@ pub fn read_number(object: &Value, key: &str) -> Option<f64> {
     }
 }
 
-/// A number of a report. An infinite one goes to the serialiser as the bytes of its word, which each format writes in its own way.
+/// A number of a report. An infinite number is serialised as the bytes of its word; each output format writes these in its
+/// own way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Number(pub f64);
 
 impl Number {
-    /// The 64-bit number with the digits that print a 32-bit one.
+    /// Returns the 64-bit number with the shortest decimal digits of a 32-bit number.
     pub fn shortest(value: f32) -> Number {
         Number(value.to_string().parse().unwrap_or(f64::from(value)))
     }

@@ -1,13 +1,12 @@
 //! lightfold: a codec toolkit for animated light fields.
 //!
-//! The modules and the direction in which they import each other are in `ARCHITECTURE.md`; the meaning of every byte is in
-//! `formats/`.
+//! `ARCHITECTURE.md` lists the modules and the direction of their imports; `formats/` defines every byte of a file.
 
-// Parts of a module that only a feature or a test uses are not gated one by one.
+// Items that only some features or tests use are not gated one by one.
 #![cfg_attr(not(all(feature = "cli", feature = "internals")), allow(dead_code, unused_imports))]
-// Tests make their inputs as they like (`clippy.toml`).
+// Tests write their inputs with `std::fs` (`clippy.toml`).
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
-// The hidden modules are documented where a name does not say it all.
+// Items of the hidden modules are documented only where the name is not enough.
 #![cfg_attr(feature = "internals", allow(missing_docs))]
 
 #[path = "."]

@@ -1,4 +1,4 @@
-//! Entry point: hands the command line to [`lightfold::run_command_line`].
+//! Entry point: passes the command line to [`lightfold::run_command_line`].
 
 use std::process::ExitCode;
 

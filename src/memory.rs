@@ -1,75 +1,76 @@
-//! Memory budget, and the number of parallel jobs that fit into it.
+//! Memory budgets, and the number of parallel jobs that fit into one.
 //!
-//! Budgets count images, chunks and tables, which grow with the footage. That of a process also has room for its code, stacks, and
-//! what allocators hold back.
+//! A budget covers images, chunks and tables, which grow with the footage. The budget of a process also covers its code, its
+//! stacks, and memory that allocators retain.
 
 use std::fmt;
 use std::str::FromStr;
 
 use crate::error::{Error, Result};
 
-/// Bytes of a process beside images, chunks and tables: code, fixed tables, and what the allocator holds back of small blocks.
+/// Overhead of a process in bytes, besides images, chunks and tables: code, fixed tables, and small blocks that the allocator
+/// retains.
 pub const PROCESS_BYTES: u64 = 30 << 20;
-/// Bytes of each thread of the pool beside these: a stack, and what the allocator of the thread holds back.
+/// Further bytes for each thread of the pool: its stack, and memory that its allocator retains.
 const THREAD_BYTES: u64 = 2 << 20;
-/// Threads that count: more are hardly ever at work at once.
+/// Maximum number of threads that are counted; more are rarely busy at once.
 const MAX_BUSY_THREADS: usize = 8;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Budget {
-    /// What is left for the work.
+    /// Bytes available for the work; `None` if unlimited.
     pub bytes: Option<u64>,
-    /// The limit as it was stated, where a part of it is taken.
+    /// The original limit, if a part of it is reserved.
     limit: Option<u64>,
-    /// Bytes of the limit that others take.
+    /// Reserved bytes of the limit.
     taken: u64,
 }
 
 #[derive(Debug, Clone, Copy)]
 pub struct Need<'a> {
-    /// The work, for errors: `encoding the color of probe 00`.
+    /// Name of the work in errors: `encoding the color of probe 00`.
     pub what: &'a str,
-    /// Bytes regardless of the number of jobs.
+    /// Bytes that do not depend on the number of jobs.
     pub fixed: u64,
     pub each: u64,
-    /// What helps besides more memory, such as `` a smaller `lookahead` ``; may be empty.
+    /// What to change instead of allowing more memory, such as `` a smaller `lookahead` ``; may be empty.
     pub instead: &'a str,
 }
 
 impl Need<'_> {
-    /// Bytes of so many jobs at once.
+    /// Bytes for `at_once` parallel jobs.
     pub fn bytes(&self, at_once: usize) -> u64 {
         self.fixed.saturating_add(self.each.saturating_mul(at_once as u64))
     }
 }
 
 impl Budget {
-    /// No limit, other than built-in ones.
+    /// No limit, except built-in ones.
     pub const UNLIMITED: Budget = Budget { bytes: None, limit: None, taken: 0 };
 
     pub fn of(bytes: u64) -> Budget {
         Budget { bytes: Some(bytes), limit: None, taken: 0 }
     }
 
-    /// The budget without `taken` bytes. Errors speak of the whole.
+    /// Reserves `taken` bytes of the budget. Errors still report the original limit.
     #[must_use]
     pub fn less(self, taken: u64) -> Budget {
         let bytes = self.bytes.map(|bytes| bytes.saturating_sub(taken));
         Budget { bytes, limit: self.limit.or(self.bytes), taken: self.taken.saturating_add(taken) }
     }
 
-    /// The budget of images, chunks and tables where this is that of a process with so many threads.
+    /// Returns the budget for images, chunks and tables, where `self` is the budget of a process with `threads` threads.
     #[must_use]
     pub fn of_process(self, threads: usize) -> Budget {
         self.less(PROCESS_BYTES + THREAD_BYTES * threads.min(MAX_BUSY_THREADS) as u64)
     }
 
-    /// The lesser of the budget and `usual` bytes.
+    /// Returns the minimum of the budget and `usual` bytes.
     pub fn at_most(self, usual: u64) -> u64 {
         self.bytes.map_or(usual, |bytes| bytes.min(usual))
     }
 
-    /// Number of parallel jobs, 1 to `most`.
+    /// Returns the number of parallel jobs that fit, 1 to `most`. Fails if one job does not fit.
     pub fn at_once(self, need: &Need<'_>, most: usize) -> Result<usize> {
         let Some(bytes) = self.bytes else { return Ok(most.max(1)) };
         let least = need.fixed.saturating_add(need.each);
@@ -100,7 +101,8 @@ impl fmt::Display for Budget {
 impl FromStr for Budget {
     type Err = Error;
 
-    /// Bytes with an optional unit: `k M G T`, also with a `B`, are powers of 1000, `KiB MiB GiB TiB` powers of 1024.
+    /// Parses a number of bytes with an optional unit: `k M G T`, optionally followed by `B`, are powers of 1000; `KiB MiB
+    /// GiB TiB` are powers of 1024.
     fn from_str(text: &str) -> Result<Budget> {
         let wrong = || Error::Usage(format!("\"{text}\" is not a size such as 512M, 2G, 1.5GiB, or a number of bytes"));
         let end = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());

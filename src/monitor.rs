@@ -2,21 +2,22 @@
 
 use crate::error::{Error, Result};
 
-/// Receives progress, and may cancel. Implemented by the caller.
+/// Receives progress and can cancel an operation. Implemented by the caller.
 pub trait Monitor: Sync {
     /// Reports `steps` completed steps.
     fn advance(&self, steps: u64);
 
-    /// Begins a stage of so many steps, which `advance` counts until [`Self::end_stage`]; then the work before goes on.
+    /// Begins a stage of `steps` steps. `advance` counts its steps until [`Self::end_stage`], and those of the enclosing work
+    /// after it.
     fn begin_stage(&self, _name: &'static str, _steps: u64) {}
 
     /// Ends the stage that was begun last.
     fn end_stage(&self) {}
 
-    /// Whether to stop.
+    /// True if the operation should stop.
     fn interrupted(&self) -> bool;
 
-    /// Called in long loops.
+    /// Checks for cancellation; called in long loops.
     ///
     /// # Errors
     /// [`Error::Interrupted`] if interrupted.
@@ -25,7 +26,7 @@ pub trait Monitor: Sync {
     }
 }
 
-/// Counts no steps of its own, and stops with another monitor.
+/// Monitor that discards progress and is interrupted with another monitor.
 pub(crate) struct Uncounted<'a>(pub &'a dyn Monitor);
 
 impl Monitor for Uncounted<'_> {
@@ -36,7 +37,7 @@ impl Monitor for Uncounted<'_> {
     }
 }
 
-/// Ignores progress and never stops.
+/// Monitor that ignores progress and never stops.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;
 

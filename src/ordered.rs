@@ -7,13 +7,13 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 
-/// Maps jobs in parallel; results are in the order of the jobs. The error is that of the first failed job in order; jobs
-/// after it may be skipped.
+/// Maps jobs in parallel and returns the results in the order of the jobs. On failure, returns the error of the first failed
+/// job in that order; jobs after it may be skipped.
 pub fn try_map_ordered<J: Send, T: Send>(jobs: Vec<J>, f: impl Fn(J) -> Result<T> + Sync + Send) -> Result<Vec<T>> {
     try_map_at_once(jobs, usize::MAX, f)
 }
 
-/// As [`try_map_ordered`], with at most `at_once` jobs at a time, including jobs that wait for their own parallel work.
+/// As [`try_map_ordered`], with at most `at_once` jobs in progress, including jobs that wait for their own parallel work.
 pub fn try_map_at_once<J: Send, T: Send>(
     jobs: Vec<J>,
     at_once: usize,
@@ -22,7 +22,7 @@ pub fn try_map_at_once<J: Send, T: Send>(
     try_map_at_once_with(jobs, at_once, || (), |(), job| f(job))
 }
 
-/// As [`try_map_at_once`], with state that jobs of a thread share, made by `init`.
+/// As [`try_map_at_once`], with state made by `init` that consecutive jobs of a thread share.
 pub fn try_map_at_once_with<J: Send, T: Send, S>(
     jobs: Vec<J>,
     at_once: usize,
@@ -30,11 +30,11 @@ pub fn try_map_at_once_with<J: Send, T: Send, S>(
     f: impl Fn(&mut S, J) -> Result<T> + Sync + Send,
 ) -> Result<Vec<T>> {
     if jobs.len() <= 1 || rayon::current_num_threads() == 1 {
-        // On the caller's thread: waking another takes longer than a small job.
+        // Runs on the caller's thread: waking another takes longer than a small job.
         let mut state = init();
         return jobs.into_iter().map(|job| f(&mut state, job)).collect();
     }
-    // The first failed job so far: later ones are skipped, earlier ones still run.
+    // Index of the first failed job so far: later jobs are skipped, earlier ones still run.
     let failed = AtomicUsize::new(usize::MAX);
     let run = |state: &mut S, (order, job): (usize, J)| {
         if order > failed.load(Ordering::Relaxed) {
@@ -51,7 +51,7 @@ pub fn try_map_at_once_with<J: Send, T: Send, S>(
         return results.into_iter().flatten().map(|(_, result)| result).collect();
     }
     let left = Mutex::new(jobs.into_iter().enumerate());
-    // Poisoned only if a thread panicked, which ends all.
+    // The mutex is poisoned only if a thread panicked, which ends the whole map.
     let next = || left.lock().ok().and_then(|mut left| left.next());
     let mut results: Vec<(usize, Result<T>)> = (0..at_once.max(1))
         .into_par_iter()

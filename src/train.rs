@@ -1,6 +1,6 @@
 //! Trains entropy tables of the transform codec (color.md 6.7) and of predictive depth (depth.md 15.8) on containers.
 //!
-//! Chunks that share their place in a file count once, as they are stored once.
+//! A chunk that several entries of an index share is stored once, and counted once.
 
 #![doc(hidden)]
 
@@ -22,15 +22,15 @@ use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::streams::{CodecHeader, DepthCoding, StreamInfo};
 
-/// A codec whose tables are trained.
+/// A codec with trained tables.
 pub trait TrainedCodec: Model {
-    /// Why a container is refused that has no payload to count.
+    /// Error for a container without a payload to count.
     const NOTHING_TO_COUNT: &'static str;
 
-    /// Tables of a stream of this codec.
+    /// Returns the tables of a stream; `None` if it has another codec.
     fn tables_of(stream: &StreamInfo) -> Option<&Tables<Self>>;
 
-    /// Counts the payload of a stream's chunk; `None` if it has no symbols of the model.
+    /// Counts the symbols of a chunk's payload; `None` if it has no symbols of the model.
     fn count(stream: &StreamInfo, chunk: &ChunkEntry, payload: &[u8]) -> Result<Option<PayloadCounts<Self>>>;
 }
 
@@ -77,37 +77,37 @@ pub struct TrainSettings {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct TrainSummary {
-    /// Payloads of the codec.
+    /// Number of payloads of the codec.
     pub payloads: u64,
     pub symbols: u64,
     pub sets: usize,
     pub payload_bytes: u64,
-    /// Bytes of the same symbols where each payload has the cheapest set, trained or built in.
+    /// Bytes of the same symbols if each payload uses its cheapest set, trained or built in.
     pub trained_payload_bytes: u64,
-    /// Bytes of the sets in a codec header.
+    /// Bytes of the trained sets in a codec header.
     pub table_bytes: u64,
-    /// Containers that were not trained on.
+    /// Result on containers that were not trained on.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub held_out: Option<HeldOut>,
 }
 
-/// Trained sets on containers that were not trained on.
+/// Size of containers that were not trained on, with their own sets and with the trained sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct HeldOut {
     pub payloads: u64,
     pub payload_bytes: u64,
-    /// Bytes of the same symbols where each payload has the cheapest trained set; none is built in.
+    /// Bytes of the same symbols if each payload uses its cheapest trained set; no built-in set is used.
     pub trained_payload_bytes: u64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trained {
-    /// The sets in the form of the format's file.
+    /// The trained sets, in the text form of the table files in `formats/`.
     pub text: String,
     pub summary: TrainSummary,
 }
 
-/// Containers, and their chunks of a codec.
+/// Containers and their chunks of one codec.
 #[derive(Debug)]
 pub struct Footage<'a> {
     inputs: &'a [Decoder],
@@ -122,8 +122,10 @@ struct TrainingChunk<'a> {
 }
 
 impl<'a> Footage<'a> {
+    /// Collects the chunks of codec `C` in all inputs.
+    ///
     /// # Errors
-    /// [`Error::Invalid`] names an input that has no chunk of the codec.
+    /// [`Error::Invalid`] names an input without a chunk of the codec.
     pub fn find<C: TrainedCodec>(inputs: &'a [Decoder]) -> Result<Footage<'a>> {
         let mut found = Vec::new();
         for (input, decoder) in inputs.iter().enumerate() {
@@ -144,7 +146,7 @@ impl<'a> Footage<'a> {
         self.chunks.len() as u64
     }
 
-    /// Bytes of the containers with the counts of all chunks, and of counting one.
+    /// Bytes of the containers with the counts of all chunks, and maximum bytes to count one chunk.
     fn bytes<C: TrainedCodec>(&self) -> [u64; 2] {
         let chunk_bytes = |at: &TrainingChunk<'_>| memory::chunk_bytes(&at.stream.header, &at.stream.entry, at.chunk);
         let containers: u64 = self.inputs.iter().map(|decoder| memory::container_bytes(decoder.reader())).sum();
@@ -152,7 +154,7 @@ impl<'a> Footage<'a> {
         [containers + counts, self.chunks.iter().map(chunk_bytes).max().unwrap_or(0)]
     }
 
-    /// Counts the symbols of all chunks; the monitor advances by one for each.
+    /// Counts the symbols of all chunks. The monitor advances by one per chunk.
     fn count<C: TrainedCodec>(self, at_once: usize, monitor: &dyn Monitor) -> Result<Trainer<C>> {
         let Footage { inputs, chunks } = self;
         let counted = try_map_at_once(chunks, at_once, |at| {
@@ -174,7 +176,7 @@ fn nothing_to_count<C: TrainedCodec>(decoder: &Decoder) -> Error {
     Error::invalid(C::NOTHING_TO_COUNT).in_file(decoder.reader().path())
 }
 
-/// Trains on footage, and measures the sets on other footage; the monitor advances by one for each chunk.
+/// Trains sets on `footage` and measures them on `held_out`. The monitor advances by one per chunk.
 pub fn train<C: TrainedCodec>(
     footage: Footage<'_>,
     held_out: Option<Footage<'_>>,

@@ -1,6 +1,6 @@
 // BC1 (blocks.md 3). Mirrors src/block/bc1.rs.
 
-// 5, 6 and 5 bits brought to 8 each, the high bits repeated below.
+// Expands a 5:6:5 colour to 8 bits per channel by replicating the high bits.
 fn bc1_expand(color: u32) -> vec3u {
     let r = color >> 11u;
     let g = (color >> 5u) & 63u;
@@ -8,7 +8,7 @@ fn bc1_expand(color: u32) -> vec3u {
     return vec3u((r << 3u) | (r >> 2u), (g << 2u) | (g >> 4u), (b << 3u) | (b >> 2u));
 }
 
-// A pixel of a block: r | g << 8 | b << 16.
+// Decodes one pixel: r | g << 8 | b << 16.
 fn bc1_texel(words: vec2u, texel: u32) -> u32 {
     let first = words.x & 0xffffu;
     let second = words.x >> 16u;
@@ -30,7 +30,7 @@ fn bc1_texel(words: vec2u, texel: u32) -> u32 {
     return color.x | (color.y << 8u) | (color.z << 16u);
 }
 
-// All pixels of a block.
+// Decodes all 16 pixels of a block.
 fn bc1_texels(words: vec2u, out: ptr<function, array<u32, 16>>) {
     for (var texel = 0u; texel < 16u; texel++) {
         (*out)[texel] = bc1_texel(words, texel);

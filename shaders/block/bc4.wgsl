@@ -1,6 +1,6 @@
 // BC4 (blocks.md 4). Mirrors src/block/bc4.rs.
 
-// The value of a pixel of a block.
+// Decodes the value of one pixel.
 fn bc4_texel(words: vec2u, texel: u32) -> u32 {
     let at = 16u + 3u * texel;
     let shift = at & 31u;
@@ -29,7 +29,7 @@ fn bc4_texel(words: vec2u, texel: u32) -> u32 {
     return ((6u - i) * a + (i - 1u) * b + 2u) / 5u;
 }
 
-// All values of a block.
+// Decodes all 16 values of a block.
 fn bc4_texels(words: vec2u, out: ptr<function, array<u32, 16>>) {
     for (var texel = 0u; texel < 16u; texel++) {
         (*out)[texel] = bc4_texel(words, texel);

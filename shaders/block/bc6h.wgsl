@@ -1,11 +1,11 @@
 // BC6H UF16 (blocks.md 7). Mirrors src/block/bc6h.rs. Needs bptc.wgsl.
 
-// What the bits in front of the indices say.
+// Fields of a block before the indices.
 struct Bc6hValues {
-    // 0 where the mode is reserved.
+    // 0 if the mode is reserved.
     subsets: u32,
     endpoint_bits: u32,
-    // Bits of differences of red, green and blue; 0 where endpoints are stored as they are.
+    // Bits of the endpoint deltas of red, green and blue; 0 if the endpoints are not delta-coded.
     delta: vec3u,
     partition_number: u32,
     w: vec3u,
@@ -14,12 +14,12 @@ struct Bc6hValues {
     z: vec3u,
 }
 
-// `count` bits in the other order.
+// Reverses the order of `count` bits.
 fn bc6h_reversed(bits: u32, count: u32) -> u32 {
     return reverseBits(bits) >> (32u - count);
 }
 
-// The values of a block, by the layout of its mode, which stands above each case.
+// Reads the fields of a block. The comment in each case is the bit layout of that mode, from the first bit after the mode.
 fn bc6h_values(words: vec4u) -> Bc6hValues {
     var code = words.x & 3u;
     if (code > 1u) {
@@ -402,7 +402,7 @@ fn bc6h_values(words: vec4u) -> Bc6hValues {
     return block;
 }
 
-// An endpoint as numbers of 16 bits; `value` is stored as its difference from the first where there are difference bits.
+// Unquantises an endpoint to 16 bits. In delta-coded modes `value` is a signed difference from endpoint `w`.
 fn bc6h_endpoint(block: Bc6hValues, value: vec3u) -> vec3u {
     var whole = value;
     if (block.delta.x > 0u) {
@@ -413,7 +413,7 @@ fn bc6h_endpoint(block: Bc6hValues, value: vec3u) -> vec3u {
     return bc6h_widen(whole, block.endpoint_bits);
 }
 
-// Numbers of `endpoint_bits` bits spread over 16.
+// Unquantises values of `endpoint_bits` bits to 16 bits.
 fn bc6h_widen(value: vec3u, endpoint_bits: u32) -> vec3u {
     if (endpoint_bits >= 15u) {
         return value;
@@ -423,7 +423,7 @@ fn bc6h_widen(value: vec3u, endpoint_bits: u32) -> vec3u {
     return select(select(spread, vec3u(0xffffu), value == last), vec3u(0u), value == vec3u(0u));
 }
 
-// A block whose endpoints are ready: a and b of subset 0, c and d of subset 1.
+// A block with unquantised endpoints: a and b of subset 0, c and d of subset 1.
 struct Bc6h {
     words: vec4u,
     subsets: u32,
@@ -447,7 +447,7 @@ fn bc6h_open(words: vec4u) -> Bc6h {
     );
 }
 
-// A pixel of a block: r | g << 16, then b.
+// Decodes one pixel: r | g << 16 in the first word, b in the second.
 fn bc6h_pixel(block: Bc6h, texel: u32) -> vec2u {
     if (block.subsets == 0u) {
         return vec2u(0u);
@@ -458,12 +458,12 @@ fn bc6h_pixel(block: Bc6h, texel: u32) -> vec2u {
     let index_bits = 5u - block.subsets;
     let indices_at = select(65u, 82u, block.subsets == 2u);
     let index = bptc_index(block.words, indices_at, index_bits, block.parts, texel);
-    // From 0 to 65535 to the patterns of finite half floats.
+    // Scales 0 to 65535 to the bit patterns of finite half floats.
     let halves = (bptc_mix(a, b, index, index_bits) * 31u) >> vec3u(6u);
     return vec2u(halves.x | (halves.y << 16u), halves.z);
 }
 
-// All pixels of a block.
+// Decodes all 16 pixels of a block.
 fn bc6h_texels(words: vec4u, out: ptr<function, array<vec2u, 16>>) {
     let block = bc6h_open(words);
     for (var texel = 0u; texel < 16u; texel++) {

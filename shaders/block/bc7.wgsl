@@ -1,6 +1,6 @@
 // BC7 (blocks.md 8). Mirrors src/block/bc7.rs. Needs bptc.wgsl.
 
-// How the bits of a block are dealt out.
+// Bit allocation of a mode.
 struct Bc7Mode {
     subsets: u32,
     partition_bits: u32,
@@ -8,13 +8,13 @@ struct Bc7Mode {
     selection_bits: u32,
     color_bits: u32,
     alpha_bits: u32,
-    // Endpoints that share a lowest bit: 0 none, 1 each has its own, 2 those of a subset.
+    // P-bits: 0 none, 1 one per endpoint, 2 one per subset.
     low_bits: u32,
     index_bits: u32,
     second_index_bits: u32,
 }
 
-// A row of the document's table; without subsets where the mode is reserved.
+// Returns a row of the mode table in blocks.md 8; subsets is 0 if the mode is reserved.
 fn bc7_mode(number: u32) -> Bc7Mode {
     switch (number) {
         case 0u: {
@@ -47,7 +47,7 @@ fn bc7_mode(number: u32) -> Bc7Mode {
     }
 }
 
-// What the bits before the endpoints say, and where the others are.
+// Fields of a block before the endpoints, and the bit offsets of the endpoints and indices.
 struct Bc7 {
     words: vec4u,
     mode: Bc7Mode,
@@ -81,7 +81,7 @@ fn bc7_open(words: vec4u) -> Bc7 {
     );
 }
 
-// Endpoint `number` of a block, 8 bits a channel.
+// Decodes endpoint `number` to 8 bits per channel.
 fn bc7_endpoint(block: Bc7, number: u32) -> vec4u {
     let words = block.words;
     let mode = block.mode;
@@ -107,7 +107,7 @@ fn bc7_endpoint(block: Bc7, number: u32) -> vec4u {
     return (value << (8u - count)) | (value >> (2u * count - 8u));
 }
 
-// A pixel of a block: r | g << 8 | b << 16 | a << 24.
+// Decodes one pixel: r | g << 8 | b << 16 | a << 24.
 fn bc7_pixel(block: Bc7, texel: u32) -> u32 {
     let mode = block.mode;
     if (mode.subsets == 0u) {
@@ -116,7 +116,7 @@ fn bc7_pixel(block: Bc7, texel: u32) -> u32 {
     let pair = 2u * bptc_subset(block.parts, texel);
     let a = bc7_endpoint(block, pair);
     let b = bc7_endpoint(block, pair + 1u);
-    // An index and how many bits it has.
+    // An index and its number of bits.
     let first = vec2u(bptc_index(block.words, block.indices_at, mode.index_bits, block.parts, texel), mode.index_bits);
     var of_color = first;
     var of_alpha = first;
@@ -147,7 +147,7 @@ fn bc7_pixel(block: Bc7, texel: u32) -> u32 {
     return pixel.x | (pixel.y << 8u) | (pixel.z << 16u) | (pixel.w << 24u);
 }
 
-// All pixels of a block.
+// Decodes all 16 pixels of a block.
 fn bc7_texels(words: vec4u, out: ptr<function, array<u32, 16>>) {
     let block = bc7_open(words);
     for (var texel = 0u; texel < 16u; texel++) {

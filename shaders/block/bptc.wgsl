@@ -1,6 +1,6 @@
-// What BC6H and BC7 share (blocks.md 6). Mirrors src/block/bptc.rs.
+// Functions and tables shared by BC6H and BC7 (blocks.md 6). Mirrors src/block/bptc.rs.
 
-// Partitions in two subsets: bit t is the subset of pixel t; bits 16 to 19 are the anchor of subset 1.
+// Partitions into two subsets: bit t is the subset of pixel t; bits 16 to 19 are the anchor of subset 1.
 const BPTC_TWO = array<u32, 64>(
     0xfccccu, 0xf8888u, 0xfeeeeu, 0xfecc8u, 0xfc880u, 0xffeecu, 0xffec8u, 0xfec80u,
     0xfc800u, 0xfffecu, 0xffe80u, 0xfe800u, 0xfffe8u, 0xfff00u, 0xffff0u, 0xff000u,
@@ -12,7 +12,7 @@ const BPTC_TWO = array<u32, 64>(
     0xf9336u, 0xf9cc6u, 0xf817eu, 0xfe718u, 0xfccf0u, 0x20fccu, 0x27744u, 0xfee22u,
 );
 
-// Partitions in three subsets: bits 2t and 2t + 1 are the subset of pixel t.
+// Partitions into three subsets: bits 2t and 2t + 1 are the subset of pixel t.
 const BPTC_THREE = array<u32, 64>(
     0xaa685050u, 0x6a5a5040u, 0x5a5a4200u, 0x5450a0a8u, 0xa5a50000u, 0xa0a05050u, 0x5555a0a0u, 0x5a5a5050u,
     0xaa550000u, 0xaa555500u, 0xaaaa5500u, 0x90909090u, 0x94949494u, 0xa4a4a4a4u, 0xa9a59450u, 0x2a0a4250u,
@@ -24,13 +24,13 @@ const BPTC_THREE = array<u32, 64>(
     0xaaaa1414u, 0xa05050a0u, 0xa0a5a5a0u, 0x96000000u, 0x40804080u, 0xa9a8a9a8u, 0xaaaaaa44u, 0x2a4a5254u,
 );
 
-// The anchors of subsets 1 and 2 in three subsets, four bits each: four partitions in a word.
+// Anchors of subsets 1 and 2 of the partitions into three subsets: four bits each, four partitions per word.
 const BPTC_ANCHORS_OF_THREE = array<u32, 16>(
     0x3f8f83f3u, 0x8f3ff3f8u, 0xf6f6f8f8u, 0x83f3f5f6u, 0x3ff883f3u, 0x8af683f3u, 0xa668f835u, 0x8faff5f8u,
     0xa5f33ff8u, 0xaf988aa6u, 0xf58ff36fu, 0x8f6f6f3fu, 0xf5f53ff3u, 0xfaf5f8f5u, 0xfdf8faf5u, 0x83f3fc3fu,
 );
 
-// `count` bits of a block from bit `at` on, at most 32.
+// Returns `count` bits of a block, at most 32, starting at bit `at`.
 fn bptc_bits(words: vec4u, at: u32, count: u32) -> u32 {
     let shift = at & 31u;
     var bits = words[at >> 5u] >> shift;
@@ -47,7 +47,7 @@ struct BptcPartition {
     anchors: u32,
 }
 
-// Partition `number` in `subsets` (1, 2 or 3) subsets.
+// Returns partition `number` into `subsets` (1, 2 or 3) subsets.
 fn bptc_partition(subsets: u32, number: u32) -> BptcPartition {
     if (subsets == 2u) {
         let row = BPTC_TWO[number];
@@ -69,19 +69,19 @@ fn bptc_subset(parts: BptcPartition, texel: u32) -> u32 {
     return (parts.map >> (2u * texel)) & 3u;
 }
 
-// The index of a pixel among indices of `count` bits, one less for anchors, that start at bit `at`.
+// Returns the index of a pixel. The indices start at bit `at` and have `count` bits each, those of anchor pixels one bit less.
 fn bptc_index(words: vec4u, at: u32, count: u32, parts: BptcPartition, texel: u32) -> u32 {
     let anchors_before = countOneBits(parts.anchors & ((1u << texel) - 1u));
     return bptc_bits(words, at + texel * count - anchors_before, count - ((parts.anchors >> texel) & 1u));
 }
 
-// The weight of an index of 2, 3 or 4 bits, in 64ths: the rows of the document's table, computed.
+// Returns the weight of an index of 2, 3 or 4 bits, in 64ths. The formula yields the rows of the table in blocks.md 6.
 fn bptc_weight(index: u32, count: u32) -> u32 {
     let last = (1u << count) - 1u;
     return (64u * index + last / 2u) / last;
 }
 
-// The mix of two endpoints by an index of `count` bits.
+// Interpolates between two endpoints by an index of `count` bits.
 fn bptc_mix(a: vec3u, b: vec3u, index: u32, count: u32) -> vec3u {
     let weight = bptc_weight(index, count);
     return (a * (64u - weight) + b * weight + 32u) >> vec3u(6u);

@@ -1,4 +1,4 @@
-// Blocks of BC1, all pixels of each. An invocation decodes a block. Needs `bc1_texels`.
+// Decodes BC1 blocks, one block per invocation. Needs `bc1_texels`.
 
 @group(0) @binding(0) var<storage, read> blocks: array<u32>;
 @group(0) @binding(1) var<storage, read_write> texels: array<u32>;

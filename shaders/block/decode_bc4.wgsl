@@ -1,4 +1,4 @@
-// Blocks of BC4, all pixels of each. An invocation decodes a block. Needs `bc4_texels`.
+// Decodes BC4 blocks, one block per invocation. Needs `bc4_texels`.
 
 @group(0) @binding(0) var<storage, read> blocks: array<u32>;
 @group(0) @binding(1) var<storage, read_write> texels: array<u32>;

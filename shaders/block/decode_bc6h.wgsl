@@ -1,4 +1,4 @@
-// Blocks of BC6H, all pixels of each. An invocation decodes a block. Needs `bc6h_texels`.
+// Decodes BC6H blocks, one block per invocation. Needs `bc6h_texels`.
 
 @group(0) @binding(0) var<storage, read> blocks: array<u32>;
 @group(0) @binding(1) var<storage, read_write> texels: array<u32>;

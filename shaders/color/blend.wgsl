@@ -1,10 +1,10 @@
-// The interpolation between two keyframes (arithmetic.md 3, 4). Mirrors src/color/blend.rs.
+// Interpolation between two keyframes (arithmetic.md 3, 4). Mirrors src/color/blend.rs.
 
 fn lerp(a: vec3u, b: vec3u, weight: u32) -> vec3u {
     return (a * (255u - weight) + b * weight + 127u) / 255u;
 }
 
-// Bit patterns of half floats as integers that grow with the value.
+// Maps bit patterns of half floats to integer keys that increase with the value.
 fn keys_of(bits: vec3u) -> vec3u {
     return bits ^ select(vec3u(0x8000u), vec3u(0xffffu), bits >= vec3u(0x8000u));
 }

@@ -1,4 +1,5 @@
-// Which keyframes each listed cell is blended of, and with which weight (color.md 4). Mirrors src/color/cells.rs.
+// Plans colour cells: the two keyframes that each listed cell blends, and their weight (color.md 4). Mirrors
+// src/color/cells.rs.
 
 @group(0) @binding(0) var<storage, read> chunks: array<Chunk>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;
@@ -8,7 +9,7 @@
 @group(0) @binding(5) var<storage, read_write> jobs: Jobs;
 @group(0) @binding(6) var<storage, read_write> dispatch: Dispatch;
 
-// The last keyframe of a chunk at or before a frame, counted from the chunk's first.
+// Returns the index in the chunk of the last keyframe at or before a frame.
 fn keyframe_of(chunk: Chunk, frame: u32) -> u32 {
     var low = 0u;
     var high = chunk.record_count;
@@ -23,7 +24,7 @@ fn keyframe_of(chunk: Chunk, frame: u32) -> u32 {
     return low - 1u;
 }
 
-// The blend that shows an item's frame; nothing to do where the cell shows it already.
+// Returns the job that blends an item's frame; an empty job if the cell already shows that frame.
 fn blend_of(item: Item) -> Job {
     let chunk = chunks[item.chunk];
     let keyframe = keyframe_of(chunk, item.frame);

@@ -1,5 +1,5 @@
-// Cells whose keyframes may be in blocks (color.md 4): `CellState` of src/decode/decoder.rs. An invocation writes the 4x4
-// pixels of a block. Needs `keyframe_block`, `empty_block`, `unpack`, `sample_pixel`, `between` and `put_pixel`.
+// Decodes cells whose keyframes may be block-compressed (color.md 4): `CellState` of src/decode/decoder.rs. An invocation
+// writes the 4x4 pixels of a block. Needs `keyframe_block`, `empty_block`, `unpack`, `sample_pixel`, `between` and `put_pixel`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;

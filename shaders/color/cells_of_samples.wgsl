@@ -1,5 +1,5 @@
-// Cells whose keyframes are samples (color.md 4): `CellState` of src/decode/decoder.rs. An invocation writes a pixel. Needs
-// `sample_pixel`, `between` and `put_pixel`.
+// Decodes cells whose keyframes are raw samples (color.md 4): `CellState` of src/decode/decoder.rs. An invocation writes a
+// pixel. Needs `sample_pixel`, `between` and `put_pixel`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;

@@ -1,6 +1,6 @@
-// Pixels of half floats, and what lies between two of them: `impl Sample for HalfKey` of src/color/blend.rs. Needs `lerp`.
+// Packing and interpolation of half-float pixels: `impl Sample for HalfKey` of src/color/blend.rs. Needs `lerp`.
 
-// A pixel as it lies in pictures: r | g << 16, then b.
+// Unpacks a pixel from the layout of `pictures`: r | g << 16 in the first word, b in the second.
 fn unpack(pixel: vec2u) -> vec3u {
     return vec3u(pixel.x & 0xffffu, pixel.x >> 16u, pixel.y & 0xffffu);
 }

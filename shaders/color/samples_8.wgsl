@@ -1,6 +1,6 @@
-// Cells of bytes (color.md 3, 4): `impl Sample for u8` of src/color/blend.rs. Needs `word_at`, `lerp` and `pictures`.
+// Cells of 8-bit samples (color.md 3, 4): `impl Sample for u8` of src/color/blend.rs. Needs `word_at`, `lerp` and `pictures`.
 
-// A pixel as it lies in pictures: r | g << 8 | b << 16.
+// Unpacks a pixel from the layout of `pictures`: r | g << 8 | b << 16.
 fn unpack(pixel: u32) -> vec3u {
     return vec3u(pixel & 255u, (pixel >> 8u) & 255u, (pixel >> 16u) & 255u);
 }
@@ -13,7 +13,7 @@ fn empty_block() -> array<u32, 16> {
     return array<u32, 16>();
 }
 
-// A pixel of a keyframe that is stored as it is, three bytes each.
+// Reads a pixel of a raw keyframe: three bytes per pixel.
 fn sample_pixel(keyframe: Record, pixel: u32) -> vec3u {
     return unpack(word_at(keyframe.at + 3u * pixel));
 }
@@ -23,6 +23,6 @@ fn between(a: vec3u, b: vec3u, weight: u32) -> vec3u {
 }
 
 fn put_pixel(unit: Unit, pixel: u32, color: vec3u) {
-    // Rows may be longer than their pixels.
+    // The row stride may exceed the width.
     pictures[unit.picture + pixel + pixel / unit.width * (unit.stride - unit.width)] = pack(color);
 }

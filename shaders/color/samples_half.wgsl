@@ -1,10 +1,10 @@
-// Cells of half floats (color.md 3, 4). Needs `word_at`, `half_at`, `pack` and `pictures`.
+// Cells of half-float samples (color.md 3, 4). Needs `word_at`, `half_at`, `pack` and `pictures`.
 
 fn empty_block() -> array<vec2u, 16> {
     return array<vec2u, 16>();
 }
 
-// A pixel of a keyframe that is stored as it is, three halves each.
+// Reads a pixel of a raw keyframe: three half floats per pixel.
 fn sample_pixel(keyframe: Record, pixel: u32) -> vec3u {
     let at = keyframe.at + 6u * pixel;
     return unpack(vec2u(word_at(at), half_at(at + 4u)));

@@ -1,10 +1,10 @@
 // BC4w blocks (depth.md 8). Mirrors src/depth/bc4w.rs. Needs `stream`.
 
 struct Bc4w {
-    // Endpoints of the sides A and B.
+    // 13-bit endpoints of sides A and B.
     a: vec2u,
     b: vec2u,
-    // x0, y0, x1, y1.
+    // Endpoints of the line: x0, y0, x1, y1.
     line: vec4i,
 }
 
@@ -17,7 +17,7 @@ fn bc4w_at(at: u32) -> Bc4w {
     return Bc4w(a, b, vec4i(line));
 }
 
-// The code of an index between two endpoints of 13 bits.
+// Returns the 16-bit code of a 3-bit index between two 13-bit endpoints.
 fn palette_code(endpoints: vec2u, index: u32) -> u32 {
     let d = (endpoints << vec2u(3u)) | (endpoints >> vec2u(10u));
     if (index == 0u) {
@@ -38,7 +38,7 @@ fn palette_code(endpoints: vec2u, index: u32) -> u32 {
     return ((6u - index) * d.x + (index - 1u) * d.y + 2u) / 5u;
 }
 
-// The code of pixel (x, y), both 0 to 7, of the block whose first word is at `at`.
+// Returns the code of pixel (x, y), both 0 to 7, of the block whose first word is at `at`.
 fn bc4w_code(block: Bc4w, at: u32, x: u32, y: u32) -> u32 {
     let bit = 24u * y + 3u * x;
     let shift = bit & 31u;

@@ -20,7 +20,7 @@ fn biquadratic_at(at: u32) -> Biquadratic {
     );
 }
 
-// The function at a pixel in Q14, wrapping.
+// Evaluates the function at a pixel, in Q14 with wrapping arithmetic.
 fn biquadratic_value(f: Biquadratic, x: i32, y: i32) -> i32 {
     let u = f.a0 + ((f.a2 * y + f.a3 * x + 128) >> 8u);
     let v = f.a1 + ((f.a4 * y + 128) >> 8u);

@@ -1,4 +1,4 @@
-// From the value of a function to a code (arithmetic.md 6, 7). Mirrors src/depth/domain.rs. Needs `log2_table`.
+// Converts the value of a modelling function to a code (arithmetic.md 6, 7). Mirrors src/depth/domain.rs. Needs `log2_table`.
 
 const BACKGROUND_CODE: u32 = 65535u;
 const FAR_CODE: u32 = 65534u;
@@ -39,12 +39,12 @@ fn inverse_code(unit: Unit, r: i32) -> u32 {
     return scaled(unit.base - min(unit.base, log), unit.scale);
 }
 
-// Q14 to Q8, to nearest.
+// Converts Q14 to Q8, rounding to nearest.
 fn q8(r: i32) -> i32 {
     return (r + 32) >> 6u;
 }
 
-// log2 in Q24.
+// Returns log2 in Q24.
 fn integer_log2(value: u32) -> u32 {
     let exponent = firstLeadingBit(value);
     let fraction = ((value << (31u - exponent)) << 1u) >> 9u;
@@ -55,9 +55,9 @@ fn integer_log2(value: u32) -> u32 {
     return (exponent << 24u) + low + (((high - low) * rest + 0x4000u) >> 15u);
 }
 
-// (log · scale + 2³¹) >> 32.
+// Returns (log · scale + 2³¹) >> 32, at most FAR_CODE.
 fn scaled(log: u32, scale: u32) -> u32 {
     let found = product(log, scale);
-    // Half of 2³² carries where the highest bit below is set.
+    // Adding 2³¹ carries into the high word if bit 31 of the low word is set.
     return min(found.y + (found.x >> 31u), FAR_CODE);
 }

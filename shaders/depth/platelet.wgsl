@@ -1,4 +1,4 @@
-// Platelets: two planes and a line (arithmetic.md 6). Mirrors src/depth/platelet.rs. Needs `stream`.
+// Platelets: two planes divided by a line (arithmetic.md 6). Mirrors src/depth/platelet.rs. Needs `stream`.
 
 struct Plane {
     a0: i32,
@@ -6,7 +6,7 @@ struct Plane {
     a5: i32,
 }
 
-// The line's side test: B where the value is positive.
+// Side test of the line: a pixel is on side B if the value is positive.
 struct SideTest {
     start: i32,
     across: i32,
@@ -40,7 +40,7 @@ fn platelet_at(at: u32, level: u32) -> Platelet {
     return Platelet(plane_at(at), plane_at(at + 3u), side_test(stream[at + 6u], level));
 }
 
-// The function at a pixel in Q14, wrapping.
+// Evaluates the function at a pixel, in Q14 with wrapping arithmetic.
 fn platelet_value(f: Platelet, x: i32, y: i32) -> i32 {
     var side = f.a;
     if (f.test.start + f.test.across * x + f.test.down * y > 0) {

@@ -1,5 +1,5 @@
-// Which record each listed unit applies next, and how much work that is (depth.md 4). Mirrors
-// src/depth/record_table.rs, one step a dispatch.
+// Plans depth units: the record that each listed unit applies next, and its amount of work (depth.md 4). A dispatch plans one
+// step per unit. Mirrors src/depth/record_table.rs.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> chunks: array<Chunk>;
@@ -9,13 +9,13 @@
 @group(0) @binding(5) var<storage, read_write> jobs: Jobs;
 @group(0) @binding(6) var<storage, read_write> dispatch: Dispatch;
 
-// Where a step ends, and the record there, if there is one.
+// Frame on which a step ends, and the record of that frame; NONE if it has no record.
 struct Landing {
     frame: u32,
     record: u32,
 }
 
-// The first record of a chunk whose frame is not below `frame`, counted from the chunk's first.
+// Returns the index in the chunk of the first record whose frame is at or after `frame`.
 fn records_below(chunk: Chunk, frame: u32) -> u32 {
     var low = 0u;
     var high = chunk.record_count;
@@ -30,14 +30,14 @@ fn records_below(chunk: Chunk, frame: u32) -> u32 {
     return low;
 }
 
-// Steps of at most `window` frames until one lands on a record, or on the target. A window of 0 leads there at once.
+// Steps by at most `window` frames until a step ends on a record or on the target. A window of 0 goes directly to the target.
 fn land(chunk: Chunk, start: u32, target_frame: u32, window: u32) -> Landing {
     var frame = start;
     while (frame < target_frame) {
         if (window == 0u) {
             frame = target_frame;
         } else {
-            // Steps that land on no record do nothing and are taken at once.
+            // Skips all steps that end on no record at once: they change nothing.
             let next = records_below(chunk, frame + 1u);
             var stop = target_frame;
             if (next < chunk.record_count) {
@@ -66,7 +66,7 @@ fn next_record(item: Item) -> u32 {
     } else {
         landing = Landing(0u, chunk.first_record);
     }
-    // Where nothing more is to come, the target is reached.
+    // If no further record follows, the target frame is reached.
     let more = land(chunk, landing.frame, item.frame, window);
     let frame = select(landing.frame, item.frame, more.record == NONE);
     states[item.unit] = State(item.key, frame, 0u);

@@ -1,10 +1,10 @@
 // Records of boxes (depth.md 4). Mirrors src/depth/records.rs. Needs `units`, `records`, `jobs` and `boxes`.
 
-// The part of a box that an invocation writes.
+// The part of a box that one invocation writes.
 struct BoxPart {
     unit: u32,
     row: u32,
-    // Number of the part in its box.
+    // Index of the part in its box.
     part: u32,
 }
 

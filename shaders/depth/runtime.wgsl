@@ -1,7 +1,7 @@
-// Nodes in the runtime form (depth.md 10; GDC 4, 5). Mirrors src/depth/runtime.rs and src/depth/nodes.rs.
+// Decodes nodes in the runtime form (depth.md 10; GDC 4, 5). Mirrors src/depth/runtime.rs and src/depth/nodes.rs.
 //
-// An invocation decodes a part of 4x4 pixels. The parts of a record are numbered by level, node and, inside a node, row
-// by row; the counts of the header lead from the number to the node.
+// An invocation decodes a part of 4x4 pixels. The parts of a record are numbered by level, then by node, then row by row inside
+// a node. The node of a part follows from the node counts in the header.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;
@@ -10,7 +10,7 @@
 @group(0) @binding(4) var<storage, read> log2_table: array<u32>;
 @group(0) @binding(5) var<storage, read_write> pictures: array<u32>;
 
-// Writes four codes of a row, of which those that lie in the picture count.
+// Writes four codes of a row; skips those outside the picture.
 fn write_row(unit: Unit, x: u32, y: u32, codes: vec4u) {
     if (y >= unit.height) {
         return;
@@ -25,7 +25,7 @@ fn write_row(unit: Unit, x: u32, y: u32, codes: vec4u) {
     }
 }
 
-// Decodes the 4x4 pixels at `corner` of a node whose coefficients start at word `at` and whose first pixel is `origin`.
+// Decodes the 4x4 pixels at `corner` of the node whose first pixel is `origin` and whose coefficients start at word `at`.
 fn decode_part(unit: Unit, level: u32, at: u32, origin: vec2u, corner: vec2u) {
     let p = origin + corner;
     if (level == 0u) {
@@ -94,7 +94,7 @@ fn decode_nodes(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
     part &= (1u << (2u * level)) - 1u;
     let places_at = header + NODE_HEADER_WORDS;
     let place = stream[places_at + node / 2u] >> (16u * (node & 1u));
-    // Places take two bytes each, and what they take is a multiple of 16 bytes.
+    // Positions take two bytes each and are padded to a multiple of 16 bytes.
     let coefficients_at = places_at + (2u * stream[header] + 15u) / 16u * 4u + 8u * node;
     let origin = vec2u(place & 255u, (place >> 8u) & 255u) << vec2u(level + 2u);
     let corner = vec2u(part & ((1u << level) - 1u), part >> level) * 4u;

@@ -1,7 +1,7 @@
 // Boxes of depth codes (depth.md 4). Mirrors `impl Texel for u16` of src/depth/texel.rs.
 //
-// An invocation writes a word: two codes, or the one of them that lies in the box. Another box of the record may hold the
-// other half of the word, so halves are written by operations that leave the rest alone. Needs `box_value`.
+// An invocation writes a word: two codes, or only the one inside the box. Another box of the record may write the other half of
+// the same word, so a single half is written with atomic bit operations. Needs `box_value`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;
@@ -10,7 +10,7 @@
 @group(0) @binding(4) var<storage, read> stream: array<u32>;
 @group(0) @binding(5) var<storage, read_write> pictures: array<atomic<u32>>;
 
-// The code at column x and row y of a box of values.
+// Reads the code at column x and row y of a box that is not block-compressed.
 fn stored_value(row: BoxRow, x: u32, y: u32) -> u32 {
     if (row.coding == BOX_CONSTANT) {
         return half_at(row.at);

@@ -1,5 +1,5 @@
-// Boxes of material (depth.md 4, 5). Mirrors `impl Texel for [u8; 3]` of src/depth/texel.rs. An invocation writes a
-// pixel. Needs `box_value`.
+// Boxes of material (depth.md 4, 5). Mirrors `impl Texel for [u8; 3]` of src/depth/texel.rs. An invocation writes a pixel.
+// Needs `box_value`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;
@@ -8,7 +8,7 @@
 @group(0) @binding(4) var<storage, read> stream: array<u32>;
 @group(0) @binding(5) var<storage, read_write> pictures: array<u32>;
 
-// The pixel at column x and row y of a box of values, r | g << 8 | b << 16.
+// Reads the pixel at column x and row y of a box that is not block-compressed: r | g << 8 | b << 16.
 fn stored_value(row: BoxRow, x: u32, y: u32) -> u32 {
     var at = row.at;
     if (row.coding != BOX_CONSTANT) {

@@ -1,25 +1,25 @@
-// Input of all drawings; src/gpu/drawing.rs writes it.
+// Input of all drawings, written by src/gpu/drawing.rs.
 
-// A picture, and the place of its sample in the pixels.
+// A picture to draw, and the position of its sample within the pixels.
 struct DrawnPicture {
-    // Axes of the camera, of length 1.
+    // Unit axes of the camera.
     right: vec3<f32>,
-    // From tangents to clip coordinates: factor and shift of x, then of y.
+    // Transform from tangents to clip coordinates: scale and shift of x, then of y.
     scale_x: f32,
     down: vec3<f32>,
     shift_x: f32,
     forward: vec3<f32>,
     scale_y: f32,
-    // Metres: the eye in single precision, and what that leaves of it.
+    // Eye position in metres, in single precision; `eye_rest` is its rounding error.
     eye: vec3<f32>,
     shift_y: f32,
     eye_rest: vec3<f32>,
-    // Depth in metres that has depth 1 in the buffer, a power of two; infinity has 0.
+    // Distance in metres that maps to buffer depth 1, a power of two; infinity maps to 0.
     nearest_m: f32,
-    // Depths between which surfaces are drawn, in metres; finite.
+    // Depth range of the surfaces that are drawn, in metres; finite.
     near_m: f32,
     far_m: f32,
-    // Alpha above which a texel covers the sample.
+    // A texel covers the sample if its alpha is above this threshold.
     threshold: f32,
     spare: u32,
 };
@@ -28,10 +28,10 @@ struct DrawnPicture {
 // Corners of triangles: the first three words of each are its position in metres.
 @group(0) @binding(1) var<storage, read> corners: array<f32>;
 
-// Clip coordinates of the corner that starts at a word. The last one is the depth along the axis of the camera, in metres.
+// Returns the clip coordinates of the corner at word `at`. w is the depth along the camera axis, in metres.
 fn clip_position(at: u32) -> vec4<f32> {
     let point = vec3(corners[at], corners[at + 1u], corners[at + 2u]);
-    // The eye is subtracted in two parts: single precision would move near triangles of a scene that lies far from the origin.
+    // The eye is subtracted in two parts: single precision alone would displace near triangles in a scene far from the origin.
     let from_eye = (point - picture.eye) - picture.eye_rest;
     let x = dot(from_eye, picture.right);
     let y = dot(from_eye, picture.down);

@@ -1,7 +1,7 @@
-// Counts the active pixels of each row, as `counts` of src/epipolar/compact.rs. A workgroup counts a row.
+// Counts the active pixels of each row, as `counts` of src/epipolar/compact.rs does. A workgroup counts one row.
 
 @group(0) @binding(0) var<storage, read> block: PixelRows;
-// What a pixel shows, 0 for nothing, and a word that is left out.
+// Per pixel: the triangle number plus 1, or 0 if it shows none, and a word that is not read.
 @group(0) @binding(1) var<storage, read> shown: array<vec2u>;
 @group(0) @binding(2) var<storage, read_write> counts: array<u32>;
 

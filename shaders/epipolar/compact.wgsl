@@ -1,12 +1,12 @@
-// Lists active pixels without gaps (Epipolar 3.3.2), as `compact` of src/epipolar/compact.rs. A workgroup lists those of a row, behind
-// those of the rows before. Needs `running_sum`.
+// Lists active pixels without gaps (Epipolar 3.3.2), as `compact` of src/epipolar/compact.rs does. A workgroup lists the pixels
+// of one row after those of the previous rows. Needs `running_sum`.
 
 @group(0) @binding(0) var<storage, read> block: PixelRows;
-// What a pixel shows, 0 for nothing, and a word that is left out.
+// Per pixel: the triangle number plus 1, or 0 if it shows none, and a word that is not read.
 @group(0) @binding(1) var<storage, read> shown: array<vec2u>;
-// Active pixels of each row.
+// Number of active pixels of each row.
 @group(0) @binding(2) var<storage, read> counts: array<u32>;
-// Numbers of pixels, row by row without the gaps between rows, and what they show.
+// Per active pixel: its index, row by row without padding, and its triangle number plus 1.
 @group(0) @binding(3) var<storage, read_write> active_pixels: array<vec2u>;
 
 var<workgroup> count_before: atomic<u32>;

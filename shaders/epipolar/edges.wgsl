@@ -1,15 +1,15 @@
-// Counts edges along scanlines, as `edges` of src/epipolar/erosion.rs: a pixel is at one where it moves otherwise than the mean of five
-// pixels. A workgroup sums up a scanline. Needs `running_sum`.
+// Counts edges along scanlines, as `edges` of src/epipolar/erosion.rs does: a pixel is at an edge if its move differs from the
+// mean move of five pixels. A workgroup sums one scanline. Needs `running_sum`.
 
 @group(0) @binding(0) var<storage, read> block: PixelRows;
-// By how much pixels move to the other source, 1/256 pixels.
+// Movement of each pixel towards the other source, in 1/256 pixels.
 @group(0) @binding(1) var<storage, read> moves: array<i32>;
-// Edges up to each pixel.
+// Number of edges up to and including each pixel.
 @group(0) @binding(2) var<storage, read_write> edges: array<u32>;
 
-// Pixels on each side of the one in the middle of the window.
+// Pixels on each side of the window's centre.
 const EROSION_REACH: u32 = 2u;
-// 1/256 pixels by which a pixel within a surface differs from the mean.
+// Maximum difference from the mean within a surface, in 1/256 pixels.
 const EROSION_TOLERANCE: u32 = 256u;
 
 fn is_edge(start: u32, column: u32) -> bool {

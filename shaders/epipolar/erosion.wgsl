@@ -1,10 +1,10 @@
-// Counts the pixels from which an edge lies on the way to their place in the other source (Epipolar 3.3.1), as `eroded` of
-// src/epipolar/erosion.rs. A workgroup counts those of a scanline.
+// Counts the pixels that have an edge between their position and their position in the other source (Epipolar 3.3.1), as
+// `eroded` of src/epipolar/erosion.rs does. A workgroup counts one scanline.
 
 @group(0) @binding(0) var<storage, read> block: PixelRows;
-// By how much pixels move to the other source, 1/256 pixels.
+// Movement of each pixel towards the other source, in 1/256 pixels.
 @group(0) @binding(1) var<storage, read> moves: array<i32>;
-// Edges up to each pixel.
+// Number of edges up to and including each pixel.
 @group(0) @binding(2) var<storage, read> edges: array<u32>;
 @group(0) @binding(3) var<storage, read_write> eroded: array<u32>;
 
@@ -14,7 +14,7 @@ var<workgroup> eroded_count: atomic<u32>;
 
 fn is_eroded(start: u32, column: u32) -> bool {
     let end = i32(column) + ((moves[start + column] + (1 << (MOVE_BITS - 1u))) >> MOVE_BITS);
-    // What leaves the image is not missing in it.
+    // A pixel that moves out of the other image does not count.
     if (end < 0 || end >= i32(block.width)) {
         return false;
     }

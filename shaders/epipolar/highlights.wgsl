@@ -1,27 +1,27 @@
-// Adds highlights along the line of eyes to the pixels that lack them (Epipolar 3.5, 7.3), as src/epipolar/highlights.rs: linear between
-// splits. An invocation shades a pixel. Needs `beside_of`.
+// Adds highlights to the pixels marked SHOWN_GLOSS (Epipolar 3.5, 7.3), as src/epipolar/highlights.rs does: linear
+// interpolation between splits along the line of eyes. An invocation shades a pixel. Needs `beside_of`.
 
-// A place along the line of eyes where the highlight of a line is known.
+// A position along the line of eyes at which the highlight of a line is known.
 struct LineSplit {
-    // Radiance.
+    // Radiance of the highlight.
     light: vec3f,
-    // 0 at the first view to 1 at the last.
+    // Position along the line of eyes: 0 at the first view, 1 at the last.
     place: f32,
 }
 
 @group(0) @binding(0) var<storage, read> block: SliceBlock;
-// The first line of each scanline, and the end of the last.
+// First line of each scanline, then the end of the last scanline.
 @group(0) @binding(1) var<storage, read> starts: array<u32>;
 @group(0) @binding(2) var<storage, read> winners: array<vec2u>;
-// The first split of each line, and the end of the last; a line without highlights has none.
+// First split of each line, then the end of the last line. A line without highlights has no splits.
 @group(0) @binding(3) var<storage, read> split_starts: array<u32>;
 @group(0) @binding(4) var<storage, read> splits: array<LineSplit>;
-// Places of the views, 0 for the first of all to 1 for the last.
+// Positions of the views: 0 for the first of all views, 1 for the last.
 @group(0) @binding(5) var<storage, read> eyes: array<f32>;
-// Half floats, and SHOWN_….
+// Half floats, and SHOWN_… in the high half of the second word.
 @group(0) @binding(6) var<storage, read_write> pixels: array<vec2u>;
 
-// Radiance of a line's highlight, as a vec4 whose last part has no meaning.
+// Returns the radiance of a line's highlight at a position. The last component is unused.
 fn highlight(line: u32, place: f32) -> vec4f {
     let begin = split_starts[line];
     let end = split_starts[line + 1u];
@@ -34,7 +34,7 @@ fn highlight(line: u32, place: f32) -> vec4f {
     }
     let near = splits[max(after, begin + 1u) - 1u];
     let next = splits[min(after, end - 1u)];
-    // Before the first split and behind the last one both are the same.
+    // Before the first split and after the last one, `near` and `next` are the same split.
     var part = 0.0;
     if (next.place > near.place) {
         part = (place - near.place) / (next.place - near.place);
@@ -42,10 +42,10 @@ fn highlight(line: u32, place: f32) -> vec4f {
     return mix(vec4f(near.light, 0.0), vec4f(next.light, 0.0), part);
 }
 
-// The number of a half float, from its bits: infinity is 65536.
+// Converts the bits of a half float to a number; infinity becomes 65536.
 fn number_of(half: u32) -> f32 {
     let size = half & 0x7fffu;
-    // Of the least ones, the bits are multiples of 2^-24.
+    // Subnormals are multiples of 2^-24.
     var number = f32(size) / 16777216.0;
     if (size >= 0x400u) {
         number = bitcast<f32>((min(size, 0x7c00u) << 13u) + 0x38000000u);
@@ -53,10 +53,10 @@ fn number_of(half: u32) -> f32 {
     return select(number, -number, (half & 0x8000u) != 0u);
 }
 
-// Bits of the nearest half float to a number, the even one of two: from 0 to the greatest one, and what lies beyond is moved there.
+// Converts a number to the bits of the nearest half float, ties to even. Clamps to 0 … 65504.
 fn half_of(number: f32) -> u32 {
     let light = clamp(number, 0.0, 65504.0);
-    // Below this, halves are multiples of 2^-24.
+    // Below this value half floats are subnormal: multiples of 2^-24.
     if (light < 6.103515625e-5) {
         return u32(round(light * 16777216.0));
     }

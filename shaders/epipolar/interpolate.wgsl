@@ -1,14 +1,14 @@
-// Light of winners, as `Shader` of src/epipolar/interpolate.rs without highlights. An invocation shades a pixel. Needs `unpack`, `pack`,
-// `between` and `beside_of`.
+// Shades winners, as `Shader` of src/epipolar/interpolate.rs does, without highlights. An invocation shades a pixel. Needs
+// `unpack`, `pack`, `between` and `beside_of`.
 
 @group(0) @binding(0) var<storage, read> block: SliceBlock;
-// The first line of each scanline, and the end of the last.
+// First line of each scanline, then the end of the last scanline.
 @group(0) @binding(1) var<storage, read> starts: array<u32>;
 @group(0) @binding(2) var<storage, read> lights: array<LineLight>;
 @group(0) @binding(3) var<storage, read> winners: array<vec2u>;
-// Half floats, and SHOWN_….
+// Half floats, and SHOWN_… in the high half of the second word.
 @group(0) @binding(4) var<storage, read_write> pixels: array<vec2u>;
-// A bit for each line: whether a pixel lacks its highlight.
+// One bit per line: set if a pixel needs its highlight.
 @group(0) @binding(5) var<storage, read_write> wanted: array<atomic<u32>>;
 
 fn want(line: u32, kind: u32) {

@@ -1,20 +1,20 @@
-// The lines that pixels show (Epipolar 3.3.2), as src/epipolar/slice.rs. A workgroup finds the winners of some columns of a scanline of
-// a view: the least depth of each first, then the least run of those that have it. Needs `moved`.
+// Finds the line that each pixel shows (Epipolar 3.3.2), as src/epipolar/slice.rs does. A workgroup processes some columns of
+// one scanline of one view: it finds the minimum depth of each column, then the first run with that depth. Needs `moved`.
 
 @group(0) @binding(0) var<storage, read> block: SliceBlock;
-// The first line of each scanline, and the end of the last.
+// First line of each scanline, then the end of the last scanline.
 @group(0) @binding(1) var<storage, read> starts: array<u32>;
-// The same of runs.
+// First run of each scanline, then the end of the last scanline.
 @group(0) @binding(2) var<storage, read> run_starts: array<u32>;
 @group(0) @binding(3) var<storage, read> runs: array<SliceRun>;
-// By line, bits of planar distances.
+// Planar distance of each line, as bits of a float.
 @group(0) @binding(4) var<storage, read> depths: array<u32>;
 @group(0) @binding(5) var<storage, read> places: array<SlicePlace>;
 @group(0) @binding(6) var<storage, read_write> winners: array<vec2u>;
-// Pixels that runs and the spans between them cover, added by scanline of a view.
+// Number of pixels covered by runs and the spans between them, per scanline of a view; added to the previous value.
 @group(0) @binding(7) var<storage, read_write> fragments: array<atomic<u32>>;
 
-// By column: the high and the low half of a key.
+// High and low half of the minimum key, per column.
 var<workgroup> nearest: array<atomic<u32>, SLICE_COLUMNS>;
 var<workgroup> words: array<atomic<u32>, SLICE_COLUMNS>;
 var<workgroup> fragment_count: atomic<u32>;
@@ -23,7 +23,7 @@ fn place_of(run: SliceRun, view: u32) -> SlicePlace {
     return places[(run.flags & 0xffffu) * block.views + view];
 }
 
-// Of the first line.
+// Returns the column of the run's first line in a view.
 fn column_of(run: SliceRun, place: SlicePlace) -> i32 {
     return run.column + moved(run.disparity, place.place);
 }
@@ -40,7 +40,7 @@ fn is_own(run: SliceRun, place: SlicePlace) -> bool {
     return (run.flags & RUN_FIRST) != 0u && place.place == 0;
 }
 
-// Pixels of a run or of a span: columns within those of the workgroup, from their first.
+// Pixels covered by a run or a span: a range of columns, relative to the first column of the workgroup.
 struct Cover {
     begin: u32,
     end: u32,
@@ -52,23 +52,23 @@ fn cover(begin: i32, end: i32, tile: vec2i) -> Cover {
     return Cover(u32(first - tile.x), u32(last - tile.x));
 }
 
-// What the lines of a run cover.
+// Returns the pixels covered by the lines of a run.
 fn cover_of_run(run: SliceRun, place: SlicePlace, tile: vec2i) -> Cover {
     let column = column_of(run, place) >> COLUMN_BITS;
     return cover(column, column + length_of(run), tile);
 }
 
-// The line of a run at the first column of the workgroup, if the run went on as far.
+// Returns the index of the line at the workgroup's first column, extrapolated if the run does not reach that column.
 fn line_at_tile(start: u32, run: SliceRun, place: SlicePlace, tile: vec2i) -> i32 {
     return i32(start + run.first) + tile.x - (column_of(run, place) >> COLUMN_BITS);
 }
 
 fn depth_of_line(line: i32, run: SliceRun, place: SlicePlace) -> u32 {
-    // Its own view shows the first layer as it was, whatever lies before it between the middles of pixels.
+    // In its own view, a line of the first layer always wins, even if another line lies in front of it between pixel centres.
     return select(depths[line] + place.bias, 0u, is_own(run, place));
 }
 
-// What lies between a run and the next one, which it joins.
+// Returns the pixels covered by the span between a run and the next one, which it joins.
 fn cover_of_span(at: u32, run: SliceRun, place: SlicePlace, tile: vec2i) -> Cover {
     let columns = vec2i(column_of(run, place), column_of(runs[at + 1u], place)) >> vec2u(COLUMN_BITS);
     return cover(columns.x + length_of(run), columns.y, tile);
@@ -85,20 +85,21 @@ fn put_word(column: u32, depth: u32, word: u32) {
     }
 }
 
-// The two words of a winner: its line, and the line beside it that it is blended with; by its run and whether a span of that won.
+// Returns the two words of a winner from the winning run and a bit that is set if the span after the run won: the line, and the
+// neighbouring line with its weight.
 fn winner(first_run: u32, word: u32, column: i32, view: u32) -> vec2u {
     let at = first_run + (word >> 1u);
     let run = runs[at];
     let place = place_of(run, view);
     let own = select(0u, WINNER_OWN, is_own(run, place));
     let run_column = column_of(run, place);
-    // The line of the run, and its column. Between two runs it is the last one.
+    // The winning line of the run, and its column. In a span this is the last line of the run.
     let last = length_of(run) - 1;
     let of_run = select(column - (run_column >> COLUMN_BITS), last, (word & 1u) != 0u);
     let line = run.first + u32(of_run);
     let line_column = run_column + (of_run << COLUMN_BITS);
     let right_of_line = (column << COLUMN_BITS) + (1 << (COLUMN_BITS - 1u)) - line_column;
-    // A line before the middle of the pixel is blended with the one after it, and the other way round.
+    // A line left of the pixel centre is blended with the next line, a line right of it with the previous one.
     var side = 0u;
     var parted = 0;
     if (right_of_line > 0) {
@@ -121,7 +122,7 @@ fn winner(first_run: u32, word: u32, column: i32, view: u32) -> vec2u {
             }
         }
     }
-    // Lines that have come closer, or changed places, are not blended.
+    // Lines that have converged or swapped order are not blended.
     if (side == 0u || sign(parted) != sign(right_of_line)) {
         return vec2u(line, own);
     }

@@ -1,6 +1,8 @@
-// The nearest triangle at each pixel behind those of a former pass: layers of depth peeling (Epipolar 3.1 to 3.3). Needs layout.wgsl.
+// Draws the nearest triangle at each pixel behind the triangles of the previous pass: layers of depth peeling (Epipolar 3.1 to
+// 3.3). Needs layout.wgsl.
 
-// For each pixel, what the former pass left: a triangle, and the bits of its depth in the buffer, which falls with distance.
+// Output of the previous pass, per pixel: the triangle number plus 1, and the bits of its buffer depth, which decreases with
+// distance.
 @group(0) @binding(2) var before: texture_2d_array<u32>;
 
 struct Corner {
@@ -8,7 +10,7 @@ struct Corner {
     @location(0) @interpolate(flat) triangle: u32,
 };
 
-// An instance is the number of the first triangle of a batch.
+// The instance index is the number of the first triangle of a batch.
 @vertex
 fn place_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) first: u32) -> Corner {
     return Corner(clip_position(3u * index), first + index / 3u);

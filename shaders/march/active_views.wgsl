@@ -1,16 +1,16 @@
-// Occupancy of points: BetweenViewpointAndGeometry of algorithm 4 (CALF 6). Mirrors src/march/active_views.rs.
-// Needs `project`, `inverse_depth_bits` and what marched_views.wgsl has.
+// Occupancy of points: BetweenViewpointAndGeometry of algorithm 4 (CALF 6). Mirrors src/march/active_views.rs. Needs `project`,
+// `inverse_depth_bits` and the declarations of marched_views.wgsl.
 
-// How far texels that decide about a point reach beyond the one that contains it, in texels.
+// Reach in texels of the footprint around a point: all texels that contain a point within this distance decide its occupancy.
 const AROUND_REACH: f32 = 0.5 - 1.0 / 64.0;
 
 const EMPTY = 0u;
 const OCCUPIED = 1u;
 const NOT_KNOWN = 2u;
-// The smallest normal number.
+// Smallest positive normal float.
 const MIN_POSITIVE: f32 = 1.17549435e-38;
 
-// The last view that found a point empty is tested first.
+// The last view that found a point empty; it is tested first.
 var<private> empty_view: u32;
 
 fn to_probe(view: u32, direction: vec3<f32>) -> vec3<f32> {
@@ -26,7 +26,7 @@ fn nearest_inverse_depth(at: Projected) -> u32 {
     return inverse_depth_bits(at.face, min(vec2<u32>(max(at.at, vec2(0.0))), last));
 }
 
-// The greatest inverse depth of the texels that decide about a point.
+// Returns the maximum inverse depth of the texels in a point's footprint.
 fn footprint_inverse_depth(at: Projected) -> u32 {
     if (!is_around) {
         return nearest_inverse_depth(at);
@@ -53,10 +53,10 @@ fn occupancy(view: u32, point: vec3<f32>) -> u32 {
     let near = squared < views[view].near_m * views[view].near_m;
     let at = project(view, local);
     if (at.face == NO_FACE) {
-        // The centre itself has no direction.
+        // The centre of projection itself has no direction.
         return select(NOT_KNOWN, EMPTY, near && squared <= MIN_POSITIVE);
     }
-    // Within near, whatever the texels say.
+    // Points within near are empty regardless of the texels.
     if (near) {
         return EMPTY;
     }
@@ -67,7 +67,7 @@ fn occupancy(view: u32, point: vec3<f32>) -> u32 {
     return select(OCCUPIED, EMPTY, bitcast<f32>(surface) < at.inverse_depth);
 }
 
-// The view of this turn: `empty_view` has changed places with the first.
+// Returns the view to test in this turn: `empty_view` is swapped with the first view.
 fn view_of_turn(turn: u32) -> u32 {
     return view_at(select(select(turn, 0u, turn == empty_view), empty_view, turn == 0u));
 }

@@ -10,5 +10,5 @@ const HOLE_RAYS = 6u;
 const BACKGROUND_RAYS = 7u;
 const COUNTERS = 8u;
 
-// Of this invocation.
+// Counts of this invocation.
 var<private> counted: array<u32, COUNTERS>;

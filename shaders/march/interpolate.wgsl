@@ -1,4 +1,4 @@
-// What colour a point has: CalculateColor of algorithm 4 (CALF 6). Mirrors src/march/interpolate.rs. Needs `project`
+// Interpolates the colour of a point: CalculateColor of algorithm 4 (CALF 6). Mirrors src/march/interpolate.rs. Needs `project`
 // and `local_of`.
 
 const DEPTH_EPSILON: f32 = 0.02;
@@ -11,17 +11,17 @@ const NEARER: f32 = 1.105171;
 const DEPTH_CUT: f32 = 0.2;
 const CUT_WEIGHT: f32 = 0.001;
 
-// What views saw. `difference` is meant only where something was found.
+// Result of an interpolation over views. `difference` is only defined if `found`.
 struct Seen {
     found: bool,
-    // As it is coded: codes over 255, or light.
+    // As coded: codes over 255, or linear RGB.
     color: vec3<f32>,
     difference: f32,
     coverage: f32,
     alpha: f32,
 }
 
-// Four texels around a place, the first two above the others, with their weights.
+// The four texels around a position with their bilinear weights, the upper two first.
 struct Taps {
     texels: array<vec2<u32>, 4>,
     weights: vec4<f32>,
@@ -30,7 +30,7 @@ struct Taps {
 struct Sum {
     color: vec3<f32>,
     weight: f32,
-    // The weights of colours: times alpha.
+    // Sum of the weights times alpha: the weights of the colours.
     shown: f32,
     difference: f32,
 }
@@ -58,7 +58,7 @@ fn seen_of(sum: Sum) -> Seen {
     return Seen(sum.weight > 0.0, vec3(0.0), sum.difference, 1.0, 0.0);
 }
 
-// A sum with a texel by its weight.
+// Adds a texel to a sum.
 fn with_texel(before: Sum, color: vec4<f32>, weight: f32, difference: f32) -> Sum {
     let shown = weight * color.a;
     return Sum(
@@ -69,7 +69,7 @@ fn with_texel(before: Sum, color: vec4<f32>, weight: f32, difference: f32) -> Su
     );
 }
 
-// A sum with the texels of surfaces around a point in a view, by the share of the view.
+// Adds the surface texels around a point in a view to a sum, weighted by the view's share.
 fn with_view(before: Sum, view: u32, at: Projected, share: f32) -> Sum {
     var sum = before;
     var taps = taps_around(at.at, at.face);
@@ -97,7 +97,8 @@ fn surface_color(point: vec3<f32>) -> Seen {
     return seen_of(sum);
 }
 
-// The weight of a view for a point that the eye sees, by the angle between their rays and by resolution.
+// Returns the weight of a view for a point on a primary ray, from the angle between the eye ray and the view ray, and from
+// resolution.
 fn angle_weight(view: u32, point: vec3<f32>) -> f32 {
     let from_view = point - views[view].from_eye;
     let from_eye_m = length(point);
@@ -108,7 +109,7 @@ fn angle_weight(view: u32, point: vec3<f32>) -> f32 {
     return 1.0 / (angle + blur + ANGLE_EPSILON);
 }
 
-// The part of the weight of a view that its texels beside a nearer surface have; `epsilon` is that of the weight.
+// Returns the factor on the weight of a view's texels that are next to a nearer surface; `epsilon` is the ε used in `weight`.
 fn edge_part_of(view: u32, weight: f32, epsilon: f32, penalty: f32) -> f32 {
     if (!is_around || all(views[view].from_eye == vec3(0.0))) {
         return 1.0;
@@ -121,7 +122,7 @@ fn is_nearer(face: u32, texel: vec2<u32>, inverse_depth: f32) -> bool {
     return surface != UNKNOWN && bitcast<f32>(surface) > inverse_depth;
 }
 
-// Whether a surface with a greater inverse depth lies in a texel above, below, left or right of one.
+// True if one of the four adjacent texels shows a surface with a greater inverse depth.
 fn is_beside_nearer(face: u32, texel: vec2<u32>, inverse_depth: f32) -> bool {
     return (texel.x > 0u && is_nearer(face, texel - vec2(1u, 0u), inverse_depth))
         || (texel.x + 1u < faces[face].width && is_nearer(face, texel + vec2(1u, 0u), inverse_depth))
@@ -137,7 +138,7 @@ fn fit_weight(difference: f32) -> f32 {
     return max(weight - 1.0 / (DEPTH_CUT + DEPTH_EPSILON), CUT_WEIGHT * weight);
 }
 
-// The colour and coverage of a surface point that the eye sees.
+// Returns the colour, coverage and alpha of a surface point on a primary ray.
 fn seen_from_eye(point: vec3<f32>) -> Seen {
     var sum = EMPTY_SUM;
     var opaque = 0.0;

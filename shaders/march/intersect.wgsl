@@ -1,7 +1,7 @@
-// Where a ray meets a surface: RayIntersection of algorithm 4 (CALF 6), testing every point. Mirrors
+// Intersection of a ray with a surface: RayIntersection of algorithm 4 (CALF 6), testing every point. Mirrors
 // src/march/intersect.rs. Needs `is_surface`.
 
-// The first step at which marching ends, or all of them.
+// Returns the first step at or after `first` that is on a surface; `scene.distance_count` if there is none.
 fn first_step(ray: Ray, first: u32) -> u32 {
     var at = first;
     while (at < scene.distance_count) {

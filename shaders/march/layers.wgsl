@@ -1,30 +1,30 @@
-// What a primary ray shows: surfaces, one behind the other, each with its share, and the background. Mirrors src/march/layers.rs. Needs
-// `first_step`, `refined`, `seen_from_eye`, `background_color`, `surface_light` and `light_of`.
+// Follows a primary ray through successive surfaces, each with its share of the ray, to the background. Mirrors
+// src/march/layers.rs. Needs `first_step`, `refined`, `seen_from_eye`, `background_color`, `surface_light` and `light_of`.
 
 const MIN_LAYER: f32 = 1.0 / 64.0;
 const MAX_LAYERS = 8u;
 const MAX_EXITS = 64u;
 
-// What a ray shows. Mirrors src/march/samples.rs.
+// Result of a primary ray. Mirrors src/march/samples.rs.
 struct RaySample {
-    // Linear light, times `share`.
+    // Linear RGB times `share`.
     light: vec3<f32>,
-    // The part of the ray that has a colour.
+    // Fraction of the ray that has a colour.
     share: f32,
-    // Whether it first meets a surface that no view saw, or ends in nothing.
+    // True if the first surface is disoccluded in all views, or the ray ends without a colour.
     is_hole: bool,
 }
 
-// A ray on its way.
+// State of a ray on its way through layers.
 struct Rest {
     light: vec3<f32>,
     left: f32,
     layers: u32,
-    // Nearer surfaces do not show.
+    // Surfaces nearer than this are skipped.
     least_m: f32,
-    // Whether it is within a surface with alpha, which has shown.
+    // True while the ray is inside a surface with alpha that has been blended.
     is_within: bool,
-    // Whether a surface with alpha has shown.
+    // True if the ray has passed a surface with alpha.
     lets_through: bool,
 }
 
@@ -50,7 +50,7 @@ fn first_hits(ray: Ray) -> FirstHits {
     return hits;
 }
 
-// Shows a surface by its coverage and alpha.
+// Blends a surface by its coverage and alpha.
 fn show(before: Rest, ray: Ray, distance_m: f32, seen: Seen) -> Rest {
     var coverage = 1.0;
     if ((scene.refinements & REFINE_EDGES) != 0u) {
@@ -78,7 +78,7 @@ fn show(before: Rest, ray: Ray, distance_m: f32, seen: Seen) -> Rest {
     return rest;
 }
 
-// What is left of a ray ends in nothing known.
+// Ends a ray whose remaining share has no colour.
 fn end_in_hole(rest: Rest, unseen: Seen) -> RaySample {
     if (rest.layers == 0u) {
         let share = select(0.0, 1.0, unseen.found);
@@ -110,10 +110,10 @@ fn follow(ray: Ray) -> RaySample {
         var at_m = hit.distance_m;
         var within = scene.tolerance;
         var is_inside = false;
-        // A surface before the near plane is cut away, and what is inside it.
+        // A surface that begins before the near plane is clipped, including its inside.
         let is_cut = at_m < near_m;
         rest.is_within = rest.is_within && at_m < rest.least_m;
-        // The first step behind the hit.
+        // Finds the first step behind the hit.
         var next = 0u;
         var above = scene.distance_count;
         while (next < above) {

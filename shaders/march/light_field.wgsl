@@ -1,25 +1,24 @@
-// Texels, and the projection of points into the images of a view (CALF 6). Mirrors `View::project` of
-// src/views/light_field.rs over src/image/texel_map.rs; tests/gpu/projection.rs compares the two.
+// Texels, and the projection of points into the images of a view (CALF 6). Mirrors `View::project` of src/views/light_field.rs
+// over src/image/texel_map.rs; tests/gpu/projection.rs compares the two.
 //
-// Inverse depths are read as the bits of their floats, so that what is unknown, +inf, is told without a float that is not
-// finite: shaders may take it that there is none.
+// Inverse depths are read as the bits of floats: +inf marks unknown texels, and shaders may assume that no float is infinite.
 
 @group(0) @binding(4) var inverse_depths: texture_2d_array<u32>;
 @group(0) @binding(5) var colors: texture_2d_array<f32>;
 
 const BACKGROUND = 0u;
 const UNKNOWN = 0x7f800000u;
-// Lengths below have no inverse that every device holds.
+// The inverse of a smaller length is not representable on every device.
 const MIN_INVERTIBLE_M: f32 = 1e-37;
 
-// Where a point lies in an image; `face` is a row of `faces`, or NO_FACE.
+// Position of a point in an image; `face` is a row of `faces`, or NO_FACE.
 struct Projected {
     face: u32,
     at: vec2<f32>,
     inverse_depth: f32,
 }
 
-// Number of the face, u, v and planar depth of a point.
+// Index of the cube face, (u, v) at distance 1 before the division by depth, and planar depth of a point.
 struct CubePlace {
     face: u32,
     plane: vec2<f32>,
@@ -71,13 +70,13 @@ fn project(view: u32, from_probe: vec3<f32>) -> Projected {
     return Projected(face, at, scale);
 }
 
-// The bits of the inverse planar depth of a texel.
+// Returns the bits of a texel's inverse planar depth.
 fn inverse_depth_bits(face: u32, texel: vec2<u32>) -> u32 {
     let place = vec2(faces[face].column, faces[face].row) + texel;
     return textureLoad(inverse_depths, place, faces[face].layer, 0).r;
 }
 
-// The colour of a texel, codes over 255 or light, and its alpha.
+// Returns the colour of a texel, as codes over 255 or linear RGB, and its alpha.
 fn texel_color(face: u32, texel: vec2<u32>) -> vec4<f32> {
     let place = vec2(faces[face].column, faces[face].row) + texel;
     let color = textureLoad(colors, place, faces[face].layer, 0);

@@ -1,12 +1,12 @@
-// The views that are marched: all active ones, or one alone: the nearest, or the environment map of a proxy.
+// Selects the views that are marched: all active views, or a single one (the nearest, or the environment map of a proxy).
 
 const ALL_VIEWS = 0xffffffffu;
 
-// The single view, or ALL_VIEWS.
+// Index of the single view, or ALL_VIEWS.
 var<private> alone: u32 = ALL_VIEWS;
-// Whether the texels around a point decide whether a view sees past it, in place of the one that contains it: of primary rays.
+// True for primary rays: a point's occupancy is decided by the texels around it rather than the one that contains it.
 var<private> is_around: bool = false;
-// Whether marching also ends where no view sees past a point, though none knows a surface there.
+// True if marching also ends at a point that is empty in no view but occupied in none either.
 var<private> until_unknown: bool = false;
 
 fn view_count() -> u32 {

@@ -1,11 +1,11 @@
-// The material of a surface point: SampleMaterial of algorithm 4 (CALF 6.1). Mirrors src/march/specular/material.rs.
-// Needs `project`, `local_of`, `taps_around` and `DEPTH_EPSILON`.
+// Interpolates the material of a surface point: SampleMaterial of algorithm 4 (CALF 6.1). Mirrors
+// src/march/specular/material.rs. Needs `project`, `local_of`, `taps_around` and `DEPTH_EPSILON`.
 
 @group(0) @binding(9) var materials: texture_2d_array<f32>;
 
 const MIN_WEIGHT: f32 = 0.5 / 255.0;
 const CLEAR: f32 = 0.95;
-// Indices of refraction that 8 bits reach.
+// Range of refractive indices that an 8-bit code represents.
 const MIN_IOR: f32 = 1.0;
 const GREATEST_IOR: f32 = 3.0;
 
@@ -18,14 +18,14 @@ struct Material {
 
 const NO_MATERIAL = Material(false, 0.0, 0.0, MIN_IOR);
 
-// Weights of reflection and refraction and the index of refraction, as they are coded, over 255.
+// Returns the weights of reflection and refraction and the refractive index, as codes over 255.
 fn texel_material(face: u32, texel: vec2<u32>) -> vec3<f32> {
     let place = vec2(faces[face].column, faces[face].row) + texel;
     return textureLoad(materials, place, faces[face].layer, 0).rgb;
 }
 
 fn surface_material(point: vec3<f32>) -> Material {
-    // Reflection, refraction, index times refraction, and the weight of all.
+    // Weighted sums of reflection, refraction, index times refraction, and the sum of the weights.
     var sum = vec4(0.0);
     for (var view = 0u; view < scene.view_count; view++) {
         let at = project(view, local_of(view, point));
@@ -59,7 +59,7 @@ fn fresnel(direct: f32, ior: f32) -> f32 {
     let cosine = clamp(direct, 0.0, 1.0);
     let inside = sqrt(max(1.0 - (1.0 - cosine * cosine) / (ior * ior), 0.0));
     let sums = vec2(cosine + ior * inside, ior * cosine + inside);
-    // A grazing angle to an index of 1 reflects nothing.
+    // At grazing incidence with an index of 1 nothing is reflected.
     if (min(sums.x, sums.y) <= 0.0) {
         return 0.0;
     }

@@ -1,17 +1,17 @@
-// Normal and curvature of a surface point, from the depths around it (CALF 6.1). Mirrors src/march/specular/normal.rs. Needs `project`,
-// `local_of`, `texel_material` and `DEPTH_EPSILON`.
+// Estimates the normal and curvature of a surface point from the depths around it (CALF 6.1). Mirrors
+// src/march/specular/normal.rs. Needs `project`, `local_of`, `texel_material` and `DEPTH_EPSILON`.
 
 const SAME_SURFACE: f32 = 0.02;
 const MAX_REACH: i32 = 2;
 const FIT: f32 = 0.01;
 const SAME_PATCH: f32 = 0.03;
 const SAME_MATERIAL: i32 = 64;
-// No inverse depth of the surface.
+// The texel has no inverse depth on this surface.
 const NO_TEXEL: f32 = -1.0;
-// Lengths below have no direction.
+// A shorter vector has no direction.
 const MIN_LENGTH: f32 = 1e-30;
 
-// `curvature` is meant only where `bends` says so.
+// `curvature` is only defined if `bends`.
 struct Patch {
     found: bool,
     bends: bool,
@@ -35,14 +35,14 @@ struct Fit {
     c: array<f32, 6>,
 }
 
-// The texels around one; `solid` is -1 where there is no material.
+// Neighbourhood of a texel; `solid` is -1 if there is no material.
 struct Around {
     face: u32,
     texel: vec2<u32>,
     solid: i32,
 }
 
-// The surface in one view, in its own axes.
+// Surface patch in one view, in the view's axes.
 struct LocalPatch {
     found: bool,
     bends: bool,
@@ -87,7 +87,7 @@ fn solid_of(face: u32, texel: vec2<u32>) -> i32 {
     return i32(weights.x) + i32(weights.y);
 }
 
-// Inverse depth of a neighbour that may belong to the same surface, or NO_TEXEL.
+// Returns the inverse depth of a neighbour that may belong to the same surface, or NO_TEXEL.
 fn texel_around(around: Around, x: i32, y: i32) -> f32 {
     let place = vec2<i32>(around.texel) + vec2(x, y);
     if (any(place < vec2(0)) || place.x >= i32(faces[around.face].width) || place.y >= i32(faces[around.face].height)) {
@@ -116,7 +116,7 @@ fn fit_slope(fit: Fit, at: vec2<f32>) -> vec2<f32> {
 
 const NO_FIT = Fit(false, false, array(0.0, 0.0, 0.0, 0.0, 0.0, 0.0));
 
-// Least squares of the second degree over a whole square of texels.
+// Fits a quadratic polynomial by least squares to a complete square of texels.
 fn bent(around: Around, reach: i32) -> Fit {
     let side = f32(2 * reach + 1);
     // Sums of x² and of (x² − mean)² over a row.
@@ -169,7 +169,7 @@ fn bent(around: Around, reach: i32) -> Fit {
     return fit;
 }
 
-// A plane through the middle of 3 x 3 texels, fitted to those that are near enough to it.
+// Fits a plane through the centre of 3 x 3 texels to those with a similar inverse depth.
 fn flat_fit(around: Around) -> Fit {
     let middle = texel_around(around, 0, 0);
     var squares = vec3(0.0);
@@ -209,12 +209,12 @@ fn fit_around(face: u32, texel: vec2<u32>) -> Fit {
     return flat_fit(around);
 }
 
-// Coordinates at distance 1 of a place in texels from the centre of a texel.
+// Returns the coordinates at distance 1 of an offset in texels from the centre of a texel.
 fn plane_at(face: u32, texel: vec2<u32>, offset: vec2<f32>) -> vec2<f32> {
     return (vec2<f32>(texel) + 0.5 + offset - faces[face].centre) / faces[face].scale;
 }
 
-// The normal of a fit, of length 1, or 0.
+// Returns the unit normal of a fit; 0 if it is degenerate.
 fn fit_normal(fit: Fit, face: u32, texel: vec2<u32>, offset: vec2<f32>) -> vec3<f32> {
     let plane = plane_at(face, texel, offset);
     let by = fit_slope(fit, offset) * faces[face].scale;
@@ -246,7 +246,7 @@ fn patch_of_view(view: u32, local: vec3<f32>) -> LocalPatch {
         return none;
     }
     let value = fit_value(fit, offset);
-    // A fit may fall below 0 beside its texels.
+    // A fit may be negative away from the texel centre.
     let difference = select(1e30, abs(log(max(value, MIN_LENGTH) / at.inverse_depth)), value > 0.0);
     if (!(difference <= SAME_SURFACE)) {
         return none;
@@ -273,7 +273,7 @@ fn patch_of_view(view: u32, local: vec3<f32>) -> LocalPatch {
     return LocalPatch(true, bends, normal, turned / max(moved, MIN_LENGTH), texel_m, difference, facing);
 }
 
-// From the axes of a probe to those of the world.
+// Rotates a direction from probe axes to world axes.
 fn from_probe(view: u32, direction: vec3<f32>) -> vec3<f32> {
     return vec3(
         dot(views[view].turn_x, direction),

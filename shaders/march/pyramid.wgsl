@@ -1,5 +1,6 @@
-// The greatest inverse depths of squares of texels, level by level: `DepthPyramid::update` of src/march/pyramid.rs. An
-// invocation writes a square; inverse depths are compared as bits, as none is below 0. Needs `job_of`.
+// Computes the maximum inverse depths of squares of texels, one pyramid level per dispatch: `DepthPyramid::update` of
+// src/march/pyramid.rs. An invocation writes one square. Inverse depths are never negative, so their bits compare as integers.
+// Needs `job_of`.
 
 @group(0) @binding(0) var<storage, read> jobs: PyramidJobs;
 @group(0) @binding(1) var<storage, read_write> planes: array<u32>;

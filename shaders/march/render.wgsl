@@ -1,22 +1,22 @@
-// Rendering from any eye: Main of algorithm 4 (CALF 6). Mirrors src/march/render.rs.
+// Renders from any eye: Main of algorithm 4 (CALF 6). Mirrors src/march/render.rs.
 //
-// An invocation makes a pixel. Counts are summed over a workgroup. Needs `follow`.
+// An invocation renders a pixel. Counters are summed over a workgroup. Needs `follow`.
 
 @group(0) @binding(6) var<storage, read_write> pixels: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> counts: array<u32>;
 
-// Rows and columns of pixels of a workgroup.
+// Width and height of a workgroup in pixels.
 const TILE = 8u;
 
 var<workgroup> group_counts: array<atomic<u32>, COUNTERS>;
 
-// The alpha of a pixel whose loops the device ended.
+// Alpha of a pixel whose loops were terminated by the device.
 const GIVEN_UP: f32 = -1.0;
 const EDGE_CONTRAST: f32 = 0.1;
 const EDGE_BLACK: f32 = 0.02;
 
-// Whether a ray of a pixel is one of the first: those of the corners of the grid and of its middle, or of up to two rows all. Mirrors
-// src/march/samples.rs.
+// True if a ray of a pixel belongs to the first pass: the corners and the centre of the grid; all rays of a grid of at most two
+// rows. Mirrors src/march/samples.rs.
 fn is_first(place: vec2<u32>) -> bool {
     let last = scene.samples - 1u;
     let is_corner = (place.x == 0u || place.x == last) && (place.y == 0u || place.y == last);
@@ -24,7 +24,7 @@ fn is_first(place: vec2<u32>) -> bool {
 }
 
 fn render_pixel(x: u32, y: u32) -> vec4<f32> {
-    // Light and alpha, and their least and greatest.
+    // Sum, minimum and maximum of RGB and alpha.
     var sum = vec4(0.0);
     var least = vec4(1e30);
     var greatest = vec4(-1e30);
@@ -73,7 +73,7 @@ fn render(
     let y = scene.first_row + id.y;
     if (id.x < scene.width && id.y < scene.rows) {
         let pixel = render_pixel(id.x, y);
-        // Devices that end loops which take long, as software ones do, end this one too.
+        // Detects devices that terminate long loops, as software devices do: they terminate this loop too.
         var turns = 0u;
         while (turns < scene.samples) {
             turns++;

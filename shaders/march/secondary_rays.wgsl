@@ -1,18 +1,19 @@
-// Secondary rays of reflective and refractive surfaces: CalculateColor_RR of algorithm 4 (CALF 6.1). Mirrors src/march/specular/secondary_rays.rs.
+// Secondary rays of reflective and refractive surfaces: CalculateColor_RR of algorithm 4 (CALF 6.1). Mirrors
+// src/march/specular/secondary_rays.rs.
 //
-// In place of diffuse.wgsl. WGSL has no recursion: surfaces whose light is not divided yet wait on a stack. Needs
-// `surface_material`, `patch_at`, `pass_through`, `intersect_from`, `surface_color`, `with_view`, `background_color`, `light_of`, and what
-// active_views.wgsl has.
+// Replaces diffuse.wgsl. WGSL has no recursion, so surfaces that are still to be shaded are kept on a stack. Needs
+// `surface_material`, `patch_at`, `pass_through`, `intersect_from`, `surface_color`, `with_view`, `background_color`,
+// `light_of`, and the declarations of active_views.wgsl.
 
 const MIN_SHARE: f32 = 1.0 / 256.0;
 const LIFT_TEXELS: f32 = 1.0;
 const HIDDEN_TEXELS: f32 = 12.0;
 const RECORDED_SINE: f32 = 0.05;
 const SETTLE_TIMES = 8u;
-// Pending surfaces. One has at most four secondary rays, so eight bounces take no more than 25.
+// Capacity of the stack. A surface has at most four secondary rays, so eight bounces need at most 25 entries.
 const MAX_PENDING = 32u;
 
-// A surface hit, in linear light, whose share of a pixel is not divided yet.
+// A surface hit that is still to be shaded; `light` is linear RGB.
 struct Pending {
     point: vec3<f32>,
     direction: vec3<f32>,
@@ -27,7 +28,7 @@ struct Recorded {
 }
 
 const FOUND_NOTHING = 0u;
-// Light without further rays.
+// Radiance that needs no further rays.
 const FOUND_LIGHT = 1u;
 const FOUND_SURFACE = 2u;
 
@@ -40,7 +41,7 @@ struct Found {
 var<private> pending: array<Pending, MAX_PENDING>;
 var<private> pending_count: u32;
 
-// How a ray leaves the surface where it starts: it meets another one, or is in empty space at the step `first`.
+// Result of leaving the surface at a ray's origin: a hit on another surface, or empty space at step `first`.
 struct Departure {
     found: bool,
     hit: Hit,
@@ -69,7 +70,7 @@ fn leave_surface(ray: Ray, texel_m: f32) -> Departure {
     return Departure(false, Hit(false, 0.0), 0u);
 }
 
-// The proxy whose environment map is `around`; none of ALL_VIEWS.
+// Returns the proxy whose environment map is `around`; none for ALL_VIEWS.
 fn proxy_of(around: u32) -> Sphere {
     if (around == ALL_VIEWS) {
         return Sphere(false, vec3(0.0), 0.0);
@@ -77,7 +78,7 @@ fn proxy_of(around: u32) -> Sphere {
     return Sphere(true, views[around].from_eye, views[around].near_m);
 }
 
-// The environment map of the proxy whose surface contains a point, or ALL_VIEWS.
+// Returns the environment map of the proxy whose surface contains a point, or ALL_VIEWS.
 fn around_of(point: vec3<f32>) -> u32 {
     for (var at = 0u; at < scene.proxy_count; at++) {
         let sphere = proxy_of(scene.view_count + at);
@@ -88,7 +89,7 @@ fn around_of(point: vec3<f32>) -> u32 {
     return ALL_VIEWS;
 }
 
-// The surface at a hit, and the environment map of its proxy.
+// The surface at a hit, and the environment map of its proxy or ALL_VIEWS.
 struct Front {
     surface: Patch,
     point: vec3<f32>,
@@ -109,7 +110,7 @@ fn front_of(met: Ray, is_glass: bool) -> Front {
     return Front(patch_at(met.origin), met.origin, ALL_VIEWS);
 }
 
-// `around` is the environment map of the proxy that the ray leaves, or ALL_VIEWS.
+// Traces a secondary ray. `around` is the environment map of the proxy that the ray leaves, or ALL_VIEWS.
 fn trace(ray: Ray, texel_m: f32, around: u32) -> Found {
     let nothing = Found(FOUND_NOTHING, vec3(0.0), vec3(0.0));
     counted[SECONDARY_RAYS]++;
@@ -138,7 +139,7 @@ fn trace(ray: Ray, texel_m: f32, around: u32) -> Found {
     if (seen.found && seen.difference <= scene.tolerance) {
         return Found(FOUND_SURFACE, point, light_of(seen.color));
     }
-    // Hidden from all views, but seen through the solid.
+    // No view sees the point directly, but one may see it through the solid.
     if (around != ALL_VIEWS) {
         alone = around;
         let through = surface_color(point);
@@ -150,7 +151,7 @@ fn trace(ray: Ray, texel_m: f32, around: u32) -> Found {
     return nothing;
 }
 
-// The light that a ray found; that of a surface stays pending.
+// Returns the radiance of a traced ray times its share; pushes a surface onto the stack and returns 0 for it.
 fn take(found: Found, direction: vec3<f32>, share: f32, bounces: u32) -> vec3<f32> {
     if (found.kind == FOUND_SURFACE && pending_count < MAX_PENDING) {
         pending[pending_count] = Pending(found.point, direction, found.light, share, bounces - 1u);
@@ -160,8 +161,8 @@ fn take(found: Found, direction: vec3<f32>, share: f32, bounces: u32) -> vec3<f3
     return share * found.light;
 }
 
-// What views recorded of a point that look in nearly the eye's direction, and its share of the light: 1 where one looks in that
-// direction, 0 where all differ by RECORDED_SINE or more.
+// Returns the radiance recorded by views whose direction to a point is close to the eye's, and its share: 1 for a view in the
+// same direction, 0 if the sine of the angle is RECORDED_SINE or more for all views.
 fn recorded_of(point: vec3<f32>) -> Recorded {
     var greatest = 0.0;
     var sum = EMPTY_SUM;
@@ -193,7 +194,7 @@ fn recorded_of(point: vec3<f32>) -> Recorded {
     return Recorded(greatest * greatest * (3.0 - 2.0 * greatest), light_of(seen.color));
 }
 
-// A point that the eye sees, moved on along its ray to where the texels that contain it say that the surface is.
+// Moves a hit of a primary ray along the ray to the surface of the texels that contain it.
 fn on_texels(point: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
     let from_m = length(point);
     let behind_m = from_m * exp(HOLE_DIFFERENCE);
@@ -205,7 +206,7 @@ fn on_texels(point: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
     return point_at(ray, refine(ray, from_m, behind_m, SETTLE_TIMES));
 }
 
-// Divides the share of a surface among its secondary rays.
+// Splits the share of a surface among its secondary rays.
 fn divide(next: Pending) -> vec3<f32> {
     let whole = next.share * next.light;
     if (next.bounces == 0u) {
@@ -216,7 +217,7 @@ fn divide(next: Pending) -> vec3<f32> {
     if (!seen.found) {
         return whole;
     }
-    // The eye's own rays; what others meet is seen from elsewhere.
+    // Only hits of eye rays use recorded radiance; secondary rays arrive from other directions.
     var seen_there = Recorded(0.0, vec3(0.0));
     var point = next.point;
     if (next.bounces == scene.max_bounces) {
@@ -243,7 +244,7 @@ fn divide(next: Pending) -> vec3<f32> {
     if (share * material.refract >= MIN_SHARE) {
         exits = pass_through(Ray(at_point.point, next.direction), front, material.ior, proxy_of(at_point.around));
     }
-    // Refracted rays, then the reflected one, in one loop: drivers inline functions at each call.
+    // One loop for the refracted rays and the reflected one, because drivers inline functions at each call.
     var light = vec3(0.0);
     var left = share;
     for (var at = 0u; at <= MAX_INSIDE; at++) {

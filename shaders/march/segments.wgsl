@@ -1,5 +1,5 @@
-// Marching over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4). Mirrors
-// src/march/segments.rs. Needs `occupancy` and `refine`.
+// Marches over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4). Mirrors src/march/segments.rs.
+// Needs `occupancy` and `refine`.
 
 @group(0) @binding(8) var pyramids: texture_2d_array<u32>;
 
@@ -7,15 +7,15 @@ const ROUNDING: f32 = 1.0 / 1048576.0;
 const SURELY_BELOW_ONE: f32 = 1.0 - ROUNDING;
 const MIN_M: f32 = 1e-18;
 
-// A point in the plane at depth 1 of a face; `face` is its number, or NO_FACE behind a perspective view.
+// A point in the plane at depth 1 of a face; `face` is its index, or NO_FACE behind a perspective view.
 struct PlanePlace {
     face: u32,
-    // Before the division by the planar depth.
+    // Before the division by `planar_m`.
     plane: vec2<f32>,
     planar_m: f32,
 }
 
-// The bits of the greatest inverse depth of the texels from one to another, or of somewhat more of them.
+// Returns the bits of an upper bound of the inverse depths in a rectangle of texels, corners included.
 fn greatest_between(face: u32, low: vec2<u32>, high: vec2<u32>) -> u32 {
     let extent = max(high.x - low.x, high.y - low.y);
     let level = select(firstLeadingBit(extent), 0u, extent == 0u);
@@ -25,7 +25,7 @@ fn greatest_between(face: u32, low: vec2<u32>, high: vec2<u32>) -> u32 {
     var greatest = 0u;
     let first = low >> vec2(level);
     let last = high >> vec2(level);
-    // Levels lie below each other: half of the rows, a quarter, and so on.
+    // Levels are stored below each other: half of the rows, a quarter, and so on.
     let rows = scene.pyramid_rows;
     let above = vec2(faces[face].pyramid_column, faces[face].pyramid_row + rows - (rows >> (max(level, 1u) - 1u)));
     for (var row = first.y; row <= last.y; row++) {
@@ -97,22 +97,22 @@ fn is_segment_empty(view: u32, from_point: vec3<f32>, to_point: vec3<f32>, reach
     return greatest != UNKNOWN && bitcast<f32>(greatest) * farthest_m < SURELY_BELOW_ONE;
 }
 
-// The first step at which marching ends, or all of them. Mirrors src/march/segments.rs.
+// Returns the step at which marching ends; `scene.distance_count` if the ray hits nothing. Mirrors src/march/segments.rs.
 fn first_step(ray: Ray, first: u32) -> u32 {
     let count = scene.distance_count;
     let origin = greatest_coordinate(ray.origin);
     let direction = greatest_coordinate(ray.direction);
     var at = first;
-    // As long as one may be that begins here.
+    // Length of the first segment: the largest that is aligned at `first`, at most `scene.first_segment`.
     var length = select(min(first & (~first + 1u), scene.first_segment), scene.first_segment, first == 0u);
-    // The last point that is empty in no view, and whether it is occupied in one.
+    // The last point that is empty in no view, and whether a view finds it occupied.
     var blocked = count;
     var is_surface_there = false;
     while (at < count) {
         let last = min(at + length, count) - 1u;
         var passed = false;
         if (blocked == last) {
-            // A segment that ends there is not empty: it is halved.
+            // A segment that ends at this point cannot be empty: halve it.
             if (last == at && is_surface_there) {
                 return at;
             }

@@ -1,4 +1,4 @@
-// Linear light of coded colours. Mirrors `light_of` of src/march/shading.rs.
+// Converts coded colours to linear RGB. Mirrors `light_of` of src/march/shading.rs.
 
 fn decoded(code: f32) -> f32 {
     if (scene.coding == CODING_LINEAR) {

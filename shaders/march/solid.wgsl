@@ -1,38 +1,38 @@
-// Refraction through a solid (CALF 6.1). Mirrors src/march/specular/solid.rs. Needs `patch_at`, `surface_material`,
-// `fresnel`, `is_surface` and `refine`.
+// Refraction through a solid (CALF 6.1). Mirrors src/march/specular/solid.rs. Needs `patch_at`, `surface_material`, `fresnel`,
+// `is_surface` and `refine`.
 
 const FLAT: f32 = 2e-3;
 const BEHIND_TEXELS: f32 = 3.0;
 const MAX_INSIDE = 3u;
 const NO_LIMIT_M: f32 = 1e30;
 
-// A ray that leaves a solid, and its part of the light that entered; 0: it stays inside.
+// A ray that leaves a solid, and its fraction of the entered radiance; 0 if nothing leaves.
 struct Exit {
     ray: Ray,
     part: f32,
 }
 
-// A direction, if any.
+// A refracted direction; not found in total internal reflection.
 struct Bent {
     found: bool,
     direction: vec3<f32>,
 }
 
-// Where a ray inside a solid meets its back, with the outward normal.
+// Point where a ray inside a solid meets its back, and the outward normal.
 struct Back {
     found: bool,
     point: vec3<f32>,
     normal: vec3<f32>,
 }
 
-// A sphere, if any. Mirrors src/march/specular/sphere.rs.
+// A sphere, or none. Mirrors src/march/specular/sphere.rs.
 struct Sphere {
     found: bool,
     centre: vec3<f32>,
     radius_m: f32,
 }
 
-// The distance of the first point that is empty in a view.
+// Distance of the first point that is empty in a view.
 struct FirstEmpty {
     found: bool,
     distance_m: f32,
@@ -60,7 +60,7 @@ fn first_empty(ray: Ray, texel_m: f32, limit_m: f32) -> FirstEmpty {
         }
         counted[MARCH_STEPS]++;
         if (!is_surface(point_at(ray, distance_m))) {
-            // The surface end is the nearer one here.
+            // The surface is at the near end of this interval.
             return FirstEmpty(true, refine(ray, distance_m, before_m, scene.refine));
         }
         before_m = distance_m;
@@ -68,7 +68,7 @@ fn first_empty(ray: Ray, texel_m: f32, limit_m: f32) -> FirstEmpty {
     return FirstEmpty(false, 0.0);
 }
 
-// Where the line of a ray enters a sphere.
+// Point where the line of a ray enters a sphere.
 struct Entry {
     found: bool,
     point: vec3<f32>,
@@ -81,7 +81,7 @@ fn entry_of(sphere: Sphere, ray: Ray) -> Entry {
     return Entry(squared > 0.0, point_at(ray, -along - sqrt(max(squared, 0.0))));
 }
 
-// Distance at which a ray leaves a sphere; 0: it passes by.
+// Returns the distance at which a ray leaves a sphere; 0 if it misses.
 fn exit_of(sphere: Sphere, ray: Ray) -> f32 {
     let from_centre = ray.origin - sphere.centre;
     let along = dot(ray.direction, from_centre);
@@ -118,7 +118,7 @@ fn back_of(inside: Ray, sphere: Sphere, is_whole: bool, texel_m: f32) -> Back {
     return Back(size > MIN_LENGTH, end, outwards / max(size, MIN_LENGTH));
 }
 
-// `whole` is the proxy of the solid, if it has one.
+// Returns the rays that leave a solid. `whole` is the proxy of the solid, if it has one.
 fn pass_through(ray: Ray, front: Patch, ior: f32, whole: Sphere) -> array<Exit, MAX_INSIDE> {
     var exits: array<Exit, MAX_INSIDE>;
     if (!front.bends) {
@@ -127,7 +127,7 @@ fn pass_through(ray: Ray, front: Patch, ior: f32, whole: Sphere) -> array<Exit, 
     let bend = front.curvature;
     let behind = ray.origin + ray.direction * (BEHIND_TEXELS * front.texel_m);
     if (!whole.found && !is_surface(behind) && bend * front.texel_m < -FLAT) {
-        // A hollow with open space behind it: the ray was inside, and leaves.
+        // A concave front with empty space behind it: the ray was inside and leaves.
         let leaving = refracted(ray.direction, front.normal, ior);
         if (leaving.found) {
             exits[0] = Exit(Ray(ray.origin, leaving.direction), 1.0);
@@ -147,7 +147,7 @@ fn pass_through(ray: Ray, front: Patch, ior: f32, whole: Sphere) -> array<Exit, 
     for (var turn = 0u; turn < MAX_INSIDE; turn++) {
         let back = back_of(inside, sphere, whole.found, front.texel_m);
         if (!back.found) {
-            // A pane.
+            // A pane, which the ray passes unchanged.
             if (!sphere.found && turn == 0u) {
                 exits[turn] = Exit(ray, share);
             }

@@ -1,4 +1,4 @@
-// Bytes, halves and words of `stream` at any offset, little endian.
+// Unaligned little-endian reads of bytes, 16-bit and 32-bit words from `stream`.
 
 fn byte_at(at: u32) -> u32 {
     return (stream[at >> 2u] >> ((at & 3u) * 8u)) & 255u;

@@ -1,11 +1,11 @@
-// Which job an invocation works on, and which part of it (GDC 5, algorithm 2). Needs `jobs`.
+// Maps an invocation to its job and its part of the job (GDC 5, algorithm 2). Needs `jobs`.
 
-// Number of an invocation among all of a dispatch, whose workgroups may lie in two directions.
+// Returns the index of an invocation in a dispatch whose workgroups may extend in x and y.
 fn invocation_of(id: vec3u, groups: vec3u) -> u32 {
     return id.x + id.y * groups.x * WORKGROUP;
 }
 
-// The first job whose end lies behind an invocation; `jobs.total` is larger than its number.
+// Returns the first job that ends after an invocation; requires invocation < `jobs.total`.
 fn job_of(invocation: u32) -> u32 {
     var low = 0u;
     var high = jobs.count;
@@ -20,7 +20,7 @@ fn job_of(invocation: u32) -> u32 {
     return low;
 }
 
-// The first invocation of a job.
+// Returns the first invocation of a job.
 fn job_begin(job: u32) -> u32 {
     if (job == 0u) {
         return 0u;

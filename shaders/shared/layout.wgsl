@@ -1,18 +1,18 @@
 // Structs and constants of kernels.json; a test compares the two.
 
-// A tile or a cell.
+// A depth tile or a colour cell.
 struct Unit {
     // First word of its picture.
     picture: u32,
-    // Pixels.
+    // Size in pixels.
     width: u32,
     height: u32,
     // Words per row: `(width + 1) / 2` for codes, `width` for bytes, `2 * width` for halves.
     stride: u32,
-    // W of its stream; 0 where every frame is whole, so that any frame can follow any.
+    // W of its stream; 0 if every frame is coded independently, so that any frame can follow any other.
     window: u32,
-    // Domain of its modelling functions: one of DOMAIN_…, the logarithm at near, codes per unit of the logarithm. Of the
-    // transform codec, `base` is the first word of its stream's table sets.
+    // Domain of its modelling functions: one of DOMAIN_…, the logarithm at the near distance, and codes per unit of the
+    // logarithm. For the transform codec `base` is the first word of the stream's table sets.
     domain: u32,
     base: u32,
     scale: u32,
@@ -20,62 +20,63 @@ struct Unit {
 
 // A resident chunk.
 struct Chunk {
-    // Its rows in the table of records.
+    // Its range of rows in the table of records.
     first_record: u32,
     record_count: u32,
-    // Colour: byte of the stream at which its weights start, and their number.
+    // Colour only: byte offset of its weights in the stream, and their number.
     weights_at: u32,
     weight_count: u32,
 }
 
-// What a frame changes: a record of depth or material, or a keyframe of colour; of the transform codec, a frame that differs
-// from the one before.
+// Change of a frame: a record of depth or material, or a keyframe of colour. For the transform codec: a frame that differs from
+// the previous one.
 struct Record {
-    // Counted from the chunk's first frame.
+    // Frame, relative to the first frame of the chunk.
     frame: u32,
-    // Nodes: word of the header in the stream. Keyframes: byte of the first sample or block. Transform: byte of the chunk.
+    // Nodes: word offset of the header in the stream. Keyframes: byte offset of the first sample or block. Transform: byte
+    // offset of the chunk.
     at: u32,
-    // Boxes, or regions of a transform: rows in the table of boxes.
+    // Range of rows in the table of boxes: boxes, or regions of the transform codec.
     first: u32,
     count: u32,
-    // Invocations; of a keyframe, those of a blend.
+    // Number of invocations; for a keyframe, those of a blend.
     work: u32,
-    // Keyframes: KEYFRAME_….
+    // KEYFRAME_…, for keyframes only.
     coding: u32,
 }
 
 // A rectangle of values of one record, or a region of the transform codec.
 struct BoxRow {
-    // Pixels in the unit.
+    // Position and size in the unit, in pixels.
     x: u32,
     y: u32,
     width: u32,
     height: u32,
-    // Byte of the stream at which its values start.
+    // Byte offset of its values in the stream.
     at: u32,
-    // BOX_….
+    // One of BOX_….
     coding: u32,
-    // Invocations of the record's boxes up to and including this one.
+    // Number of invocations of the record's boxes up to and including this one.
     end: u32,
 }
 
 // A unit to decode.
 struct Item {
     unit: u32,
-    // Rows in the table of chunks: the chunk that holds the frame, and the one after it where a cell blends into it.
+    // Rows in the table of chunks: the chunk of the frame, and the following chunk if the cell blends into it.
     chunk: u32,
     next: u32,
-    // Counted from the chunk's first frame.
+    // Frame, relative to the first frame of the chunk.
     frame: u32,
     // Identifies the chunk; never 0.
     key: u32,
 }
 
-// What a unit's picture shows.
+// Current content of a unit's picture.
 struct State {
-    // Key of the chunk; 0 for nothing.
+    // Key of the chunk; 0 if the picture is empty.
     key: u32,
-    // Colour: the keyframe.
+    // Frame of the chunk; for colour, the keyframe.
     frame: u32,
     // Colour only.
     weight: u32,
@@ -84,15 +85,16 @@ struct State {
 // Work on one unit.
 struct Job {
     unit: u32,
-    // Invocations of all jobs up to and including this one.
+    // Number of invocations of all jobs up to and including this one.
     end: u32,
-    // Records; of colour, the two keyframes.
+    // The record to apply; for colour, the two keyframes to blend.
     record: u32,
     next: u32,
     weight: u32,
 }
 
-// Workgroups of the next dispatch: with an invocation for each part of the work (x, y, z), or a workgroup for each (part_x, …).
+// Size of the next dispatch in workgroups: one invocation per part of the work (x, y, z), or one workgroup per part (part_x,
+// part_y, part_z).
 struct Dispatch {
     x: u32,
     y: u32,
@@ -102,24 +104,24 @@ struct Dispatch {
     part_z: u32,
 }
 
-// A rectangle of texels whose inverse depths are written.
+// A rectangle of texels to convert to inverse depths.
 struct DepthJob {
-    // First word of the tile's picture; NONE: every texel becomes `table`.
+    // First word of the tile's picture. If NONE, every texel is set to the bits in `table`.
     picture: u32,
     stride: u32,
-    // In the tile.
+    // Position and size in the tile, in pixels.
     left: u32,
     top: u32,
     width: u32,
-    // First of the inverse depths by code among the tables.
+    // Offset of the table that maps codes to inverse depths.
     table: u32,
-    // Ray length of the first texel among the tables; NONE for planar depth.
+    // Offset of the ray length of the first texel; NONE for planar depth.
     ray_length: u32,
     ray_length_pitch: u32,
-    // Word of the planes for the first texel.
+    // Offset of the first texel in the planes, in words.
     output: u32,
     pitch: u32,
-    // Invocations of all jobs up to and including this one.
+    // Number of invocations of all jobs up to and including this one.
     end: u32,
 }
 
@@ -136,13 +138,13 @@ struct PyramidJob {
     // First word of the level.
     output: u32,
     pitch: u32,
-    // Upper bound of what is written, as bits of a float.
+    // Upper bound of the written values, as bits of a float.
     limit: u32,
-    // Invocations of all jobs up to and including this one.
+    // Number of invocations of all jobs up to and including this one.
     end: u32,
 }
 
-// Lists, with the number of their rows; `total` is the number of invocations.
+// Lists with their lengths; `total` is the number of invocations.
 
 struct Items {
     count: u32,

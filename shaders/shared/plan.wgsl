@@ -1,12 +1,12 @@
-// What planning kernels share: the size of the dispatch that follows. Needs `items`, `jobs` and `dispatch`.
+// Computes the size of the next dispatch; shared by the planning kernels. Needs `items`, `jobs` and `dispatch`.
 
-// Workgroups along x and y for so many in all.
+// Returns the number of workgroups along x and y for `count` workgroups in total.
 fn groups_of(count: u32) -> vec2u {
     let across = clamp(count, 1u, MAX_GROUPS);
     return vec2u(across, (count + across - 1u) / across);
 }
 
-// Says how much work there is; one invocation calls it.
+// Writes the totals of the plan and the size of the next dispatch. Called by one invocation.
 fn finish_plan(total: u32) {
     jobs.total = total;
     jobs.count = items.count;

@@ -1,4 +1,4 @@
-// The product of two words, low word first, of four products of 16 bits.
+// Returns the 64-bit product of two words, low word first, computed from four 16-bit products.
 fn product(one: u32, other: u32) -> vec2u {
     let a = vec2u(one & 0xffffu, one >> 16u);
     let b = vec2u(other & 0xffffu, other >> 16u);

@@ -4,9 +4,9 @@ const SUM_WORKGROUP: u32 = 256u;
 
 var<workgroup> sums: array<u32, SUM_WORKGROUP>;
 
-// The sum of the values of all invocations up to this one; all of them call it together.
+// Returns the inclusive prefix sum of the values up to this invocation. All invocations of the workgroup must call it.
 fn running_sum(local: u32, value: u32) -> u32 {
-    // Nobody may still read the sums of the call before.
+    // Waits until all invocations have read the sums of the previous call.
     workgroupBarrier();
     sums[local] = value;
     workgroupBarrier();

@@ -1,4 +1,4 @@
-// Counts triangles over each sample, as src/simplify/raster.rs does for both kinds of compositing. Needs place.wgsl.
+// Counts the triangles over each sample, as src/simplify/raster.rs does for both kinds of compositing. Needs place.wgsl.
 
 @fragment
 fn count(placed: Placed) -> @location(0) f32 {

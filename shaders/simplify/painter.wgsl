@@ -1,7 +1,8 @@
-// Blends triangles in order and counts them, as Compositing::Painter in src/simplify/raster.rs. Needs place.wgsl and texels.wgsl.
+// Blends triangles in order and counts them, as Compositing::Painter in src/simplify/raster.rs does. Needs place.wgsl and
+// texels.wgsl.
 
 struct Fragment {
-    // Light multiplied by alpha, and alpha.
+    // Linear RGB premultiplied by alpha, and alpha.
     @location(0) light: vec4<f32>,
     @location(1) count: f32,
 };

@@ -1,11 +1,11 @@
-// Corners of triangles in clip coordinates, as Pixels in src/simplify/raster/triangle.rs. Needs layout.wgsl. Words of
-// a corner: its position and homogeneous texture coordinates.
+// Transforms triangle corners to clip coordinates, as Pixels in src/simplify/raster/triangle.rs does. Needs layout.wgsl. A
+// corner is six words: its position and its homogeneous texture coordinates.
 
 struct Placed {
     @builtin(position) position: vec4<f32>,
     // Homogeneous texture coordinates.
     @location(0) stq: vec3<f32>,
-    // Along the axis of the camera, in metres.
+    // Depth along the camera axis, in metres.
     @location(1) depth_m: f32,
 };
 
@@ -19,7 +19,7 @@ fn place(@builtin(vertex_index) index: u32) -> Placed {
     return placed;
 }
 
-// Whether near and far of the camera leave a surface.
+// True if a depth lies between the camera's near and far.
 fn in_range(depth_m: f32) -> bool {
     return depth_m >= picture.near_m && depth_m <= picture.far_m;
 }

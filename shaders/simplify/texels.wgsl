@@ -1,7 +1,7 @@
-// Bilinear samples of the atlas in linear light, as src/simplify/raster/texels.rs. Filtering units may have weights of 8 bits, which
-// would differ from it by some codes in dark texels beside bright ones.
+// Samples the atlas bilinearly in linear RGB, as src/simplify/raster/texels.rs does. Filtering units may round weights to 8
+// bits, which would cause errors of several codes in dark texels next to bright ones.
 
-// Linear light of sRGB codes.
+// Linear value of each sRGB code.
 @group(0) @binding(2) var<storage, read> light_of_codes: array<f32>;
 // sRGB codes and alpha.
 @group(0) @binding(3) var atlas: texture_2d_array<u32>;
@@ -11,7 +11,7 @@ fn texel(at: vec2<i32>) -> vec4<f32> {
     return vec4(light_of_codes[codes.r], light_of_codes[codes.g], light_of_codes[codes.b], f32(codes.a) / 255.0);
 }
 
-// Light, not multiplied by alpha, and alpha.
+// Returns linear RGB, not premultiplied, and alpha.
 fn sample(uv: vec2<f32>) -> vec4<f32> {
     let last = vec2<f32>(textureDimensions(atlas)) - 1.0;
     let at = clamp(uv * (last + 1.0) - 0.5, vec2(0.0), last);

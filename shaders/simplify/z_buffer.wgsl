@@ -1,7 +1,7 @@
-// The nearest texel whose alpha covers the sample, as Compositing::ZBuffer in src/simplify/raster.rs. Needs layout.wgsl,
-// place.wgsl and texels.wgsl.
+// Draws the nearest texel whose alpha covers the sample, as Compositing::ZBuffer in src/simplify/raster.rs does. Needs
+// layout.wgsl, place.wgsl and texels.wgsl.
 
-// Bits of an inverse depth that are not compared.
+// Low bits of an inverse depth that are ignored in the depth test.
 const DEPTH_BITS_LEFT_OUT: u32 = 10u;
 
 struct Nearest {
@@ -15,7 +15,7 @@ fn cover(placed: Placed) -> Nearest {
     if !in_range(placed.depth_m) || found.a <= picture.threshold {
         discard;
     }
-    // The nearest depth is a power of two, so that it leaves the mantissa as it is.
+    // `nearest_m` is a power of two, so the multiplication does not change the mantissa.
     let bits = (bitcast<u32>(1.0 / placed.depth_m) >> DEPTH_BITS_LEFT_OUT) << DEPTH_BITS_LEFT_OUT;
     return Nearest(vec4(found.rgb, 1.0), picture.nearest_m * bitcast<f32>(bits));
 }

@@ -1,21 +1,21 @@
 //! Allocation of rectangles in the layers of a texture array.
 //!
-//! Shelf packing: a layer is cut into shelves from the top down, and a shelf is filled from left to right. A rectangle goes to
-//! the shelf that wastes the least height, unless that is more than a quarter of its own. Rectangles of one size leave no gaps; of
-//! several sizes the highest are to come first.
+//! Shelf packing: a layer is cut into shelves from top to bottom, and a shelf is filled from left to right. A rectangle is
+//! placed on the shelf that wastes the least height, or on a new shelf if that waste is more than a quarter of the
+//! rectangle's height. Rectangles of one size leave no gaps; for several sizes, allocate the highest first.
 
-/// Least part of a rectangle's height that a shelf wastes before another shelf is begun.
+/// A rectangle starts a new shelf if an existing one would waste more than 1 / `MAX_WASTE` of the rectangle's height.
 const MAX_WASTE: u32 = 4;
 
-/// Largest texture array of a device.
+/// Maximum size of a device's texture arrays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TextureLimits {
-    /// Texels of a side.
+    /// Maximum width and height in texels.
     pub side: u32,
     pub layers: u32,
 }
 
-/// Tiles of one size in the layers of a texture array.
+/// Grid of tiles of one size in the layers of a texture array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TileGrid {
     pub columns: u32,
@@ -24,7 +24,7 @@ pub struct TileGrid {
 }
 
 impl TileGrid {
-    /// A grid for `count` tiles with as few tiles per layer as the limits allow; none if there are too many.
+    /// Returns a grid for `count` tiles with as few tiles per layer as the limits allow; `None` if there are too many tiles.
     pub fn new(tile: [u32; 2], count: u32, limits: TextureLimits) -> Option<TileGrid> {
         let [most_columns, most_rows] = tile.map(|side| limits.side / side.max(1));
         let per_layer = count.max(1).div_ceil(limits.layers.max(1));
@@ -34,7 +34,7 @@ impl TileGrid {
         fits.then(|| TileGrid { columns, rows, layers: count.max(1).div_ceil(columns * rows) })
     }
 
-    /// Most tiles that fit into one texture array.
+    /// Maximum number of tiles in one texture array.
     pub fn most(tile: [u32; 2], limits: TextureLimits) -> u64 {
         tile.map(|side| u64::from(limits.side / side.max(1))).iter().product::<u64>() * u64::from(limits.layers)
     }
@@ -43,7 +43,7 @@ impl TileGrid {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Allocation {
     pub layer: u32,
-    /// Its left column and top row.
+    /// Left column and top row.
     pub corner: [u32; 2],
     /// Width and height.
     pub size: [u32; 2],
@@ -57,22 +57,22 @@ struct Shelf {
     used_columns: u32,
 }
 
-/// Rectangles in the layers of a texture array.
+/// Allocator of rectangles in the layers of a texture array.
 #[derive(Debug, Clone)]
 pub struct Atlas {
     size: [u32; 2],
-    /// Rows of each layer that have shelves.
+    /// Number of rows of each layer that shelves occupy.
     used_rows: Vec<u32>,
     shelves: Vec<Shelf>,
 }
 
 impl Atlas {
-    /// An empty atlas of layers of `size` (width, height) texels.
+    /// Creates an empty atlas whose layers have `size` (width, height) texels.
     pub fn new(size: [u32; 2], layers: u32) -> Atlas {
         Atlas { size, used_rows: vec![0; layers as usize], shelves: Vec::new() }
     }
 
-    /// A free rectangle of `size` (width, height), none if there is no room.
+    /// Allocates a rectangle of `size` (width, height); `None` if there is no space.
     pub fn allocate(&mut self, size: [u32; 2]) -> Option<Allocation> {
         let [width, height] = size;
         let fits = |shelf: &Shelf| shelf.height >= height && self.size[0] - shelf.used_columns >= width;

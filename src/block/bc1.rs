@@ -1,7 +1,7 @@
 //! BC1: three channels of 8 bits, 16 pixels in 8 bytes (formats/blocks.md 3).
 //!
-//! Enters: a block. Leaves: RGB of its 16 pixels, row by row. Alpha is ignored: where index 3 of the mode with three colours
-//! would be transparent, it is black.
+//! Takes a block and returns RGB of its 16 pixels, row by row. Alpha is ignored: index 3 of the three-colour mode, which
+//! would be transparent, is black.
 
 use super::TEXELS;
 
@@ -22,7 +22,7 @@ fn palette(first: u16, second: u16) -> [[u8; 3]; 4] {
     }
 }
 
-/// 5, 6 and 5 bits brought to 8 each, the high bits repeated below.
+/// Expands 5, 6 and 5 bits to 8 bits each; the high bits are repeated as the low bits.
 fn expand(color: u16) -> [u32; 3] {
     let color = u32::from(color);
     let [r, g, b] = [color >> 11, color >> 5 & 63, color & 31];

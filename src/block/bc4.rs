@@ -1,6 +1,6 @@
 //! BC4: one channel of 8 bits, 16 pixels in 8 bytes (formats/blocks.md 4).
 //!
-//! Enters: a block. Leaves: the values of its 16 pixels, row by row.
+//! Takes a block and returns the values of its 16 pixels, row by row.
 
 use super::TEXELS;
 

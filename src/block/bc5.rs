@@ -1,6 +1,6 @@
 //! BC5: two channels of 8 bits, 16 pixels in 16 bytes (formats/blocks.md 5).
 //!
-//! Enters: a block, which is two of [`bc4`]. Leaves: red and green of its 16 pixels, row by row.
+//! Takes a block, which consists of two [`bc4`] blocks, and returns red and green of its 16 pixels, row by row.
 
 use super::{TEXELS, bc4};
 

@@ -1,20 +1,21 @@
-//! BC6H UF16: three channels of half floats without a sign, 16 pixels in 16 bytes (formats/blocks.md 7).
+//! BC6H UF16: three channels of unsigned half floats, 16 pixels in 16 bytes (formats/blocks.md 7).
 //!
-//! Enters: a block. Leaves: bit patterns of half floats, RGB of its 16 pixels, row by row: at most 0x7BFF, the largest finite
-//! value.
+//! Takes a block and returns RGB of its 16 pixels as bit patterns of half floats, row by row. The maximum is 0x7BFF, the
+//! largest finite value.
 
 use super::TEXELS;
 use super::bptc::{Line, Partition, field, open, weight};
 
 pub(super) struct Mode {
-    /// Lowest bits of the block: two of them for the modes 0 and 1, five for the others.
+    /// Lowest bits of the block: two bits for modes 0 and 1, five bits for the others.
     pub(super) code: u32,
     pub(super) subsets: u32,
     pub(super) precision: u32,
-    /// Bits of the endpoints after the first of red, green and blue, where they are stored as differences from the first.
+    /// Bits per channel (red, green, blue) of the endpoints after the first, if they are stored as differences from the
+    /// first.
     pub(super) delta: Option<[u32; 3]>,
-    /// The values whose bits follow the code, in the order of the block's bits: a channel (r, g, b) and an endpoint (w, x,
-    /// y, z) or the number of the partition (d), and which of its bits.
+    /// Bits that follow the code, in the order of the block: a value, which is a channel (r, g, b) of an endpoint (w, x, y,
+    /// z) or the partition number (d), and the bits of that value.
     pub(super) layout: &'static str,
 }
 
@@ -52,19 +53,20 @@ const LAYOUTS: [&str; 14] = [
     "rw0-9 gw0-9 bw0-9 rx0-3 rw15-10 gx0-3 gw15-10 bx0-3 bw15-10",
 ];
 
-/// A row of the table; whether there are two subsets is seen from the layout.
+/// A row of the table. The number of subsets follows from the layout: only layouts of two subsets end with the partition
+/// number.
 const fn mode(code: u32, precision: u32, delta: Option<[u32; 3]>, layout: &'static str) -> Mode {
     let two = layout.as_bytes()[layout.len() - 4] == b'd';
     Mode { code, subsets: if two { 2 } else { 1 }, precision, delta, layout }
 }
 
-/// Number of the partition among the values of a block; those before are the channels of endpoint w, of x, of y and of z.
+/// Index of the partition number in the values of a block; indices 0 to 11 are the channels of the endpoints w, x, y and z.
 const PARTITION: usize = 12;
-/// A run of bits of a block that go to neighbouring bits of one value.
+/// A run of bits in a block that are consecutive bits of one value.
 #[derive(Clone, Copy)]
 struct Run {
     value: usize,
-    /// Lowest bit of the value, and lowest bit of the block.
+    /// Lowest bit in the value.
     to: u32,
     from: u32,
     count: u32,
@@ -72,7 +74,7 @@ struct Run {
 
 const RUNS: usize = 32;
 
-/// The runs of bits of each mode; unused entries have `count` 0.
+/// Bit runs of each mode; unused entries have `count` 0.
 static RUNS_OF: [[Run; RUNS]; MODES.len()] = {
     let mut runs = [[Run { value: 0, to: 0, from: 0, count: 0 }; RUNS]; MODES.len()];
     let mut mode = 0;
@@ -104,7 +106,7 @@ const fn parse(text: &[u8], mut from: u32, mut runs: [Run; RUNS]) -> [Run; RUNS]
         if behind < text.len() && text[behind] == b'-' {
             (last, next) = number(text, behind + 1);
         }
-        // Descending bits are runs of one.
+        // Descending bits become runs of one bit.
         while to > last {
             runs[run] = Run { value, to, from, count: 1 };
             (run, from, to) = (run + 1, from + 1, to - 1);
@@ -126,7 +128,7 @@ const fn number(text: &[u8], mut at: usize) -> (u32, usize) {
     (value, at)
 }
 
-/// The mode by the lowest five bits of a block; 255 where they are reserved.
+/// Mode of a block by its lowest five bits; 255 for reserved codes.
 const MODE_OF: [u8; 32] = {
     let mut modes = [255; 32];
     let mut mode = 0;
@@ -142,7 +144,8 @@ const MODE_OF: [u8; 32] = {
     modes
 };
 
-/// Decodes a block. Every pattern of bits is legal but those of the four reserved codes (19, 23, 27, 31), which yield zeros.
+/// Decodes a block. All bit patterns are legal, except those of the four reserved codes (19, 23, 27, 31), which decode to
+/// zeros.
 pub fn decode(block: &[u8; 16]) -> [[u16; 3]; TEXELS] {
     let number = MODE_OF[block[0] as usize & 31] as usize;
     let Some(mode) = MODES.get(number) else { return [[0; 3]; TEXELS] };
@@ -164,7 +167,7 @@ pub fn decode(block: &[u8; 16]) -> [[u16; 3]; TEXELS] {
     }
 }
 
-/// Red and green in the lanes of one number, 32 bits each, and blue in another.
+/// Packs red and green into 32-bit lanes of one line, and blue into another.
 fn halves(a: [u32; 3], b: [u32; 3]) -> [Line; 2] {
     let both = |color: [u32; 3]| u64::from(color[0]) | u64::from(color[1]) << 32;
     [Line::new(both(a), both(b), 32 << 32 | 32), Line::new(a[2].into(), b[2].into(), 32)]
@@ -175,7 +178,7 @@ fn finish(lines: [Line; 2], weight: u64) -> [u16; 3] {
     [red_green, red_green >> 32, blue].map(|value| (((value & 0xFFFF) * 31) >> 6) as u16)
 }
 
-/// The endpoints w, x, y, z as numbers of 16 bits.
+/// Returns the endpoints w, x, y and z as 16-bit numbers.
 fn endpoints(mode: &Mode, values: &[u32; PARTITION + 1]) -> [[u32; 3]; 4] {
     std::array::from_fn(|endpoint| {
         std::array::from_fn(|channel| {

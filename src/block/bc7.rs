@@ -1,7 +1,8 @@
 //! BC7: four channels of 8 bits, 16 pixels in 16 bytes (formats/blocks.md 8).
 //!
-//! In: a block. Out: RGBA, or RGB, of its 16 pixels, row by row. Each mode is a function of its own in which the places of
-//! all bits are known, and the four channels of a pixel are interpolated in one product, in lanes of a 64-bit number.
+//! Takes a block and returns RGBA, or RGB, of its 16 pixels, row by row. Functions are specialised by mode, so that all bit
+//! positions are constants, and the four channels of a pixel are interpolated by one multiplication, in 16-bit lanes of a
+//! 64-bit number.
 
 use super::TEXELS;
 use super::bptc::{Line, Partition, field, open, weight};
@@ -13,7 +14,7 @@ pub(super) struct Mode {
     pub(super) selection_bits: u32,
     pub(super) color_bits: u32,
     pub(super) alpha_bits: u32,
-    /// Lowest bits that all channels of an endpoint share: none, one for each endpoint, one for each pair of them.
+    /// Lowest bits that all channels of an endpoint share (P bits): none, one per endpoint, or one per pair of endpoints.
     pub(super) low_bits: LowBits,
     pub(super) index_bits: u32,
     pub(super) second_index_bits: u32,
@@ -40,7 +41,7 @@ pub(super) const MODES: [Mode; 8] = {
     ]
 };
 
-/// A row of the table, its columns in the order of the document's.
+/// A row of the table, with the columns in the order of the document (formats/blocks.md 8).
 const fn mode(counts: [u32; 6], low_bits: LowBits, index_bits: [u32; 2]) -> Mode {
     let [subsets, partition_bits, rotation_bits, selection_bits, color_bits, alpha_bits] = counts;
     let [index_bits, second_index_bits] = index_bits;
@@ -57,13 +58,13 @@ const fn mode(counts: [u32; 6], low_bits: LowBits, index_bits: [u32; 2]) -> Mode
     }
 }
 
-/// A one in each of four lanes of 16 bits.
+/// The value 1 in each of four 16-bit lanes.
 const ONES: u64 = 0x0001_0001_0001_0001;
 const BYTES: u64 = 0xFF * ONES;
-/// Where red, green, blue and alpha begin in a number of four lanes.
+/// Bit positions of red, green, blue and alpha in a number of four lanes.
 const LANES: [u32; 4] = [0, 16, 32, 48];
 
-/// Decodes a block. Every pattern of bits is legal but those whose first byte is 0, which are reserved and yield zeros.
+/// Decodes a block. All bit patterns are legal, except those whose first byte is 0, which are reserved and decode to zeros.
 pub fn decode(block: &[u8; 16]) -> [[u8; 4]; TEXELS] {
     pixels(block, |pixel| LANES.map(|lane| (pixel >> lane) as u8))
 }
@@ -72,7 +73,7 @@ pub(super) fn decode_rgb(block: &[u8; 16]) -> [[u8; 3]; TEXELS] {
     pixels(block, |pixel| [pixel as u8, (pixel >> LANES[1]) as u8, (pixel >> LANES[2]) as u8])
 }
 
-/// What `of` makes of the pixels, which have a channel in the low eight bits of each lane.
+/// Decodes a block and maps each pixel by `of`; a pixel has a channel in the low eight bits of each lane.
 #[inline(always)]
 fn pixels<P: Copy>(block: &[u8; 16], of: impl Fn(u64) -> P) -> [P; TEXELS] {
     let word = u128::from_le_bytes(*block);
@@ -89,7 +90,7 @@ fn pixels<P: Copy>(block: &[u8; 16], of: impl Fn(u64) -> P) -> [P; TEXELS] {
     }
 }
 
-/// The first bit behind the mode, partition, rotation and selection.
+/// Position of the first bit after mode, partition, rotation and selection.
 const fn endpoints_at(number: usize, mode: &Mode) -> u32 {
     number as u32 + 1 + mode.partition_bits + mode.rotation_bits + mode.selection_bits
 }
@@ -103,7 +104,7 @@ const fn endpoint_bits(mode: &Mode) -> u32 {
     mode.subsets * (2 * (3 * mode.color_bits + mode.alpha_bits) + low)
 }
 
-/// Endpoint `number` of mode `MODE`, each channel in 8 bits of its lane.
+/// Returns endpoint `number` of mode `MODE`, each channel in the low 8 bits of its lane.
 #[inline(always)]
 fn endpoint<const MODE: usize>(word: u128, number: u32) -> u64 {
     let mode = const { &MODES[MODE] };
@@ -127,7 +128,7 @@ fn endpoint<const MODE: usize>(word: u128, number: u32) -> u64 {
     color | alpha << LANES[3]
 }
 
-/// Lanes of `bits` bits brought to 8, the high bits repeated below.
+/// Expands lanes of `bits` bits to 8 bits; the high bits are repeated as the low bits.
 #[inline(always)]
 fn widen(lanes: u64, bits: u32) -> u64 {
     (lanes << (8 - bits)) | ((lanes >> (2 * bits - 8)) & (((1 << (8 - bits)) - 1) * ONES))
@@ -162,7 +163,7 @@ fn two_indices<const MODE: usize, P>(word: u128, of: impl Fn(u64) -> P) -> [P; T
     let at = const { endpoints_at(MODE, &MODES[MODE]) + endpoint_bits(&MODES[MODE]) };
     let first = open(field(word, at, 31), 1);
     let second = open(field(word, at + 31, 16 * mode.second_index_bits - 1), mode.second_index_bits - 1);
-    // One channel changes places with alpha: alpha itself for rotation 0.
+    // Swaps one channel with alpha; rotation 0 swaps alpha with itself.
     let lane = LANES[(rotation + 3) & 3];
     std::array::from_fn(|texel| {
         let (first, second) = (weight(first, texel, 2), weight(second, texel, const { MODES[MODE].second_index_bits }));

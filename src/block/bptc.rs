@@ -1,14 +1,14 @@
-//! What BC6H and BC7 share (formats/blocks.md 6): partitions of the pixels into subsets, indices, and interpolation
+//! Common parts of BC6H and BC7 (formats/blocks.md 6): partitions of the pixels into subsets, indices, and interpolation
 //! between two endpoints. The tables are those of BPTC in the Khronos Data Format Specification.
 
 use super::TEXELS;
 
-/// Which pair of endpoints each pixel of a block belongs to.
+/// Subset, and therefore pair of endpoints, of each pixel of a block.
 #[derive(Clone, Copy)]
 pub(super) struct Partition {
-    /// Bits 2t and 2t + 1: the subset of pixel t.
+    /// Bits 2t and 2t + 1 are the subset of pixel t.
     map: u32,
-    /// Bit t: pixel t is the anchor of its subset, whose index is stored without its highest bit.
+    /// Bit t is set if pixel t is the anchor of its subset; the index of an anchor is stored without its highest bit.
     anchors: u32,
 }
 
@@ -30,7 +30,7 @@ static PARTITIONS: [[Partition; 64]; 3] = {
 };
 
 impl Partition {
-    /// Partition `number` in `subsets` (1, 2 or 3) subsets.
+    /// Returns partition `number` into `subsets` (1, 2 or 3) subsets.
     pub(super) fn new(subsets: u32, number: u32) -> Self {
         PARTITIONS[subsets as usize - 1][number as usize & 63]
     }
@@ -49,7 +49,8 @@ impl Partition {
     }
 }
 
-/// Interpolates between two endpoints in lanes: 64 times the first and half of 64, and the difference of the second.
+/// Interpolation between two endpoints, in lanes: `start` is 64 times the first endpoint plus 32, `step` the difference of
+/// the endpoints.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Line {
     start: u64,
@@ -57,9 +58,9 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// `half` is a 32 in each lane.
+    /// `half` has 32 in each lane.
     pub(super) fn new(a: u64, b: u64, half: u64) -> Self {
-        // Lanes of the step may be negative and borrow from those above; what borrows is given back in the sum.
+        // Lanes of the step may be negative and borrow from the lane above; the sum in `at` cancels the borrow.
         Line { start: (a << 6) + half, step: b.wrapping_sub(a) }
     }
 
@@ -68,13 +69,13 @@ impl Line {
     }
 }
 
-/// `count` bits of a block from bit `at` on.
+/// Returns `count` bits of a block from bit `at` on.
 #[inline(always)]
 pub(super) fn field(word: u128, at: u32, count: u32) -> u64 {
     (word >> at) as u64 & ((1 << count) - 1)
 }
 
-/// Puts a 0 in front of bit `at`: the highest bit of an anchor's index, which is not stored.
+/// Inserts a 0 at bit `at`: the highest bit of an anchor's index, which is not stored.
 #[inline(always)]
 pub(super) fn open(indices: u64, at: u32) -> u64 {
     let below = indices & ((1 << at) - 1);
@@ -87,7 +88,7 @@ pub(super) fn weight(indices: u64, texel: usize, bits: u32) -> u64 {
     u64::from(WEIGHTS[bits as usize & 7][index])
 }
 
-/// Partitions in two subsets: bit t is the subset of pixel t. BC6H has the first 32.
+/// Partitions into two subsets: bit t is the subset of pixel t. BC6H uses the first 32.
 pub(super) const TWO: [u16; 64] = [
     0xcccc, 0x8888, 0xeeee, 0xecc8, 0xc880, 0xfeec, 0xfec8, 0xec80, 0xc800, 0xffec, 0xfe80, 0xe800, 0xffe8, 0xff00,
     0xfff0, 0xf000, 0xf710, 0x008e, 0x7100, 0x08ce, 0x008c, 0x7310, 0x3100, 0x8cce, 0x088c, 0x3110, 0x6666, 0x366c,
@@ -96,7 +97,7 @@ pub(super) const TWO: [u16; 64] = [
     0x9336, 0x9cc6, 0x817e, 0xe718, 0xccf0, 0x0fcc, 0x7744, 0xee22,
 ];
 
-/// Partitions in three subsets: bits 2t and 2t + 1 are the subset of pixel t.
+/// Partitions into three subsets: bits 2t and 2t + 1 are the subset of pixel t.
 pub(super) const THREE: [u32; 64] = [
     0xaa685050, 0x6a5a5040, 0x5a5a4200, 0x5450a0a8, 0xa5a50000, 0xa0a05050, 0x5555a0a0, 0x5a5a5050, 0xaa550000,
     0xaa555500, 0xaaaa5500, 0x90909090, 0x94949494, 0xa4a4a4a4, 0xa9a59450, 0x2a0a4250, 0xa5945040, 0x0a425054,
@@ -108,13 +109,13 @@ pub(super) const THREE: [u32; 64] = [
     0x2a4a5254,
 ];
 
-/// The anchor of subset 1 of each partition in two subsets; that of subset 0 is pixel 0.
+/// Anchor of subset 1 of each partition into two subsets; the anchor of subset 0 is pixel 0.
 pub(super) const ANCHOR_OF_TWO: [u8; 64] = [
     15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 2, 8, 2, 2, 8, 8, 15, 2, 8, 2, 2, 8, 8, 2, 2,
     15, 15, 6, 8, 2, 8, 15, 15, 2, 8, 2, 2, 2, 15, 15, 6, 6, 2, 6, 8, 15, 15, 2, 2, 15, 15, 15, 15, 15, 2, 2, 15,
 ];
 
-/// The anchors of subset 1, and of subset 2, of each partition in three subsets.
+/// Anchors of subset 1 and of subset 2 of each partition into three subsets.
 pub(super) const ANCHORS_OF_THREE: [[u8; 64]; 2] = [
     [
         3, 3, 15, 15, 8, 3, 15, 15, 8, 8, 6, 6, 6, 5, 3, 3, 3, 3, 8, 15, 3, 3, 6, 10, 5, 8, 8, 6, 8, 5, 15, 15, 8, 15,
@@ -127,7 +128,7 @@ pub(super) const ANCHORS_OF_THREE: [[u8; 64]; 2] = [
     ],
 ];
 
-/// Weights of the second endpoint, in 64ths, by the number of an index's bits and the index.
+/// Weight of the second endpoint in 64ths, by the number of bits of an index and by the index.
 pub(super) const WEIGHTS: [&[u32]; 5] = [
     &[0],
     &[0],

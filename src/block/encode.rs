@@ -1,7 +1,7 @@
-//! Encoders of blocks: libraries behind one trait.
+//! Block encoders: external libraries behind one trait.
 //!
-//! `intel_tex_2` encodes BC1, BC6H and BC7; `dds` encodes BC4 and BC5, and BC1 again at exhaustive effort, where the
-//! better block of the two is kept. Errors are measured with our decoders.
+//! `intel_tex_2` encodes BC1, BC6H and BC7. `dds` encodes BC4 and BC5; at exhaustive effort it also encodes BC1, and the
+//! better of the two blocks is kept. Errors are measured with our decoders.
 
 use dds::{ColorFormat, CompressionQuality, EncodeOptions, Format, ImageView, Size};
 use intel_tex_2::{RgbaSurface, bc1, bc6h, bc7};
@@ -9,18 +9,18 @@ use intel_tex_2::{RgbaSurface, bc1, bc6h, bc7};
 use super::{Bc1, Bc4, Bc5, Bc6h, Bc7, Bc7Rgba, BlockFormat, SIDE, TEXELS, grid};
 use crate::effort::Effort;
 
-/// A block depends on its own pixels and the effort alone. `intel_tex_2` selects kernels by the processor's instruction
-/// set, so bytes are the same on one family of processors only.
+/// Encoder of a block format. A block depends only on its own pixels and the effort. `intel_tex_2` selects kernels by the
+/// instruction set of the processor, so that the bytes are the same only within one family of processors.
 pub trait BlockEncoder: Sync {
     type Texel: Copy;
-    /// Blocks of [`grid`]`(width, height)`, row by row. Past the right or the bottom edge, and where `pixels` are
-    /// fewer, the last is repeated; without pixels there are no blocks.
+    /// Encodes the blocks of [`grid`]`(width, height)`, row by row. The last column and row are repeated past the right and
+    /// the bottom edge; missing `pixels` repeat the last pixel. Without pixels there are no blocks.
     fn encode(&self, pixels: &[Self::Texel], width: usize, height: usize, effort: Effort) -> Vec<u8>;
 }
 
 impl BlockEncoder for Bc1 {
     type Texel = [u8; 3];
-    /// Fast and normal efforts are the same; the exhaustive one takes the better of two libraries for each block.
+    /// Fast and normal effort give the same blocks; exhaustive effort takes the better of two libraries for each block.
     fn encode(&self, pixels: &[[u8; 3]], width: usize, height: usize, effort: Effort) -> Vec<u8> {
         let mut blocks = rgba_bands(pixels, width, height, |surface| bc1::compress_blocks(&surface));
         if effort == Effort::Exhaustive {
@@ -33,7 +33,7 @@ impl BlockEncoder for Bc1 {
     }
 }
 
-/// Replaces each block of BC1 by the other where that is closer to the pixels in the sum of squares.
+/// Replaces each BC1 block by the other one if that has a smaller sum of squared errors.
 fn keep_better(blocks: &mut [u8], others: &[u8], pixels: &[[u8; 3]], width: usize) {
     let columns = grid(width, 1)[0];
     for (at, (block, other)) in blocks.chunks_exact_mut(8).zip(others.chunks_exact(8)).enumerate() {
@@ -120,7 +120,7 @@ impl BlockEncoder for Bc5 {
     }
 }
 
-/// The half float that BC6H UF16 can hold: NaN and what is below zero become 0, infinity the largest finite value.
+/// Clamps a half float to those of BC6H UF16: NaN and negative values become 0, infinity becomes the largest finite value.
 fn unsigned_half(bits: u16) -> u16 {
     match bits {
         0..0x7C00 => bits,
@@ -134,7 +134,7 @@ struct Band<T> {
     width: usize,
 }
 
-/// Rows of blocks that are encoded at a time, which bounds the memory of a large image.
+/// Rows of blocks that are encoded at a time, which limits the memory for a large image.
 const BAND_ROWS: usize = 64;
 
 impl<T> Band<T> {
@@ -164,7 +164,7 @@ fn in_bands<T: Copy>(pixels: &[T], width: usize, height: usize, encode: impl Fn(
     blocks
 }
 
-/// As [`in_bands`], for kernels that read RGBA of 8 bits.
+/// As [`in_bands`], for kernels that read 8-bit RGBA.
 fn rgba_bands(pixels: &[[u8; 3]], width: usize, height: usize, encode: impl Fn(RgbaSurface<'_>) -> Vec<u8>) -> Vec<u8> {
     in_bands(pixels, width, height, |band| {
         let bytes: Vec<u8> = band.pixels.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
@@ -183,7 +183,7 @@ fn channels<T>(band: &Band<T>, bytes: &[u8], color: ColorFormat, format: Format,
     let size = Size::new(band.width as u32, band.height() as u32);
     let mut blocks = Vec::new();
     if let Some(image) = ImageView::new(bytes, size, color) {
-        // Writing into memory does not fail, and the formats are known to the library.
+        // Writing to memory does not fail, and the library supports these formats.
         let _ = dds::encode(&mut blocks, image, format, None, &options);
     }
     blocks

@@ -1,9 +1,9 @@
-//! The five formats as types, and images of blocks (formats/blocks.md 2).
+//! The block formats as types, and images of blocks (formats/blocks.md 2).
 
 use crate::block::grid::{BlockFormat, SIDE, TEXELS, grid};
 use crate::block::{bc1, bc4, bc5, bc6h, bc7};
 
-/// Types of formats: their pixels, the bytes of a block, and its decoder.
+/// Declares the types of formats: texel, bytes of a block, and decoder.
 macro_rules! formats {
     ($($name:ident: [$texel:ty; $bytes:literal] by $decode:path;)+) => {$(
         #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -31,8 +31,8 @@ formats! {
     Bc7Rgba: [[u8; 4]; 16] by bc7::decode;
 }
 
-/// Decodes an image of `width` x `height` pixels. What of a block lies past the right or the bottom edge is dropped;
-/// pixels whose block is missing stay as they are.
+/// Decodes an image of `width` x `height` pixels. Texels past the right and the bottom edge are dropped; pixels of missing
+/// blocks are not changed.
 pub fn decode_image<F: BlockFormat>(blocks: &[u8], width: usize, height: usize, pixels: &mut [F::Texel]) {
     let [columns, rows] = grid(width, height);
     if columns == 0 {

@@ -1,7 +1,7 @@
-//! Block-compressed images: 4x4 pixels in 8 or 16 bytes, as GPUs read them.
+//! Block-compressed images: 4x4 pixels in 8 or 16 bytes, in the texture formats of GPUs.
 //!
-//! The meaning of a block is part of the format, so decoders are ours, in integers (formats/blocks.md), and compared with
-//! an independent decoder in every mode. Encoders are libraries behind a trait ([`encode`]).
+//! Decoding a block is part of the file format. The decoders are therefore our own, use integers (formats/blocks.md), and are
+//! compared with an independent decoder in every mode. The encoders are external libraries behind a trait ([`encode`]).
 
 #![doc(hidden)]
 

@@ -1,4 +1,4 @@
-//! Images of blocks, and encoders.
+//! Tests of images of blocks and of the encoders.
 
 use super::*;
 use crate::effort::Effort;
@@ -6,17 +6,17 @@ use crate::math::random::Random;
 
 const EFFORTS: [Effort; 3] = [Effort::Fast, Effort::Normal, Effort::Exhaustive];
 
-/// A block of 16 bytes: any bits, or, in one of four, only zeros or only ones from some bit on.
+/// A block of 16 bytes with random bits; one in four has only zeros or only ones from a random bit on.
 fn random_block(random: &mut Random) -> u128 {
     let any = u128::from(random.bits()) << 64 | u128::from(random.bits());
     let (shift, ones) = (random.below(128), u128::MAX * u128::from(random.below(2)));
     if random.one_in(4) { any & ((1 << shift) - 1) | ones << shift } else { any }
 }
 
-/// Blocks compared with another decoder, for each mode.
+/// Number of blocks per mode that are compared with another decoder.
 const BLOCKS: usize = 20_000;
 
-/// `low` put in place of the lowest `count` bits of random blocks.
+/// Random blocks whose lowest `count` bits are `low`.
 fn blocks_of(low: u128, count: u32) -> impl Iterator<Item = [u8; 16]> {
     let mut random = Random::new(0x9E37_79B9_7F4A_7C15 ^ u64::from(count) << 32 ^ low as u64);
     (0..BLOCKS).map(move |_| (random_block(&mut random) >> count << count | low).to_le_bytes())
@@ -80,7 +80,7 @@ fn bc1_bc4_and_bc5_are_within_one_step_of_another_decoder() {
     println!("of {BLOCKS} blocks of BC1, BC4, BC5 differ: {differ:?}");
 }
 
-/// A picture of slopes, waves, an edge and a little noise, 0 to 1 in each channel.
+/// A test image of gradients, waves, an edge and a little noise, 0 to 1 in each channel.
 fn picture(width: usize, height: usize) -> Vec<[f64; 3]> {
     let mut seed = 7u32;
     let mut noise = || {
@@ -114,7 +114,7 @@ fn bytes<const N: usize>(texels: &[[u8; N]]) -> impl Iterator<Item = f64> {
     texels.iter().flatten().map(|&value| f64::from(value))
 }
 
-/// Encodes and decodes; checks what must hold of any encoder.
+/// Encodes and decodes an image; checks the number of blocks, and that a second encode returns the same blocks.
 fn there_and_back<F>(
     format: F,
     pixels: &[<F as BlockFormat>::Texel],
@@ -134,7 +134,7 @@ where
     decoded
 }
 
-/// At each effort, of BC1, BC4, BC5, BC6H and BC7: floors in dB, a little below what was measured.
+/// Minimum PSNR in dB, a little below the measured values: rows are efforts, columns BC1, BC4, BC5, BC6H and BC7.
 const FLOORS: [[f64; 5]; 3] =
     [[38.8, 51.9, 48.9, 41.3, 42.3], [38.8, 52.0, 49.3, 43.3, 44.8], [39.3, 52.3, 49.5, 43.7, 44.9]];
 
@@ -169,7 +169,7 @@ fn encoders_reach_their_decibels() {
     }
 }
 
-/// Checks the sizes of images that are no whole number of blocks: each block must be the one that its pixels alone give, with
+/// Tests images whose sides are not multiples of a block: each block must equal the block that its pixels alone give, with
 /// the last column and row repeated.
 fn check_sizes<F>(format: F, convert: impl Fn([f64; 3]) -> <F as BlockFormat>::Texel)
 where
@@ -216,7 +216,7 @@ fn blocks_depend_on_their_pixels_alone_at_all_sizes() {
 
 #[test]
 fn bc6h_takes_any_half_float() {
-    // NaN, minus infinity, below zero, minus zero; infinity; the largest value; the smallest.
+    // NaN, −infinity, a negative value, −0; infinity; the largest value; 0.
     for (bits, held) in [(0x7E01, 0), (0xFC00, 0), (0xBC00, 0), (0x8000, 0), (0x7C00, 0x7BFF), (0x7BFF, 0x7BFF), (0, 0)]
     {
         for effort in EFFORTS {
@@ -241,7 +241,7 @@ fn what_is_missing_of_an_image_stays_as_it_is() {
         let inside = at % 8 < 4 && at / 8 < 4;
         assert_eq!(*pixel, [if inside { 0 } else { 7 }; 3], "pixel {at}");
     }
-    // Pixels for one row, blocks for more: nothing is written past the end.
+    // Pixels for one row and blocks for more: nothing is written past the end.
     decode_image::<Bc1>(&[0; 64], 8, 5, &mut pixels[..8]);
     assert_eq!(pixels[7], [0; 3]);
     let mut texels = [[9; 3]; TEXELS];
@@ -250,10 +250,10 @@ fn what_is_missing_of_an_image_stays_as_it_is() {
     assert_eq!(texels, [[9; 3]; TEXELS]);
 }
 
-/// The document that these decoders follow.
+/// The format document of these decoders.
 const DOCUMENT: &str = include_str!("../../formats/blocks.md");
 
-/// Cells of the rows of a table behind a comment such as `<!-- table: two -->`.
+/// Cells of a table's rows; the table follows a comment such as `<!-- table: two -->`.
 fn rows(comment: &str) -> Vec<Vec<&'static str>> {
     let table = DOCUMENT.split(&format!("<!-- {comment} -->\n")).nth(1).expect(comment).trim_start();
     let lines = table.lines().take_while(|line| line.starts_with('|')).skip(2);
@@ -262,7 +262,7 @@ fn rows(comment: &str) -> Vec<Vec<&'static str>> {
     rows
 }
 
-/// The numbers of a table without its first column.
+/// Numbers of a table, without its first column.
 fn numbers(comment: &str, radix: u32) -> Vec<u32> {
     let cells = rows(comment).into_iter().flat_map(|row| row[1..].to_vec());
     cells.flat_map(|cell| cell.split(", ").map(|cell| u32::from_str_radix(cell, radix).unwrap())).collect()
@@ -356,7 +356,7 @@ fn the_tables_of_the_shaders_are_those_of_the_code() {
     let anchors: Vec<u8> = second.iter().zip(third).map(|(second, third)| second | third << 4).collect();
     let anchors: Vec<u32> = anchors.as_chunks().0.iter().map(|&bytes| u32::from_le_bytes(bytes)).collect();
     assert_eq!(table("BPTC_ANCHORS_OF_THREE"), anchors);
-    // The layouts stand above the cases that follow them; what the cases do is compared on a device.
+    // Each case of the shader has its layout in a comment; the code of the cases is compared on a device.
     let shader = include_str!("../../shaders/block/bc6h.wgsl");
     for mode in &bc6h::MODES {
         let case = format!("case {}u: {{\n            // {}\n", mode.code, mode.layout);
@@ -364,7 +364,7 @@ fn the_tables_of_the_shaders_are_those_of_the_code() {
     }
 }
 
-/// RGBA of which alpha is a slope.
+/// RGBA test image whose alpha is a gradient.
 fn picture_with_alpha(side: usize) -> Vec<[u8; 4]> {
     let pixels = picture(side, side).into_iter().map(|pixel| pixel.map(to_byte)).enumerate();
     pixels.map(|(at, [r, g, b])| [r, g, b, (at % side * 255 / (side - 1)) as u8]).collect()
@@ -381,5 +381,5 @@ fn blocks_with_alpha_reach_their_decibels() {
     }
 }
 
-/// At each effort, of BC7 with alpha: floors in dB, a little below what was measured.
+/// Minimum PSNR of BC7 with alpha in dB at each effort, a little below the measured values.
 const ALPHA_FLOORS: [f64; 3] = [42.3, 42.5, 42.8];

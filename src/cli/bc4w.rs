@@ -1,4 +1,4 @@
-//! `lightfold bc4w SEQ`: depth as plain BC4w blocks, and how close they and the other functions come.
+//! `lightfold bc4w SEQ`: encodes depth as plain BC4w blocks, and measures the error of BC4w and of the other functions.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;

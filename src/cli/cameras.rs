@@ -1,4 +1,4 @@
-//! `lightfold cameras IN -o OUT`: converts files of cameras, and exports the probes of a light field.
+//! `lightfold cameras IN -o OUT`: converts camera files, and exports the probes of a light field.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -109,7 +109,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     Ok(ExitStatus::Passed)
 }
 
-/// The cameras of the input, and frames per second.
+/// Returns the cameras of the input, and the frames per second.
 fn read(args: &Args) -> Result<(Vec<FileCamera>, f64)> {
     let input = &args.input;
     let fps_of_field = match input.is_dir() {
@@ -120,7 +120,7 @@ fn read(args: &Args) -> Result<(Vec<FileCamera>, f64)> {
     Ok((cameras::read(input, fps)?, fps))
 }
 
-/// The frames per second of a dataset; none of what is no dataset.
+/// Returns the frames per second of a dataset. `None` if the input is not a dataset.
 fn dataset_fps(input: &Path) -> Result<Option<f64>> {
     let is_manifest = input.file_name().is_some_and(|name| name == MANIFEST_NAME);
     if is_manifest || input.join(MANIFEST_NAME).is_file() {

@@ -71,7 +71,7 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Resumes if asked, and keeps the images on failure.
+    /// Captures into the folder. Resumes if requested, and keeps the images on failure.
     fn capture(&self, folder: PartialFolder) -> Result<CaptureSummary> {
         let mut unfinished = UnfinishedFolder::new(folder, &self.args.output, "capture");
         let all = self.plan.image_count();
@@ -88,7 +88,7 @@ impl Work<'_> {
         fields.extend(self.plan.options());
         fields.push(("the content of the scene", self.scene.contents().to_owned()));
         fields.push(("`animation`", self.args.animation.clone().unwrap_or_else(|| "the first".to_owned())));
-        // Sines and roots are rounded by the system's library.
+        // Sines and square roots are rounded by the system's library.
         fields.push(("the kind of machine", format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
         Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
     }

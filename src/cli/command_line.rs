@@ -99,7 +99,7 @@ pub enum Command {
 }
 
 impl Command {
-    /// A command that writes a container of footage.
+    /// Returns the command as an encoder if it writes a container of footage.
     pub fn as_encoder(&self) -> Option<&dyn Encodes> {
         match self {
             Command::Encode(args) => Some(args),
@@ -110,12 +110,12 @@ impl Command {
     }
 }
 
-/// The whole command line, for man pages and completions.
+/// Returns the whole command line, for man pages and completions.
 pub fn command() -> clap::Command {
     Cli::command()
 }
 
-/// Commands that print nothing on standard output but what their options ask for.
+/// Commands that write to standard output only what their options request.
 const WRITERS: &[&str] = &[
     "bc4w",
     "capture",
@@ -136,7 +136,7 @@ const WRITERS: &[&str] = &[
 const PRINTING: &[&str] = &["json", "list_devices", "null", "stats", "verify"];
 const INPUTS: &[&str] = &["held_out", "input", "inputs", "more", "reference"];
 
-/// Whether standard output carries the result of a command.
+/// True if standard output carries the result of a command.
 pub fn has_result_on_stdout(matches: &ArgMatches) -> bool {
     let Some((name, matches)) = matches.subcommand() else { return true };
     let prints = |id: &&str| matches.try_get_one::<bool>(id).ok().flatten() == Some(&true);
@@ -147,16 +147,16 @@ pub fn has_result_on_stdout(matches: &ArgMatches) -> bool {
     !WRITERS.contains(&name) || PRINTING.iter().any(prints) || matches.ids().any(is_dash)
 }
 
-/// Options that name a file or a folder to write.
+/// Options that name an output file or folder.
 const OUTPUTS: &[&str] =
     &["cameras_out", "contact_sheet", "csv", "error_map", "export", "folder", "output", "path", "plot", "trace"];
-/// Those that always name a file.
+/// Options that always name a file.
 const FILES: &[&str] = &["cameras_out", "contact_sheet", "csv", "path", "trace"];
-/// Commands of which `-o` always names one.
+/// Commands whose `-o` always names a file.
 const FILE_WRITERS: &[&str] = &["bc4w", "init", "place", "quilt", "scan", "simplify", "train-color", "train-depth"];
 
-/// Refuses outputs that cannot be written, before any work: names that the file system does not take, folders that are missing,
-/// standard output that is closed.
+/// Checks the outputs before any work. Fails if the file system rejects a name, a folder is missing, or standard output
+/// is closed.
 pub fn check_outputs(matches: &ArgMatches) -> Result<()> {
     let Some((name, matches)) = matches.subcommand() else { return Ok(()) };
     for id in OUTPUTS {
@@ -181,7 +181,8 @@ mod tests {
 
     #[test]
     fn an_option_stands_below_the_same_heading_in_every_command() {
-        // Of options that commands share. A heading goes on over the options after it, also those of the next group.
+        // Applies to options shared by commands. A heading continues over all following options, including those of the
+        // next group.
         const BELOW_NONE: [&str; 8] = ["effort", "frames", "json", "memory", "missing", "output", "resume", "threads"];
         let root = command();
         let (mut commands, mut known) = (vec![&root], BTreeMap::new());
@@ -190,7 +191,7 @@ mod tests {
             for option in command.get_opts() {
                 let (Some(long), Some(help)) = (option.get_long(), option.get_help()) else { continue };
                 if long == "face-size" {
-                    // Of sequences it is one of their layout.
+                    // For sequences it is part of the layout.
                     continue;
                 }
                 let (heading, name) = (option.get_help_heading(), command.get_name());

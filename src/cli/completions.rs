@@ -1,4 +1,4 @@
-//! `lightfold completions SHELL`.
+//! `lightfold completions SHELL`: prints a completion script.
 
 use crate::cli::{ExitStatus, output};
 use crate::error::Result;

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use crate::decode::{DamagedChunk, Decoder};
 use crate::report::coding_map::counted;
 
-/// One line for each place in the file; equal chunks share one.
+/// Returns one line for each damaged place in the file. Chunks with the same bytes share a line.
 pub fn lines(decoder: &Decoder, damaged: &[DamagedChunk]) -> String {
     let place = |damaged: &DamagedChunk| (damaged.chunk.offset, damaged.reason.clone());
     let mut rows_at: HashMap<_, u64> = HashMap::new();

@@ -1,4 +1,5 @@
-//! `lightfold decode IN -o OUT`: decodes a container into image files, a stream of pictures or point clouds, or measures decoding time.
+//! `lightfold decode IN -o OUT`: decodes a container into image files, a picture stream or point clouds, or measures
+//! decoding time.
 
 mod args;
 mod point_cloud;
@@ -32,9 +33,9 @@ use crate::views::camera_units::CameraUnitsReport;
 
 pub use args::Args;
 
-/// Containers up to this size are read into memory before `--null` starts its clock.
+/// Maximum size of containers that are read into memory before `--null` starts its clock.
 const LOAD_BYTES: u64 = 1 << 30;
-/// Larger ones are read only if at least an eighth of them is needed.
+/// Containers above this size are read into memory only if at least an eighth of their bytes is needed.
 const LOAD_ANY_BYTES: u64 = 64 << 20;
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
@@ -51,14 +52,14 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let selection = args.selection.with(args.frames.frames);
     let memory = args.memory.get();
     let asked = decode::stored_bytes(&decoder, &selection.choose(&decoder)?);
-    // What is loaded leaves the decoder its room.
+    // Loading leaves enough memory for the decoder.
     let memory_left = match memory.bytes {
         Some(_) => memory.less(decode::least_bytes(&decoder, &selection.choose(&decoder)?)),
         None => memory,
     };
     let limit = load_limit(decoder.reader().file_bytes, asked, memory_left);
     let start = Instant::now();
-    // Without output the time counts: the file is read before the clock starts, if it fits.
+    // Without output, decoding is timed: the file is read before the clock starts, if it fits.
     let in_memory = args.output.is_none() && decoder.load(limit)?;
     let reading = start.elapsed();
     let chosen = selection.choose(&decoder)?;
@@ -94,7 +95,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     };
     let choice = args.device.filter(|_| !args.verify);
     let mut once = || {
-        // With output all of the command counts, without it decoding alone.
+        // With output the time covers the whole command, without output only decoding.
         let start = if args.output.is_some() && runs.is_empty() { begun } else { Instant::now() };
         let done = device::or_on_cpu((gpu.as_ref(), choice), global, on_gpu, on_cpu)?;
         runs.push(start.elapsed().as_secs_f64());
@@ -105,7 +106,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         for _ in 0..repeat {
             decoded = once()?.0.0;
         }
-        // The first was the warm-up.
+        // The first run was the warm-up.
         runs.remove(0);
     }
     drop(progress);
@@ -141,7 +142,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
 }
 
-/// Says what files do not hold, also with --quiet: the images alone do not tell.
+/// Notes losses that the image files do not show, also with --quiet.
 fn note_losses(args: &Args, decoded: &Decoded) {
     let Some(output) = &args.output else { return };
     if decoded.clipped_pixels > 0 {
@@ -166,16 +167,17 @@ fn verdict(decoded: &Decoded, images: u64) -> Error {
     })
 }
 
-/// Largest file to read into memory at once, for a file of `file` bytes of which `asked` are needed.
+/// Returns the maximum size of a file to read into memory at once, for a file of `file` bytes of which `asked` are
+/// needed.
 fn load_limit(file: u64, asked: u64, memory: Budget) -> u64 {
-    // A small part of a large file is read as it is decoded.
+    // If only a small part of a large file is needed, it is read during decoding.
     if file > LOAD_ANY_BYTES && asked < file / 8 {
         return 0;
     }
     memory.bytes.map_or(LOAD_BYTES, |bytes| bytes / 4)
 }
 
-/// The graphics device that decodes, if one does; --verify needs one.
+/// Opens the graphics device for decoding, if one is used. --verify requires a device.
 fn open_device(args: &Args, global: &GlobalArgs) -> Result<Option<Gpu>> {
     let is_named = args.device == Some(DeviceChoice::Gpu) || args.gpu.index.gpu_index.is_some();
     if args.memory.memory.is_some() && (args.verify || is_named) {
@@ -191,7 +193,7 @@ fn open_device(args: &Args, global: &GlobalArgs) -> Result<Option<Gpu>> {
         (Some(DeviceChoice::Cpu), true) => {
             return refuse("--verify compares a graphics device with the CPU: leave out --device cpu");
         }
-        // Software will do to compare.
+        // A software device suffices for the comparison.
         (_, true) => Some(DeviceChoice::Gpu),
         (choice, false) => choice,
     };
@@ -244,7 +246,8 @@ impl Export<'_> {
         Export { coding, ..*self }.write_into(parent_of(output), files)
     }
 
-    /// Writes into a folder, which appears once it has files; `destination` names the files below a folder.
+    /// Writes into a folder, which is created once there are files to put into it. `destination` names the files below
+    /// a folder.
     pub fn write_into(&self, path: &Path, destination: impl Fn(&Path) -> Destination) -> Result<Decoded> {
         let folder = OutputFolder::create(path)?;
         let work = destination(folder.work_path());
@@ -265,7 +268,7 @@ impl Export<'_> {
     }
 }
 
-/// Refuses a folder whose dataset `decode` did not write: it may be the source of the container.
+/// Fails if the dataset in a folder was not written by `decode`: it may be the source of the container.
 fn check_replaced(folder: &Path) -> Result<()> {
     match Manifest::read(folder).is_ok_and(|manifest| decode::has_decoded(&manifest)) {
         true => Ok(()),
@@ -276,7 +279,7 @@ fn check_replaced(folder: &Path) -> Result<()> {
     }
 }
 
-/// Whether the name is that of an image in a format that is not written, rather than that of a folder.
+/// True if the name is that of an image in a format that cannot be written, rather than that of a folder.
 fn has_image_extension(path: &Path) -> bool {
     const EXTENSIONS: [&str; 18] = [
         "avif", "bmp", "dds", "dpx", "exr", "gif", "hdr", "heic", "jp2", "jpeg", "jpg", "jxl", "ktx2", "png", "tga",
@@ -286,7 +289,7 @@ fn has_image_extension(path: &Path) -> bool {
     extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))
 }
 
-/// The pattern of an output path; none if it names a folder.
+/// Returns the pattern of an output path. `None` if it names a folder.
 fn file_pattern(output: &Path) -> Result<Option<Pattern>> {
     let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let image = FileFormat::of(output).is_some();

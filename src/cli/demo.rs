@@ -48,7 +48,7 @@ pub struct Args {
     pub json: bool,
 }
 
-/// Samples of a pixel's colour: a quarter of the default, for a short capture.
+/// Samples per pixel of colour: a quarter of the default, for a short capture.
 const SAMPLES: u32 = 4;
 
 struct Places {
@@ -109,7 +109,7 @@ struct DepthReport {
     max_error_codes: Option<u16>,
 }
 
-/// The lowest quality and PSNR of any frame of any cell.
+/// Lowest quality and PSNR of any frame of any cell.
 #[derive(Serialize)]
 struct ColorReport {
     min_quality: Option<f64>,
@@ -120,7 +120,7 @@ struct ColorReport {
 struct Seconds {
     capture: f64,
     encode: f64,
-    /// With files.
+    /// Includes writing the files.
     decode: f64,
 }
 
@@ -193,14 +193,14 @@ fn decode(decoder: &Decoder, path: &Path, global: &GlobalArgs) -> Result<()> {
 fn compare(places: &Places, global: &GlobalArgs) -> Result<Comparison> {
     let paths = [&places.scene, &places.decoded].map(|path| path.to_string_lossy());
     let sides = compare::open_both([&paths[0], &paths[1]], &SideOptions::default())?;
-    // Its bright lamps are clipped, as by the commands that it prints.
+    // The scene's bright lamps are clipped, also by the printed commands.
     let settings = CompareSettings { ssim: SsimFrames::None, allow_clipping: true, ..CompareSettings::default() };
     let pairing = Pairing::new(&sides, settings.coverage)?;
     let progress = Progress::start(global, "comparing", pairing.images())?;
     compare::compare(&pairing, &settings, &progress)
 }
 
-/// Sizes from the container, and decoding times without writing files.
+/// Measures sizes in the container, and decoding times without writing files.
 fn measure(decoder: &Decoder, global: &GlobalArgs) -> Result<Vec<KindReport>> {
     let streams: Vec<&StreamInfo> = decoder.streams().iter().collect();
     let images: u64 = streams.iter().map(|stream| stream.frames.count()).sum();
@@ -230,7 +230,7 @@ fn measure(decoder: &Decoder, global: &GlobalArgs) -> Result<Vec<KindReport>> {
 impl Report {
     fn keeps(&self, settings: &EncodeSettings) -> bool {
         let depth = self.depth.max_error_codes.is_none_or(|codes| codes <= depth_bound(settings));
-        // The encoder and diff may differ in the last digit.
+        // The last digit may differ between the encoder and `diff`.
         depth && self.color.min_quality.is_none_or(|quality| quality >= settings.search.target.min_quality() - 1e-6)
     }
 

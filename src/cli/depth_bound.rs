@@ -1,4 +1,4 @@
-//! The bound on errors of depth in words, and the pixels that make it worse.
+//! Text about the depth error bound, and about the outlier pixels that increase it.
 
 use crate::depth::quantise::{metres_in_words, rounded_up};
 use crate::encode::{NamedPixel, NamedStrays, ProbePrecision};
@@ -6,19 +6,19 @@ use crate::error::escaped;
 use crate::report::coding_map::counted;
 use crate::streams::{DepthBound, STATED_DISTANCES_M};
 
-/// Up to this many probes have lines of their own.
+/// Maximum number of probes that get a line each.
 pub const FEW_PROBES: usize = 4;
 
 pub fn percent(bound: &DepthBound) -> String {
     bound.percent().map_or_else(|| "-".into(), |percent| format!("{}%", rounded_up(percent)))
 }
 
-/// Metres, or millimetres of small errors, rounded up to two digits.
+/// Formats metres, or millimetres for small errors, rounded up to two digits.
 pub fn length(metres: f64) -> String {
     if metres < 0.1 { format!("{} mm", rounded_up(1000.0 * metres)) } else { format!("{} m", rounded_up(metres)) }
 }
 
-/// The bound in percent, and in metres at the stated distances that are within near and far.
+/// Describes the bound in percent, and in metres at those of the stated distances that are between near and far.
 pub fn words(bound: &DepthBound) -> String {
     let Some(share) = bound.share() else { return "no bound on the error".into() };
     let (within, outside): (Vec<f32>, Vec<f32>) =
@@ -34,7 +34,7 @@ pub fn words(bound: &DepthBound) -> String {
     format!("within {} of the distance{metres}{no_surface}", percent(bound))
 }
 
-/// A line for each probe, or the worst and the best of more than `most`.
+/// Returns a line for each probe, or for the worst and the best if there are more than `most`.
 pub fn lines(probes: &[(&str, DepthBound)], most: usize) -> Vec<String> {
     let line = |(probe, bound): &(&str, DepthBound)| format!("depth of {}: {}", escaped(probe), words(bound));
     if probes.len() <= most {
@@ -47,7 +47,7 @@ pub fn lines(probes: &[(&str, DepthBound)], most: usize) -> Vec<String> {
     named.map(|(what, known)| format!("{what} of {} probes: {}", probes.len(), line(known))).collect()
 }
 
-/// Which pixels cost how much, and how to leave them out.
+/// Describes the outlier pixels, their effect on the bound, and the options that exclude them.
 pub fn stray_words(probe: &ProbePrecision, strays: &NamedStrays) -> String {
     let NamedStrays { pixels, of_pixels, first, without } = strays;
     let place = |pixel: &NamedPixel| {

@@ -1,4 +1,4 @@
-//! Options of graphics devices, the list of devices, fallback to the CPU.
+//! Options for graphics devices, the list of devices, and fallback to the CPU.
 
 use serde::Serialize;
 
@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::gpu::device::{self, DeviceChoice, DeviceInfo, Gpu, Pick};
 use crate::report::Table;
 
-/// Number or part of the name of a graphics device, without `--gpu-index`.
+/// Number or part of the name of a graphics device, used without `--gpu-index`.
 const VARIABLE: &str = "LIGHTFOLD_GPU";
 
 #[derive(Debug, Clone, clap::Args)]
@@ -34,18 +34,19 @@ pub const DEVICES: &Choices<DeviceChoice> = &[
 ];
 
 impl GpuIndex {
-    /// Whether a graphics device is asked for.
+    /// True if a graphics device is requested.
     pub fn is_on_device(&self, choice: Option<DeviceChoice>) -> bool {
         self.gpu_index.is_some() || choice.is_some_and(|device| device != DeviceChoice::Cpu)
     }
 
-    /// The device that the option or the environment asks for.
+    /// Returns the device selected by the option or the environment.
     pub fn pick(&self) -> Pick {
         let variable = || std::env::var(VARIABLE).map_or(Pick::Best, |words| Pick::parse(&words));
         self.gpu_index.map_or_else(variable, Pick::Index)
     }
 
-    /// Opens the graphics device, `None` for the CPU; notes why `auto` found none. Naming a device selects it.
+    /// Opens the graphics device, or returns `None` for the CPU. Notes why `auto` found none. Naming a device selects
+    /// it.
     pub fn open(&self, choice: Option<DeviceChoice>, global: &GlobalArgs) -> Result<Option<Gpu>> {
         let usual = if self.gpu_index.is_some() { DeviceChoice::Gpu } else { DeviceChoice::Cpu };
         let (gpu, why) = device::choose(choice.unwrap_or(usual), &self.pick())?;
@@ -54,7 +55,7 @@ impl GpuIndex {
     }
 }
 
-/// Runs on a graphics device, or on the CPU without one or, with `auto`, if the device fails.
+/// Runs on a graphics device. Runs on the CPU if there is no device or, with `auto`, if the device fails.
 pub fn or_on_cpu<'g, T>(
     (gpu, choice): (Option<&'g Gpu>, Option<DeviceChoice>),
     global: &GlobalArgs,

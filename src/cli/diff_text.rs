@@ -1,4 +1,4 @@
-//! The text report of `diff`: a row for each kind, the worst pixels, missing streams, exceeded bounds.
+//! Text report of `diff`: a row for each kind, the worst pixels, missing streams, exceeded bounds.
 
 use comfy_table::{Table, presets};
 
@@ -14,11 +14,11 @@ use crate::metrics::depth_error::DepthErrors;
 use crate::report::coding_map::counted;
 use crate::streams::ColorFormat;
 
-/// Up to this many streams have rows by default.
+/// Maximum number of streams that get a row each by default.
 pub const FEW_ROWS: usize = 12;
 const MISSING_LINES: usize = 8;
 
-/// The whole report; streams have rows if there are at most `most_rows`.
+/// Returns the whole report. Streams have rows if there are at most `most_rows`.
 pub fn report(sides: &[Side; 2], comparison: &Comparison, judgement: &Judgement, most_rows: usize) -> String {
     let side = |(at, side): (usize, &Side)| {
         let streams = counted(side.streams.len() as u64, "stream");
@@ -38,7 +38,7 @@ pub fn report(sides: &[Side; 2], comparison: &Comparison, judgement: &Judgement,
     paragraphs.join("\n\n") + "\n"
 }
 
-/// A table; headings are separated by `|`.
+/// Returns a table. Headings are separated by `|`.
 fn table(headings: &str) -> Table {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
@@ -53,7 +53,7 @@ fn range(frames: FrameRange) -> String {
 fn db(value: f64) -> String {
     match value {
         f64::INFINITY => "inf dB".into(),
-        // Bits differ.
+        // NaN: the codes are equal although the bits differ.
         _ if value.is_nan() => "equal codes".into(),
         _ => format!("{value:.2} dB"),
     }
@@ -89,7 +89,7 @@ fn largest(stream: &StreamReport) -> String {
 fn summary(comparison: &Comparison) -> String {
     let mut table = table("kind|streams|images|differing|max error|in metres|PSNR|lowest frame, cell|quality|SSIM");
     let none = || "-".to_owned();
-    // The cells of a row, but for kind, streams, images and differing pixels.
+    // Adds a row: kind, streams, images and share of differing pixels, followed by `measures`.
     let mut add = |kind: StreamKind, differing: u64, measures: [String; 6]| {
         let of_kind = || comparison.streams.iter().filter(|stream| stream.id.kind == kind);
         let images: u64 = of_kind().map(|stream| stream.frames.count()).sum();
@@ -177,7 +177,7 @@ fn worst_table(comparison: &Comparison) -> String {
     if table.row_count() == 0 { String::new() } else { table.trim_fmt() }
 }
 
-/// One line for each kind: range or encoding, and its origin.
+/// Returns one line for each kind: range or encoding, and its origin.
 fn domain_lines(comparison: &Comparison) -> Vec<String> {
     let mut lines = Vec::new();
     for kind in StreamKind::ALL {

@@ -1,4 +1,4 @@
-//! `lightfold encode MANIFEST -o OUT`: a dataset, all its streams, one container.
+//! `lightfold encode MANIFEST -o OUT`: encodes all streams of a dataset into one container.
 
 use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime};
@@ -55,7 +55,7 @@ pub trait Encodes {
     fn settings(&self) -> Result<(SourceOptions, EncodeSettings)>;
     fn open(&self, options: &SourceOptions) -> Result<Source>;
     fn target(&self) -> Target<'_>;
-    /// What makes the container smaller.
+    /// Suggestion for a smaller container.
     fn smaller(&self) -> &'static str {
         SMALLER
     }
@@ -135,7 +135,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let part = with_scans(part, scans, &settings, global)?;
     let smaller = Some(args.smaller());
-    // By which `encode::complete_shard` sees whether an image has changed since.
+    // `encode::complete_shard` compares this time with those of the images, to detect changed images.
     let time = part.as_ref().filter(|part| part.is_shard()).map(|_| begun);
     Encode { source: &source, part, settings: &settings, target: args.target(), time, smaller, start, global }.run()
 }
@@ -152,8 +152,8 @@ pub fn run_on(command: &dyn Encodes, global: &GlobalArgs) -> Result<ExitStatus> 
     Encode { source: &source, part: None, settings: &settings, target, time: None, smaller, start, global }.run()
 }
 
-/// What is encoded of the source, where that is a shard, or where scans were made before: with the content of the footage, as a scan
-/// has it, or as it is now. Answers the scans, too.
+/// Returns the part of the source to encode, with the content hashes of the footage from a scan or read now, and the
+/// scans. The part is `None` if there is neither a shard nor a scan.
 fn with_footage<'a>(
     part: Option<Part<'a>>,
     scan: Option<&Path>,
@@ -176,7 +176,7 @@ fn with_footage<'a>(
     })
 }
 
-/// The same with these scans, or with scans that are made now.
+/// Returns the part with the known scans, or with scans made now.
 fn with_scans<'a>(
     part: Option<Part<'a>>,
     known: Option<Scans>,
@@ -200,15 +200,15 @@ fn with_scans<'a>(
 
 pub struct Encode<'a> {
     pub source: &'a Source,
-    /// What is encoded of it; `None` for all.
+    /// Part of the source to encode. `None` for all.
     pub part: Option<Part<'a>>,
     pub settings: &'a EncodeSettings,
     pub target: Target<'a>,
-    /// Of the container's last change; `None` for that of its end.
+    /// Modification time of the container. `None` for the time at which it is finished.
     pub time: Option<SystemTime>,
-    /// What makes the container smaller, if anything.
+    /// Suggestion for a smaller container, if any.
     pub smaller: Option<&'a str>,
-    /// When the command began.
+    /// Time at which the command began.
     pub start: Instant,
     pub global: &'a GlobalArgs,
 }
@@ -268,7 +268,7 @@ impl Encode<'_> {
         }
     }
 
-    /// Computes the filters of panoramas in a stage of their own.
+    /// Computes the filters of panoramas, as a separate progress stage.
     fn prepare_filters(&self) -> Result<()> {
         let groups: Vec<_> = encode::selected_groups(self.frames(), self.settings).iter().map(|of| of.group).collect();
         let maps = self.source.filtered_maps(&groups);
@@ -284,7 +284,7 @@ impl Encode<'_> {
         })
     }
 
-    /// Blocks lose more than the search for keyframes allows.
+    /// Notes that keyframes in blocks have a lower PSNR than the keyframe search requires.
     fn note_block_bound(&self) {
         let searched_db = self.settings.search.target.min_psnr_db();
         let has_color =
@@ -303,7 +303,7 @@ impl Encode<'_> {
         self.global.note(format_args!("{}: {words}", self.target.path.display()));
     }
 
-    /// Encodes, and leaves nothing on failure.
+    /// Encodes, and leaves no file on failure.
     fn encode_whole(&self, file: OutputFile, progress: &Progress) -> Result<EncodeSummary> {
         let done = encode::encode(self.frames(), self.settings, file, progress);
         let (mut file, summary) = done.map_err(|error| output::name_output(error, self.target.path))?;
@@ -317,7 +317,7 @@ impl Encode<'_> {
         }
     }
 
-    /// Resumes if asked, and keeps complete chunks on failure.
+    /// Resumes if requested, and keeps complete chunks on failure.
     fn encode_resumable(&self, mut file: OutputFile, progress: &Progress) -> Result<EncodeSummary> {
         if !file.is_locked() {
             self.say("the file system has no locks: do not encode to this file twice at the same time");
@@ -327,7 +327,7 @@ impl Encode<'_> {
             .map_err(|error| stays(error, &file))?;
         let recovered = match (begun, self.target.unfinished) {
             (Some(begun), Unfinished::Resume) if !begun.chunks.is_empty() => {
-                // A shard of footage that changed is made again, as one that is complete.
+                // A shard of changed footage is encoded anew, even if it is complete.
                 if self.is_shard() && encode::is_of_changed_footage(self.frames(), self.settings, &begun, progress)? {
                     self.say("files have changed since the unfinished encode; starting anew");
                     return self.encode_recovered(file, None, progress);
@@ -340,7 +340,7 @@ impl Encode<'_> {
             }
             (begun, Unfinished::Resume) => {
                 self.say("nothing to resume; starting anew");
-                // What a scan found may still serve.
+                // The results of its scan may still be usable.
                 begun.filter(|begun| encode::check_recovered(self.frames(), self.settings, begun).is_ok())
             }
             (begun, _) => {
@@ -362,7 +362,7 @@ impl Encode<'_> {
         self.part.as_ref().is_some_and(Part::is_shard)
     }
 
-    /// Goes on behind what was recovered, if anything.
+    /// Continues after the recovered chunks, if any.
     fn encode_recovered(
         &self,
         mut file: OutputFile,
@@ -390,14 +390,14 @@ impl Encode<'_> {
                 Err(error)
             }
             Kept::Unchanged => {
-                // Nothing is promised of it.
+                // The file is not reported as kept, so a failure is ignored.
                 let _ = file.keep();
                 Err(error.context(self.target.path.display()))
             }
             Kept::Chunks(words) => {
                 let on_disk = file.keep();
                 let how = match error {
-                    // The scan of a shard holds for the footage as it was.
+                    // The scan of a shard describes the footage before the change.
                     Error::Invalid { .. } if self.is_shard() => "after a new scan, --resume starts this shard anew",
                     _ => output::how_to_resume(&error),
                 };
@@ -408,19 +408,19 @@ impl Encode<'_> {
     }
 }
 
-/// Whether a file that exists is one of others.
+/// True if `path` exists and is one of the given files.
 pub fn is_one_of(path: &Path, mut files: impl Iterator<Item = PathBuf>) -> bool {
     let Ok(path) = path.canonicalize() else { return false };
     files.any(|file| file.canonicalize().is_ok_and(|file| file == path))
 }
 
-/// An error that leaves an earlier unfinished encode as it was.
+/// Returns an error that leaves an earlier unfinished encode unchanged.
 fn stays(error: Error, file: &OutputFile) -> Error {
     let safe = format!("the unfinished encode stays in {}; remove it to start anew", file.work_path().display());
     Error::Unfinished { cause: Box::new(error), safe }
 }
 
-/// Which chunks of an unfinished encode are kept.
+/// Describes the kept chunks of an unfinished encode.
 fn kept(partial: &Path, chunks: &str, on_disk: &std::io::Result<()>) -> String {
     let how = match on_disk {
         Ok(()) => "safe".to_owned(),
@@ -429,7 +429,7 @@ fn kept(partial: &Path, chunks: &str, on_disk: &std::io::Result<()>) -> String {
     format!("{how} in {}: {chunks}", partial.display())
 }
 
-/// Says, also with --quiet, that light is lost.
+/// Notes clipped pixels, also with --quiet.
 fn note_clipping(path: &Path, summary: &EncodeSummary) {
     if summary.clipped_pixels > 0 {
         output::note(format_args!(

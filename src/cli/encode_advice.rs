@@ -1,4 +1,4 @@
-//! Notes of encoding commands: what the values of the first frames suggest, and a result that is larger than its source.
+//! Notes of encoding commands: suspicious values in the first frames, and a container that is larger than its source.
 
 use std::collections::HashSet;
 
@@ -12,12 +12,12 @@ use crate::error::{Error, Result};
 use crate::image::StreamKind;
 use crate::report::coding_map::counted;
 
-/// Says what is odd about the values of the first frames, before anything is coded. The encoder reports what cannot be read.
+/// Notes suspicious values of the first frames before encoding. Unreadable files are reported by the encoder.
 ///
 /// # Errors
 /// [`crate::Error::Interrupted`].
 pub fn note_values(source: &Source, settings: &EncodeSettings, global: &GlobalArgs) -> Result<()> {
-    // Checks keep an image for each thread, and more of it, which no limit counts.
+    // The checks hold more than an image per thread, which the memory limit does not count.
     if settings.memory.bytes.is_some() {
         return Ok(());
     }
@@ -50,7 +50,7 @@ pub fn note_values(source: &Source, settings: &EncodeSettings, global: &GlobalAr
     Ok(())
 }
 
-/// Names few pixels that take much of the precision of depth, and says how many were outside near and far.
+/// Notes outlier pixels that take much of the depth precision, and the number of pixels outside near and far.
 pub fn note_depth(summary: &EncodeSummary, global: &GlobalArgs) {
     for probe in &summary.depth {
         if let Some(strays) = &probe.strays {
@@ -63,14 +63,14 @@ pub fn note_depth(summary: &EncodeSummary, global: &GlobalArgs) {
     }
 }
 
-/// Says so where a container of `bytes` is larger than the files that it was made from; `instead` makes it smaller.
+/// Notes a container of `bytes` that is larger than its source files. `instead` suggests a smaller encoding.
 pub fn note_size(
     source: &dyn FrameSource,
     settings: &EncodeSettings,
     (bytes, instead): (u64, &str),
     global: &GlobalArgs,
 ) {
-    // Kinds may share files.
+    // Several kinds may share files.
     let mut files = HashSet::new();
     for group in encode::selected_groups(source, settings) {
         files.extend(group.group.frames.iter().flat_map(|frame| source.files(group.group, frame).unwrap_or_default()));

@@ -1,4 +1,4 @@
-//! `lightfold encode-color SEQ -o OUT`: one colour sequence.
+//! `lightfold encode-color SEQ -o OUT`: encodes one colour sequence.
 
 use crate::cli::encode::SequenceCodec;
 use crate::cli::options::{COLOR_SPACES, ColorArgs, one_of};

@@ -1,4 +1,4 @@
-//! `lightfold encode-depth SEQ -o OUT`: one depth sequence.
+//! `lightfold encode-depth SEQ -o OUT`: encodes one depth sequence.
 
 use crate::cli::encode::SequenceCodec;
 use crate::cli::options::DepthArgs;

@@ -6,7 +6,7 @@ use crate::cli::global::{EXIT_INTERRUPTED, EXIT_RETRY, exit_code};
 use crate::cli::output;
 use crate::error::Error;
 
-/// What is printed as JSON in place of a report.
+/// JSON document that is printed instead of a report.
 #[derive(Debug, Serialize)]
 pub struct Failure {
     error: FailureReport,
@@ -15,9 +15,9 @@ pub struct Failure {
 #[derive(Debug, Serialize)]
 struct FailureReport {
     message: String,
-    /// The exit code.
+    /// Exit code.
     code: u8,
-    /// Whether the same command may succeed later.
+    /// True if the same command may succeed later.
     retry: bool,
     file: Option<String>,
 }
@@ -33,10 +33,10 @@ impl Failure {
         Failure { error: FailureReport { message, code, retry, file } }
     }
 
-    /// Prints it in place of the report that was asked for, where there was none yet.
+    /// Prints the failure instead of the requested report, unless a report was printed already.
     pub fn print(&self) {
         if !output::has_reported() {
-            // The sentence is on standard error, and the exit code says the rest.
+            // An error is ignored: the message is on standard error, and the exit code is set.
             let _ = output::print_json(self);
         }
     }

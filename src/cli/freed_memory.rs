@@ -1,19 +1,20 @@
-//! Freed memory is given back to the system where `--memory` limits it.
+//! Returns freed memory to the system if `--memory` limits it.
 //!
-//! glibc maps blocks from 128 KiB on and unmaps them when they are freed, but raises that size to each block that it unmaps, up to 32 MiB,
-//! and from then on keeps twice as much of freed memory in the arena of each thread. Budgets count what is in use: with images of 4096x2048
-//! pixels and four threads a process took up to 250 MB more. An environment variable keeps the size as it is, for 3 to 7% of the time of an
-//! encode and up to 19% of a decode into files; glibc reads it when a process starts, so the process starts itself again.
+//! glibc allocates blocks of at least 128 KiB with mmap and unmaps them when they are freed. Each unmapped block raises
+//! this threshold to its size, up to 32 MiB, and twice the threshold of freed memory then stays in the arena of each
+//! thread. Budgets count only memory in use: with images of 4096x2048 pixels and four threads a process took up to 250
+//! MB more. An environment variable fixes the threshold, at the cost of 3 to 7% of the time of an encode and up to 19%
+//! of a decode into files. glibc reads the variable at process start, so the process restarts itself.
 
 use std::ffi::OsString;
 
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const MMAP_THRESHOLD: [&str; 2] = ["MALLOC_MMAP_THRESHOLD_", "131072"];
-/// Set in a program that was started again: it starts no other.
+/// Set in the restarted program, so that it does not restart again.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const STARTED_AGAIN: &str = "LIGHTFOLD_STARTED_AGAIN";
 
-/// Starts the program again with the variable set, where `--memory` is given. Returns where it is not, or where starting fails.
+/// Restarts the program with the variable set, if `--memory` is given. Returns if it is not given or the restart fails.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub fn restart_within_limit(arguments: &[OsString]) {
     use std::os::unix::process::CommandExt;
@@ -23,7 +24,7 @@ pub fn restart_within_limit(arguments: &[OsString]) {
         return;
     }
     let (Ok(program), [typed, words @ ..]) = (std::env::current_exe(), arguments) else { return };
-    // A loader that was given the program would take the first word for one.
+    // If the program was started through a dynamic loader, the loader would take the first argument for the program.
     if program.file_name().is_none_or(|name| name.as_encoded_bytes().starts_with(b"ld")) {
         return;
     }

@@ -1,4 +1,4 @@
-//! Options, exit codes and messages of every command.
+//! Options, exit codes and messages common to all commands.
 
 use std::io::ErrorKind;
 
@@ -32,7 +32,7 @@ impl GlobalArgs {
         }
     }
 
-    /// Prints what a command has done: on standard output as JSON, or as a note.
+    /// Reports the result of a command: on standard output as JSON, or as a note.
     pub fn report(&self, as_json: bool, report: impl Serialize, text: impl FnOnce() -> String) -> Result<()> {
         if as_json {
             return output::print_json(&output::with_memory(report));
@@ -42,20 +42,20 @@ impl GlobalArgs {
     }
 }
 
-/// The error of contradicting or missing options.
+/// Returns the error for contradicting or missing options.
 pub fn refuse<T>(message: impl Into<String>) -> Result<T> {
     Err(Error::Usage(message.into()))
 }
 
 /// Exit code of a command whose check failed ([`ExitStatus::Failed`]).
 pub const EXIT_FAILED: u8 = 1;
-/// Bad input or options: the same command would fail again.
+/// Exit code for invalid input or options: the same command would fail again.
 pub const EXIT_BAD_INPUT: u8 = 2;
-/// The same command may succeed later; EX_TEMPFAIL of sysexits.h.
+/// Exit code for failures after which the same command may succeed later; EX_TEMPFAIL of sysexits.h.
 pub const EXIT_RETRY: u8 = 75;
 /// Exit code after SIGINT, as shells expect it (128 + 2).
 pub const EXIT_INTERRUPTED: u8 = 130;
-/// Exit code after the reader of standard output has gone, as shells expect it (128 + 13, SIGPIPE).
+/// Exit code if the reader of standard output has closed it, as shells expect it (128 + 13, SIGPIPE).
 pub const EXIT_BROKEN_PIPE: u8 = 141;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,8 +74,8 @@ pub fn exit_code(error: &Error) -> u8 {
     }
 }
 
-/// Errors of the system that the same command meets again are bad input. All others may pass: an image that is not there yet, a
-/// full disk, a lost mount, a lock; many of them have no name in [`ErrorKind`].
+/// System errors that the same command would hit again are bad input. All others may be temporary: a missing image, a
+/// full disk, a lost mount, a lock. Many of these have no name in [`ErrorKind`].
 fn code_of_kind(kind: ErrorKind) -> u8 {
     use ErrorKind::{
         AlreadyExists, CrossesDevices, DirectoryNotEmpty, FileTooLarge, InvalidData, InvalidFilename, InvalidInput,
@@ -101,7 +101,7 @@ mod tests {
         for kind in [ErrorKind::NotFound, ErrorKind::StorageFull, ErrorKind::ResourceBusy, ErrorKind::TimedOut] {
             assert_eq!(code(kind.into()), EXIT_RETRY, "{kind}");
         }
-        // EIO, of a lost mount.
+        // EIO, as from a lost mount.
         assert_eq!(code(std::io::Error::from_raw_os_error(5)), EXIT_RETRY);
         for kind in [ErrorKind::PermissionDenied, ErrorKind::UnexpectedEof, ErrorKind::IsADirectory] {
             assert_eq!(code(kind.into()), EXIT_BAD_INPUT, "{kind}");

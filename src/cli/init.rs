@@ -1,4 +1,4 @@
-//! `lightfold init DIR`: a manifest for a folder of images.
+//! `lightfold init DIR`: proposes a manifest for a folder of images.
 
 mod cameras;
 
@@ -46,7 +46,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         return refuse(format!("{}: a folder of images was expected", args.folder.display()));
     }
     let mut proposal = discover::propose(&args.folder)?;
-    // What each image states of its own camera counts before what lies beside it.
+    // Cameras stated in the images take precedence over camera files in the folder.
     if !proposal.unsure_of_cameras.is_empty() {
         cameras::place(&args.folder, &mut proposal);
     }
@@ -62,7 +62,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let (manifest, doubts) = match checked(&manifest, file, global) {
         Ok((manifest, doubts)) => (manifest, doubts),
         Err(Error::Interrupted) => return Err(Error::Interrupted),
-        // The manifest is of use all the same.
+        // The manifest is still useful.
         Err(error) => (manifest, vec![format!("the checks ended early: {error}")]),
     };
     unsure.extend(doubts);
@@ -72,13 +72,13 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     Ok(ExitStatus::Passed)
 }
 
-/// Whether the first file of colour has alpha below 1. One that cannot be read is found by the checks.
+/// True if the first colour file has alpha below 1. Unreadable files are found by the checks.
 fn has_alpha(manifest: &Manifest, file: &Path) -> bool {
     let source = Source::of_manifest(manifest.clone(), file, &SourceOptions::default());
     source.is_ok_and(|source| source.unnamed_alpha().is_some())
 }
 
-/// Whether a file lies directly in a folder.
+/// True if a file lies directly in a folder.
 fn is_below(file: &Path, folder: &Path) -> bool {
     let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match (parent.canonicalize(), folder.canonicalize()) {
@@ -87,7 +87,7 @@ fn is_below(file: &Path, folder: &Path) -> bool {
     }
 }
 
-/// The manifest as the checks settle it, and what they suspect.
+/// Returns the manifest as corrected by the checks, and the suspected errors.
 fn checked(manifest: &Manifest, file: &Path, global: &GlobalArgs) -> Result<(Manifest, Vec<String>)> {
     let source = Source::of_manifest(manifest.clone(), file, &SourceOptions::default())?;
     let steps =

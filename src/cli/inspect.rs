@@ -1,4 +1,5 @@
-//! `lightfold inspect IN`: sizes and contents of a container, a scene or a Seurat manifest; checks of containers and manifests.
+//! `lightfold inspect IN`: sizes and contents of a container, a scene or a Seurat manifest; checks of containers and
+//! manifests.
 
 mod args;
 mod check;
@@ -22,7 +23,7 @@ use crate::scene::Scene;
 pub use args::Args;
 use args::Report;
 
-/// Columns of `--csv`: keys of a stream's report, with dots before nested ones.
+/// Columns of `--csv`: keys of a stream's report; a dot precedes a nested key.
 const STREAM_COLUMNS: &str = "kind probe face frames first_frame width height codec bytes raw_bytes ratio_percent \
     temporal_bytes payload_bytes stored_bytes chunks lzma2_chunks zstd_chunks units unit_width unit_height keyframes \
     keyframes_per_cell.min keyframes_per_cell.mean keyframes_per_cell.max static_cells static_tiles constant_units aabbs \
@@ -110,7 +111,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.verify { verdict(&report) } else { Ok(ExitStatus::Passed) }
 }
 
-/// Lists damaged chunks, unless JSON did, and returns them as an error.
+/// Lists damaged chunks, unless JSON contains them. Fails if there are any.
 fn verdict(report: &Report<'_>) -> Result<ExitStatus> {
     let damaged = report.inspection.damaged.len();
     if report.args.csv {

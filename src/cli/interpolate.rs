@@ -1,4 +1,4 @@
-//! `lightfold interpolate INPUT`: many views side by side from few source views.
+//! `lightfold interpolate INPUT`: interpolates many views on a line or grid from few source views.
 
 mod args;
 mod device;
@@ -56,7 +56,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let range = args.range()?;
     input.check_frames(args, frames)?;
     args.check_outputs(&input)?;
-    // From here on a stop is noticed, and leaves no unfinished files.
+    // From this point a stop is handled, and leaves no unfinished files.
     let progress = Progress::start(global, "interpolating", 0)?;
     let texts = TextOutputs::create(args)?;
     let outputs = args.output.as_deref().map(|path| Outputs::open(path, args, &views, &mut notes)).transpose()?;
@@ -67,7 +67,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let by_columns = args.by_columns() && matches!(input, Input::Scene(_));
     let (loaded, need) = input.need(args, &views, &args.acquire_settings()?, &progress)?;
     let grid = args.grid_of(views);
-    // Views that are made together.
+    // Number of views that are interpolated together.
     let count = match by_columns {
         _ if args.brute_force => 1,
         true => args.rows as usize,
@@ -80,7 +80,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let plan = memory::plan(&grid.row, count, need, &limits)?;
     let mut measured = Measured {
         load: loading.elapsed(),
-        // Loading may have taken more.
+        // Loading may have used more memory.
         memory_model_bytes: plan.bytes.max(machine::peak_memory_bytes().unwrap_or(0)),
         quality: Quality::new(args.error_map.as_deref())?,
         ..Measured::default()
@@ -125,7 +125,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     Ok(ExitStatus::Passed)
 }
 
-/// Files that are written at the end.
+/// Text files that are written at the end.
 struct TextOutputs<'a> {
     cameras: Option<TextFile<'a>>,
     csv: Option<TextFile<'a>>,
@@ -146,12 +146,12 @@ impl TextOutputs<'_> {
     }
 }
 
-/// One run of views; none of no views.
+/// Returns the range as the only run of views. Empty if the range is empty.
 fn runs(range: Range<usize>) -> Vec<Range<usize>> {
     Some(range).filter(|range| !range.is_empty()).into_iter().collect()
 }
 
-/// The folder of the outputs, or that which they are made in; without outputs that of temporary files.
+/// Returns the folder of the outputs, or its nearest existing parent. Without outputs, the folder for temporary files.
 fn folder_of_views(output: Option<&Path>) -> PathBuf {
     let folders = output.into_iter().flat_map(|path| path.ancestors().skip(1));
     let named = folders.map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
@@ -162,12 +162,12 @@ fn folder_of_views(output: Option<&Path>) -> PathBuf {
 fn pictures_bytes(args: &Args, views: &OutputViews, outputs: Option<&Outputs>) -> u64 {
     let pixels = views.size.map(u64::from).iter().product::<u64>();
     let of_quilt = outputs.map_or(0, Outputs::quilt_pixel_bytes) * u64::from(args.views * args.rows);
-    // Both pictures and the truth, in single precision, and their codes.
+    // The two pictures and the reference in single precision, and their codes.
     let compared = if args.compare { 3 * 20 } else { 0 };
     pixels * (of_quilt + compared)
 }
 
-/// Everything that pictures depend on.
+/// Returns everything that the pictures depend on.
 fn fingerprint(
     args: &Args,
     input: &Input,
@@ -186,14 +186,14 @@ fn fingerprint(
         "the list of views",
         digest(format!("{grid:?} {:?} {:?} {:?}", args.grid, args.view_range, args.frames.frames).as_bytes()),
     ));
-    // Rasterisers differ in edges.
+    // Rasterisers differ at edges.
     fields.push(("the device", device.name()));
     fields.push(("`output`", args.output.as_deref().map_or(String::new(), |path| path.display().to_string())));
     fields.push(("the input", input.contents(args)));
     Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
 }
 
-/// The cameras of all views.
+/// Returns the cameras of all views.
 fn cameras(grid: &GridViews) -> Result<CameraSet> {
     let mut cameras = Vec::new();
     for row in 0..grid.ups_m.len() {
@@ -206,7 +206,7 @@ fn cameras(grid: &GridViews) -> Result<CameraSet> {
     Ok(CameraSet::new(cameras))
 }
 
-/// Takes the pictures of a run.
+/// Receives the pictures of a run.
 struct Run<'a, 'd> {
     args: &'a Args,
     progress: &'a Progress,
@@ -219,7 +219,8 @@ struct Run<'a, 'd> {
 /// Renders a view without interpolation.
 type Cast<'a> = dyn Fn(usize) -> Result<RenderedImage> + 'a;
 
-/// A view at its own eye, the truth of comparisons: drawn where the triangles of sources are, so that times are of like things.
+/// Renders a view at its own eye, as the reference of comparisons. It is rasterised if the sources are, so that times
+/// are comparable.
 fn alone(
     (progress, seen): (&Progress, DrawnScene<'_>),
     place: (&OutputViews, f64),
@@ -233,7 +234,7 @@ fn alone(
 }
 
 impl Run<'_, '_> {
-    /// All views that no earlier run has made.
+    /// Interpolates all views that no earlier run has made.
     fn all_frames(
         &mut self,
         input: &mut Input,
@@ -277,7 +278,7 @@ impl Run<'_, '_> {
         Ok(summary)
     }
 
-    /// The views of a grid, column by column.
+    /// Interpolates the views of a grid, column by column.
     fn columns(&mut self, seen: DrawnScene<'_>, grid: &GridViews, settings: &Settings) -> Result<Summary> {
         let (range, count) = (self.args.range()?, grid.row.offsets_m.len());
         let wanted = self.missing(range, 0)?;
@@ -290,7 +291,7 @@ impl Run<'_, '_> {
         })
     }
 
-    /// The views of a row, whose first one has this number, that have no file yet: runs of neighbours.
+    /// Returns runs of adjacent views of a row that have no file yet. `first` is the number of the row's first view.
     fn missing(&self, range: Range<usize>, first: usize) -> Result<Vec<Range<usize>>> {
         let mut runs: Vec<Range<usize>> = Vec::new();
         for view in range {
@@ -304,7 +305,7 @@ impl Run<'_, '_> {
         Ok(runs)
     }
 
-    /// Some views of a row, whose first one has this number.
+    /// Interpolates some views of a row. `first` is the number of its first view.
     fn row(
         &mut self,
         (now, drawing): (&FrameInput<'_>, Option<&dyn TriangleDrawing>),
@@ -357,7 +358,7 @@ impl Run<'_, '_> {
         Ok(Summary::default())
     }
 
-    /// A picture by its place in its row, and the number of the first view there.
+    /// Receives a picture. `view` is its position in the row, and `first` the number of the row's first view.
     fn take(&mut self, (view, first): (usize, usize), picture: &Picture, cast: Option<&Cast<'_>>) -> Result<()> {
         if let Some(cast) = cast.filter(|_| self.args.compare) {
             let truth = self.cast(view, cast)?;
@@ -390,7 +391,7 @@ impl Run<'_, '_> {
 }
 
 impl Args {
-    /// Refuses outputs that are inputs or each other.
+    /// Fails if an output is an input or another output.
     fn check_outputs(&self, input: &Input) -> Result<()> {
         let files = input.files(self);
         if let Some(path) = &self.output

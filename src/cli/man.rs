@@ -13,14 +13,14 @@ pub struct Args {
 }
 
 pub struct Page {
-    /// Such as `lightfold-encode.1`.
+    /// File name such as `lightfold-encode.1`.
     pub name: String,
     pub text: Vec<u8>,
 }
 
-/// One page for the program and one for each visible command.
+/// Returns one page for the program and one for each visible command.
 pub fn pages(root: clap::Command) -> Result<Vec<Page>> {
-    // `help` has no page, and none may cite it.
+    // `help` has no page, so none may refer to it.
     let mut root = root.disable_help_subcommand(true);
     root.build();
     let visible = root.get_subcommands().filter(|command| !command.is_hide_set());
@@ -34,7 +34,7 @@ fn page((title, command): (String, &clap::Command)) -> Result<Page> {
     let mut text = Vec::new();
     let man = clap_mangen::Man::new(command.clone()).title(title).source(source);
     man.render(&mut text).map_err(|error| Error::io(&name, error))?;
-    // The program's own page lists those of its commands.
+    // The program's own page lists its commands instead.
     if command.get_subcommands().next().is_none() {
         text.extend_from_slice(b".SH \"SEE ALSO\"\nlightfold(1)\n");
     }
@@ -54,7 +54,7 @@ pub fn run(args: &Args, root: clap::Command) -> Result<ExitStatus> {
 mod tests {
     use super::*;
 
-    /// Names before `(1)` in a page, without the marks of fonts and hyphens.
+    /// Returns the names before `(1)` in a page, without font and hyphen escapes.
     fn cited(text: &str) -> Vec<String> {
         let plain = ["\\fB", "\\fI", "\\fR", "\\"].iter().fold(text.to_owned(), |text, mark| text.replace(mark, ""));
         let is_name = |c: char| c.is_ascii_alphanumeric() || c == '-';

@@ -1,8 +1,9 @@
-//! Paths of the command line that are not there.
+//! Errors for paths on the command line that do not exist.
 //!
-//! A path that was typed and does not exist is bad input: the same command fails again. Images of a sequence, files that a manifest
-//! names and shards of a capture may still be written: they are tried again ([`crate::cli::global::EXIT_RETRY`]). A pattern such as
-//! `depth.%04d.exr` names a sequence; the folder before it was typed.
+//! A path that was typed and does not exist is bad input: the same command fails again. Images of a sequence, files
+//! named by a manifest and shards of a capture may still be written, so their absence is a temporary failure
+//! ([`crate::cli::global::EXIT_RETRY`]). A pattern such as `depth.%04d.exr` names a sequence, but its folder counts as
+//! typed.
 
 use std::ffi::OsString;
 use std::io::ErrorKind;
@@ -11,10 +12,10 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result};
 use crate::image::Pattern;
 
-/// Names of a folder that are compared with what was typed.
+/// Maximum number of names in a folder that are compared with the typed name.
 const MAX_NAMES: usize = 10_000;
 
-/// Turns the error of a file that is not there into one of bad input, if a path among the arguments is the reason.
+/// Turns the error for a missing file into one for bad input, if a path among the arguments is the cause.
 pub fn judge(error: Error, arguments: &[OsString]) -> Error {
     let Error::Io { file, source } = &error else { return error };
     if source.kind() != ErrorKind::NotFound {
@@ -36,13 +37,13 @@ pub fn judge(error: Error, arguments: &[OsString]) -> Error {
     Error::invalid(message).in_file(typed)
 }
 
-/// The paths that an argument may be or hold: itself, or the value of an option.
+/// Returns the paths that an argument may be or contain: itself, or the value of an option.
 fn paths(argument: &OsString) -> Vec<PathBuf> {
     let mut paths = vec![PathBuf::from(argument)];
     if let Some(text) = argument.to_str().filter(|text| text.starts_with('-')) {
         let value = match text.split_once('=') {
             Some((_, value)) => value,
-            // The value of a long option is another argument.
+            // The value of a long option is the next argument.
             None if text.starts_with("--") => "",
             None => text.get(2..).unwrap_or_default(),
         };
@@ -56,7 +57,7 @@ fn is_pattern(path: &Path) -> bool {
     path.to_str().is_some_and(|text| Pattern::parse(text).is_ok_and(|pattern| pattern.has_field()))
 }
 
-/// The first part of a path that is not there, and the folder that it is not in; `None` if all is there.
+/// Returns the first missing part of a path, and the existing folder that should contain it. `None` if the path exists.
 fn first_missing(path: &Path) -> Option<(PathBuf, PathBuf)> {
     let mut missing = path;
     if missing.as_os_str().is_empty() || missing.exists() {
@@ -72,7 +73,8 @@ fn first_missing(path: &Path) -> Option<(PathBuf, PathBuf)> {
     }
 }
 
-/// The path of the name in a folder that is most like a missing one: few letters differ, or an ending was left out.
+/// Returns the path of the name in a folder that is most similar to a missing one: few letters differ, or the extension
+/// was omitted.
 fn nearest(folder: &Path, missing: &Path) -> Result<Option<PathBuf>> {
     let Some(typed) = missing.file_name().and_then(|name| name.to_str()) else { return Ok(None) };
     let typed = typed.to_lowercase();
@@ -128,7 +130,7 @@ mod tests {
             ("@/footage/lightfield.json", "footage/probe_01/depth.0000.exr"),
             ("@/footage/d.%04d.exr", "footage/d.%04d.exr"),
             ("@/footage/d.%04d.exr", "footage/d.0003.exr"),
-            // It has come meanwhile.
+            // The file was created in the meantime.
             ("@/film.lfold", "film.lfold"),
         ] {
             assert_eq!(judged(typed, file), None, "{typed} {file}");

@@ -1,4 +1,4 @@
-//! The program: one file for each command. Only this module prints, reads arguments and chooses exit codes.
+//! The command-line program: one file per command. Only this module prints, reads arguments and chooses exit codes.
 
 mod bc4w;
 mod cameras;
@@ -58,7 +58,7 @@ use failure::Failure;
 use global::{EXIT_BROKEN_PIPE, EXIT_FAILED, exit_code};
 pub use global::{EXIT_INTERRUPTED, ExitStatus, GlobalArgs, refuse};
 
-/// Runs a command line and answers the process's exit code.
+/// Runs a command line and returns the exit code of the process.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     tradeoff::end_with_parent();
     hide_guarded_panics();
@@ -75,7 +75,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(error) => {
             let error = mistyped::judge(error, &arguments);
             let code = exit_code(&error);
-            // Whoever closes our output wants no more of it.
+            // If the reader closed standard output, no message is printed.
             if code != EXIT_BROKEN_PIPE {
                 output::note(format_args!("lightfold: {error}"));
                 if as_json {
@@ -87,7 +87,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
-/// Panics that become errors of one sentence print nothing before it.
+/// Suppresses the panic message of panics that are caught and turned into errors.
 fn hide_guarded_panics() {
     let print = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
@@ -97,7 +97,7 @@ fn hide_guarded_panics() {
     }));
 }
 
-/// The command line, and whether its outputs can be written.
+/// Parses the command line, and checks that its outputs can be written.
 fn parse(arguments: &[OsString]) -> Result<(Cli, Result<()>), clap::Error> {
     let matches = short_help::with_short_help(command()).try_get_matches_from(arguments)?;
     let mut cli = Cli::from_arg_matches(&matches)?;
@@ -105,9 +105,9 @@ fn parse(arguments: &[OsString]) -> Result<(Cli, Result<()>), clap::Error> {
     Ok((cli, command_line::check_outputs(&matches)))
 }
 
-/// Prints help, version or what is wrong with the arguments.
+/// Prints help, version or the error in the arguments.
 fn not_parsed(error: &clap::Error, as_json: bool) -> ExitCode {
-    // Clap knows which of them are errors, and prints the others to standard output.
+    // Clap knows which of these are errors, and prints the others to standard output.
     let code = match error.print() {
         Err(broken) if !error.use_stderr() => exit_code(&Error::io("-", broken)),
         _ => error.exit_code() as u8,

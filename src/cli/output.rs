@@ -12,12 +12,12 @@ use crate::json;
 use crate::report::machine;
 use crate::report::plot::number::bytes_unit;
 
-/// Names the output in an error of writing.
+/// Adds the path of the output to a write error.
 pub fn name_output(error: Error, path: &Path) -> Error {
     if matches!(error, Error::Io { .. }) { error.in_file(path) } else { error }
 }
 
-/// Whether a report was printed, beside which a failure would be a second document.
+/// True if a report was printed. Printing a failure as well would make two JSON documents.
 static HAS_REPORTED: AtomicBool = AtomicBool::new(false);
 
 pub fn print_json(value: &impl Serialize) -> Result<()> {
@@ -33,7 +33,7 @@ pub fn print_either(as_json: bool, report: &impl Serialize, text: impl FnOnce() 
     if as_json { print_json(report) } else { print_text(&text()) }
 }
 
-/// A report with the peak memory of this process, where the system tells it.
+/// A report with the peak memory of this process, if the system provides it.
 #[derive(Serialize)]
 pub struct WithMemory<T> {
     #[serde(flatten)]
@@ -46,7 +46,7 @@ pub fn with_memory<T: Serialize>(report: T) -> WithMemory<T> {
     WithMemory { report, peak_memory_bytes: machine::peak_memory_bytes() }
 }
 
-/// How a stopped command goes on. Where an option stopped it, the same command would stop again.
+/// Describes how to resume a stopped command. If an option caused the stop, the same command would stop again.
 pub fn how_to_resume(error: &Error) -> &'static str {
     let message = error.to_string();
     match matches!(error, Error::Usage(_)) || with_option_names(&message) != message {
@@ -69,12 +69,12 @@ pub fn print_text(text: &str) -> Result<()> {
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Error::io("-", error))
 }
 
-/// Writes a file whole, `-` for standard output.
+/// Writes a whole file, or to standard output for `-`.
 pub fn write_file(path: &Path, text: &str) -> Result<()> {
     TextFile::create(path)?.write(text)
 }
 
-/// A file that is written at the end, and can be: its folder is there.
+/// A file that is written at the end. Creating it checks that its folder exists.
 pub struct TextFile<'a> {
     path: &'a Path,
     file: OutputFile,
@@ -85,14 +85,14 @@ impl TextFile<'_> {
         Ok(TextFile { path, file: OutputFile::create(path)? })
     }
 
-    /// Writes it whole.
+    /// Writes the whole file.
     pub fn write(mut self, text: &str) -> Result<()> {
         self.file.write_all(text.as_bytes()).map_err(|error| Error::io(self.path, error))?;
         self.file.commit()
     }
 }
 
-/// Durations and counts of stages, one on each line: "seconds: merge 1.234", "count: points 7".
+/// Formats durations and counts of stages, one per line: "seconds: merge 1.234", "count: points 7".
 pub fn stage_lines(seconds: &impl Serialize, counts: &impl Serialize) -> Result<String> {
     let to_value = |error: serde_json::Error| Error::invalid(format!("JSON: {error}"));
     let [seconds, counts] =
@@ -107,7 +107,7 @@ pub fn stage_lines(seconds: &impl Serialize, counts: &impl Serialize) -> Result<
     Ok(lines)
 }
 
-/// A size with a decimal unit, as `1.25 MB`.
+/// Formats a size with a decimal unit, such as `1.25 MB`.
 pub fn human_bytes(bytes: u64) -> String {
     if bytes < 1000 {
         return format!("{bytes} B");
@@ -116,8 +116,8 @@ pub fn human_bytes(bytes: u64) -> String {
     format!("{:.2} {}", bytes as f64 / unit.size, unit.name)
 }
 
-/// Replaces settings, which messages of the library name in backquotes, by options: `` `depth_window` `` by
-/// `--depth-window`. Messages of the JSON parser name keys of a file in backquotes, and stay as they are.
+/// Replaces settings, which library messages name in backquotes, by options: `` `depth_window` `` by `--depth-window`.
+/// Messages of the JSON parser are unchanged: they name keys of a file in backquotes.
 pub fn with_option_names(message: &str) -> String {
     let of_a_file = [
         "unknown field `",

@@ -1,4 +1,4 @@
-//! Checks that outputs of a command are neither inputs nor each other.
+//! Checks that the outputs of a command are neither inputs nor each other.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use crate::files::parent_of;
 
 pub type Output = (&'static str, PathBuf);
 
-/// Refuses outputs that are inputs or equal to another output, except `-`.
+/// Fails if an output is an input or equals another output, except `-`.
 pub fn check(outputs: &[Output], inputs: &[&Path]) -> Result<()> {
     let mut taken: HashMap<PathBuf, &str> = HashMap::new();
     let inputs: Vec<PathBuf> = inputs.iter().filter_map(|path| path.canonicalize().ok()).collect();
@@ -26,7 +26,7 @@ pub fn check(outputs: &[Output], inputs: &[&Path]) -> Result<()> {
     Ok(())
 }
 
-/// The canonical path, also of files that do not exist yet.
+/// Returns the canonical path, also for files that do not exist yet.
 fn place_of(path: &Path) -> PathBuf {
     if let Ok(place) = path.canonicalize() {
         return place;

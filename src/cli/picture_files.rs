@@ -1,4 +1,5 @@
-//! Files of pictures that appear together: a pattern with a field for a number, and `%V` for a word, such as an eye or a view.
+//! Picture files that are moved into place together. The pattern has a field for a number, and `%V` for a word such as
+//! an eye or a view.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -14,12 +15,12 @@ use crate::image::sequence::Pattern;
 use crate::image::transfer::ToneMap;
 use crate::image::{exr, png};
 
-/// Stands for the word.
+/// Placeholder of the word.
 pub const WORD_FIELD: &str = "%V";
 
 #[derive(Debug)]
 pub struct PictureFiles {
-    /// What lies below the folder: a pattern, in further folders where the word is in their names.
+    /// Pattern below the folder. It contains subfolders if their names contain the word.
     text: String,
     pub format: FileFormat,
     root: PathBuf,
@@ -28,15 +29,15 @@ pub struct PictureFiles {
 
 #[derive(Debug)]
 enum Work {
-    /// Removed where the command stops.
+    /// Folder that is removed if the command stops.
     Whole(OutputFolder),
-    /// Kept.
+    /// Folder that is kept if the command stops.
     Unfinished(UnfinishedFolder),
 }
 
 const UNFINISHED: FolderKind = FolderKind { suffix: ".views.partial", state: ".views.json" };
 
-/// How pictures become codes or light.
+/// Conversion of pictures to codes or linear RGB.
 #[derive(Debug, Clone, Copy)]
 pub struct PictureCoding {
     pub tone: ToneMap,
@@ -44,13 +45,14 @@ pub struct PictureCoding {
 }
 
 impl PictureFiles {
-    /// The files of a pattern, whose format follows from its ending.
+    /// Creates the files of a pattern. The extension determines the format.
     pub fn create(path: &Path, format: FileFormat) -> Result<PictureFiles> {
         let (root, text) = root_and_text(path);
         Ok(PictureFiles { text, format, work: Work::Whole(OutputFolder::create(here(&root))?), root })
     }
 
-    /// Files that are kept where the command stops, so that a later one resumes. Processes may each write a part of them, by its name.
+    /// Creates files that are kept if the command stops, so that a later command can resume. Several processes may each
+    /// write a named part of them.
     pub fn resumable(path: &Path, format: FileFormat, part: &str) -> Result<PictureFiles> {
         let (root, text) = root_and_text(path);
         let folder = PartialFolder::open_part(here(&root), UNFINISHED, part)?;
@@ -58,7 +60,7 @@ impl PictureFiles {
         Ok(PictureFiles { text, format, work, root })
     }
 
-    /// Begins resumable files: as [`UnfinishedFolder::begin`].
+    /// Begins resumable files, see [`UnfinishedFolder::begin`].
     pub fn begin(&mut self, now: &Fingerprint, all: u64, (resume, global): (bool, &GlobalArgs)) -> Result<()> {
         match &mut self.work {
             Work::Whole(_) => Ok(()),
@@ -73,12 +75,12 @@ impl PictureFiles {
         }
     }
 
-    /// Whether an earlier run made a file.
+    /// True if an earlier run wrote a file.
     pub fn has(&self, word: &str, number: u32) -> Result<bool> {
         Ok(self.folder().made(&self.below(word, number)?).is_some())
     }
 
-    /// The error that stopped a command.
+    /// Returns the error of a stopped command, with a note about kept files.
     pub fn stopped(&mut self, error: Error, all: u64) -> Error {
         match &mut self.work {
             Work::Whole(_) => error,
@@ -86,34 +88,34 @@ impl PictureFiles {
         }
     }
 
-    /// PNG files in a folder, by word and number.
+    /// Creates PNG files in a folder, named by word and number.
     pub fn in_folder(folder: &Path) -> Result<PictureFiles> {
         let text = format!("{WORD_FIELD}.%04d.png");
         let root = folder.to_path_buf();
         Ok(PictureFiles { text, format: FileFormat::Png, work: Work::Whole(OutputFolder::create(folder)?), root })
     }
 
-    /// Whether the word stands in the names.
+    /// True if the names contain the word.
     pub fn has_word(&self) -> bool {
         has_word(Path::new(&self.text))
     }
 
-    /// A file below the folder.
+    /// Returns the path of a file below the folder.
     fn below(&self, word: &str, number: u32) -> Result<PathBuf> {
         Ok(Pattern::parse(&self.text.replace(WORD_FIELD, word))?.path(number))
     }
 
-    /// A file, as a path from here.
+    /// Returns the path of a file from the current directory.
     pub fn path(&self, word: &str, number: u32) -> Result<PathBuf> {
         Ok(self.root.join(self.below(word, number)?))
     }
 
-    /// Their pattern, as a path from here.
+    /// Returns the path of the pattern from the current directory.
     pub fn pattern(&self) -> PathBuf {
         self.root.join(&self.text)
     }
 
-    /// Writes a picture. Answers its bytes.
+    /// Writes a picture. Returns the size of the file in bytes.
     pub fn write(&self, (word, number): (&str, u32), picture: &RenderedImage, coding: PictureCoding) -> Result<u64> {
         self.write_by(word, number, &mut |path: &Path| match self.format {
             FileFormat::Png => png::write_rgba8(path, &picture.rgba_codes(coding.tone)),
@@ -124,7 +126,8 @@ impl PictureFiles {
         })
     }
 
-    /// Writes a file by its path until [`Self::commit`]. Answers its bytes.
+    /// Writes a file with a function of its path. It is moved into place by [`Self::commit`]. Returns its size in
+    /// bytes.
     pub fn write_by(&self, word: &str, number: u32, write: &mut dyn FnMut(&Path) -> Result<()>) -> Result<u64> {
         self.folder().write_file(&self.below(word, number)?, write)
     }
@@ -137,7 +140,8 @@ impl PictureFiles {
     }
 }
 
-/// The folder in which everything appears at once, and the pattern below it: a folder with the word in its name lies below.
+/// Splits a path into the folder that is moved into place as a whole, and the pattern below it. Folders with the word
+/// in their name are part of the pattern.
 fn root_and_text(path: &Path) -> (PathBuf, String) {
     let parts: Vec<&OsStr> = path.iter().collect();
     let fixed = parts.iter().position(|part| has_word(Path::new(part))).unwrap_or(parts.len());
@@ -149,7 +153,7 @@ fn here(root: &Path) -> &Path {
     if root.as_os_str().is_empty() { Path::new(".") } else { root }
 }
 
-/// Whether a path has a place for the word.
+/// True if a path contains the placeholder of the word.
 pub fn has_word(path: &Path) -> bool {
     path.to_string_lossy().contains(WORD_FIELD)
 }

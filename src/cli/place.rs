@@ -94,7 +94,7 @@ fn camera_set(args: &Args, start: Option<CameraSet>, placement: &Placement, sear
     let mut cameras: Vec<PlacedCamera> = start.as_ref().map_or(Vec::new(), |set| set.cameras.clone());
     let mut taken: Vec<String> =
         start.iter().flat_map(|set| (0..set.cameras.len()).map(|at| set.name_of(at))).collect();
-    // Default names depend on the number of cameras; given names stay.
+    // Default names depend on the number of cameras; given names are kept.
     let grown = CameraSet::new(vec![PlacedCamera::at([0.0; 3]); placement.cameras.len()]);
     let has_names = (0..taken.len()).any(|at| taken[at] != grown.name_of(at));
     if has_names {

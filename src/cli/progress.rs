@@ -1,4 +1,4 @@
-//! Progress, as a bar on a terminal or as lines for programs, and Ctrl-C.
+//! Progress as a bar on a terminal or as lines for programs, and handling of Ctrl-C.
 
 use std::io::{IsTerminal, Write};
 
@@ -16,29 +16,29 @@ use crate::monitor::Monitor;
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Time between lines, at least.
+/// Minimum time between lines.
 const PAUSE: Duration = Duration::from_millis(500);
 
 /// Shows progress, and reports SIGINT and SIGTERM.
 #[derive(Debug)]
 pub struct Progress {
-    /// Counts, also where it is not drawn.
+    /// Counts steps even if it is not drawn.
     bar: ProgressBar,
     lines: Option<Lines>,
-    /// The current stage, above those that go on when it ends.
+    /// Stack of stages. The last is the current one; the others continue when it ends.
     stages: Mutex<Vec<Stage>>,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Stage {
     name: &'static str,
-    /// Steps done when another stage began within it, and all steps.
+    /// Number of steps done when a nested stage began, and number of all steps.
     steps: [u64; 2],
 }
 
 impl Progress {
     pub fn start(global: &GlobalArgs, what: &'static str, steps: u64) -> Result<Progress> {
-        // Set once per process.
+        // The handler is set once per process.
         match ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed)) {
             Ok(()) | Err(ctrlc::Error::MultipleHandlers) => {}
             Err(error) => return refuse(format!("no handler for Ctrl-C could be set: {error}")),
@@ -65,7 +65,7 @@ impl Progress {
         Ok(progress)
     }
 
-    /// Sets the number of steps, where it follows from what is read first. Reading does not count.
+    /// Sets the number of steps if it is known only after reading. Restarts the count at 0.
     pub fn set_steps(&self, steps: u64) {
         self.bar.set_length(steps);
         self.bar.set_position(0);
@@ -83,7 +83,7 @@ impl Progress {
         self.stages.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Goes on with a stage.
+    /// Continues a stage.
     fn show(&self, Stage { name, steps: [done, total] }: Stage) {
         self.bar.set_message(name);
         self.bar.set_length(total);
@@ -138,7 +138,7 @@ impl Monitor for Progress {
     }
 }
 
-/// Lines of progress.
+/// Progress as lines of text.
 #[derive(Debug)]
 struct Lines {
     form: LineForm,
@@ -146,7 +146,7 @@ struct Lines {
     last: Mutex<Option<Line>>,
 }
 
-/// A line that was written: when, the stage, and its steps.
+/// A written line: its time, the stage, and its steps.
 #[derive(Debug, Clone, Copy)]
 struct Line {
     at: Instant,
@@ -170,9 +170,10 @@ struct JsonLine {
 }
 
 impl Lines {
-    /// Writes where the stage stands, unless a line was written just now; its first and last one always, if it has news.
+    /// Writes the progress of the stage, unless a line was written within [`PAUSE`]. The first line and, if it has
+    /// changed, the last line are always written.
     fn tell(&self, stage: &'static str, steps: [u64; 2], is_last: bool) {
-        // Other threads that advance meanwhile need not wait: one of them writes.
+        // Other threads need not wait for the lock: only one of them writes.
         let guard = if is_last { self.last.lock().ok() } else { self.last.try_lock().ok() };
         let Some(mut last) = guard else { return };
         let is_due = last.is_none_or(|line| match is_last {
@@ -184,7 +185,7 @@ impl Lines {
         }
         *last = Some(Line { at: Instant::now(), stage, steps });
         let text = self.text(stage, steps);
-        // Progress that nobody reads is no error.
+        // Errors are ignored: progress is optional.
         let _ = match self.form {
             LineForm::OpenJd => std::io::stdout().lock().write_all(text.as_bytes()),
             LineForm::Json | LineForm::OpenJdOnStderr => std::io::stderr().lock().write_all(text.as_bytes()),
@@ -202,7 +203,7 @@ impl Lines {
     }
 }
 
-/// Steps per second, with one decimal if few: `0.4/s`, `35/s`.
+/// Formats steps per second, with one decimal if few: `0.4/s`, `35/s`.
 fn rate(per_second: f64) -> String {
     if per_second < 9.95 { format!("{per_second:.1}/s") } else { format!("{per_second:.0}/s") }
 }

@@ -1,4 +1,4 @@
-//! `lightfold quadtree SEQ -o OUT`: one depth sequence as quadtrees, to be packed at any error bound.
+//! `lightfold quadtree SEQ -o OUT`: encodes one depth sequence as quadtrees, which can be packed at any error bound.
 
 use crate::cli::encode::SequenceCodec;
 use crate::cli::options::{DepthUnitArgs, DomainArgs, ModelArgs};

@@ -1,4 +1,4 @@
-//! `lightfold quilt VIEWS -o QUILT`: joins rendered views to a quilt for displays of Looking Glass.
+//! `lightfold quilt VIEWS -o QUILT`: joins rendered views to a quilt for Looking Glass displays.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -176,7 +176,7 @@ impl Views {
         self.paths.len() as u32
     }
 
-    /// Width and height of every view, from the files' headers; an error where they differ.
+    /// Returns width and height of the views, from the files' headers. Fails if they differ.
     fn size(&self) -> Result<[u32; 2]> {
         let read_size = match self.format {
             FileFormat::Png => png::read_size,
@@ -202,7 +202,7 @@ impl Views {
         }
     }
 
-    /// Number of views that are read at once.
+    /// Returns the number of views that are read at once.
     fn at_once(&self, layout: QuiltLayout, view_size: [u32; 2], args: &Args) -> Result<usize> {
         let pixels = |size: [u32; 2]| u64::from(size[0]) * u64::from(size[1]);
         let pixel_bytes = match self.format {
@@ -213,7 +213,7 @@ impl Views {
             what: "joining views to a quilt",
             // The picture, a copy that is filtered or split into channels, and the bytes of the file.
             fixed: 3 * pixel_bytes * pixels(layout.picture_size(view_size)?),
-            // Samples as stored, of up to twice the bytes, the decoder's buffer of them, and the view.
+            // Samples as stored, of up to twice the size, the decoder's buffer for them, and the view.
             each: 5 * pixel_bytes * pixels(view_size),
             instead: "join fewer `views`",
         };

@@ -1,4 +1,5 @@
-//! `lightfold render IN`: renders novel views of a light field or of a simplified scene, and compares them with reference images.
+//! `lightfold render IN`: renders novel views of a light field or of a simplified scene, and compares them with
+//! reference images.
 
 mod args;
 mod light_field;
@@ -37,9 +38,9 @@ use truth::TruthRun;
 
 const DEFAULT_SIZE: u32 = 512;
 
-/// Frames of a still scene: it is the same in all.
+/// Frames of a still scene, which is the same in all frames.
 const ALL_FRAMES: FrameRange = FrameRange { first: 0, last: u32::MAX };
-/// Pictures of a still scene, at most.
+/// Maximum number of pictures of a still scene.
 const MAX_STILL_FRAMES: u64 = 1_000_000;
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
@@ -149,7 +150,7 @@ impl Args {
         self.output.iter().chain(&self.contact_sheet).try_for_each(|path| check_stdout(path, false))
     }
 
-    /// What is rendered of all jobs.
+    /// Returns the jobs of the shard.
     fn of_shard<'j>(&self, all: &'j [Job]) -> Result<&'j [Job]> {
         let Some(shard) = self.shard else { return Ok(all) };
         let Range { start, end } = shard.range(all.len() as u64, "frame")?;
@@ -183,7 +184,7 @@ impl Args {
         }
     }
 
-    /// What the cameras see, in these frames; of a still scene in all that they ask for.
+    /// Returns a job for each frame and camera. A still scene is rendered at all frames of the cameras.
     fn jobs(&self, subject: &dyn Subject, global: &GlobalArgs) -> Result<Vec<Job>> {
         let (frames, mut cameras) = (subject.frames(), self.cameras.cameras(subject.fps())?);
         let available = frames.unwrap_or(ALL_FRAMES);
@@ -203,7 +204,7 @@ impl Args {
         let mut frames: Vec<u32> = requests.iter().map(|request| request.frame).collect();
         frames.sort_unstable();
         frames.dedup();
-        // Files are numbered by frame, unless cameras share one.
+        // Files are numbered by frame, unless cameras share a frame.
         let by_frame = frames.len() == requests.len();
         let job = |(at, request): (u32, FrameRequest)| {
             let camera = request.cameras.first().copied();
@@ -216,7 +217,7 @@ impl Args {
         (0..).zip(requests).map(job).collect()
     }
 
-    /// The camera of the subject, in each frame where it moves.
+    /// Returns the default camera of the subject, in each frame because it may move.
     fn own_cameras(
         &self,
         subject: &dyn Subject,
@@ -237,7 +238,7 @@ impl Args {
     }
 }
 
-/// The size of a picture, and its camera; with an aspect that is not the camera's where there is one.
+/// Returns the size of a picture, and its camera. `aspect` replaces the aspect of the camera, if given.
 fn sized(camera: Option<Camera>, asked: Option<(u32, Option<u32>)>, aspect: Option<f64>) -> Result<([u32; 2], Camera)> {
     let camera = camera.ok_or_else(|| Error::Usage("name a camera".into()))?;
     if aspect.is_some() && camera.has_range() {

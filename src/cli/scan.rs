@@ -1,4 +1,4 @@
-//! `lightfold scan MANIFEST -o scan.json`: what encodes in shards need to know of all depth images.
+//! `lightfold scan MANIFEST -o scan.json`: collects the data about all depth images that sharded encodes need.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -47,7 +47,7 @@ pub struct Args {
 
 #[derive(Serialize)]
 struct Report {
-    /// Images of the shard, or scans that were joined.
+    /// Number of scanned images of the shard, or of joined scans.
     images: u64,
     seconds: f64,
 }
@@ -100,7 +100,7 @@ fn scan(args: &Args, global: &GlobalArgs) -> Result<u64> {
     if is_one_of(&args.output, source.files().chain([manifest::manifest_path(input)])) {
         return refuse(format!("{}: an input file would be overwritten", args.output.display()));
     }
-    // Neither a pipe nor a device.
+    // True for a regular file: neither a pipe nor a device.
     let in_file = args.output != Path::new("-") && std::fs::metadata(&args.output).map_or(true, |meta| meta.is_file());
     if args.resume && args.output.exists() {
         let earlier = ScanFile::read(&args.output)?;

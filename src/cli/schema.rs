@@ -1,10 +1,10 @@
-//! `lightfold schema NAME`: JSON Schemas of files.
+//! `lightfold schema NAME`: prints JSON Schemas of files.
 
 use crate::cli::options::{Choices, one_of};
 use crate::cli::{ExitStatus, output};
 use crate::error::Result;
 
-/// Names of schemas, their texts, and what they describe.
+/// Names of schemas, their texts, and descriptions.
 const SCHEMAS: &Choices<&str> =
     &[("manifest", include_str!("../../formats/schemas/manifest.json"), "lightfield.json, the manifest of a dataset")];
 

@@ -48,7 +48,7 @@ pub struct Args {
 struct Tested {
     info: DeviceInfo,
     kernels: Vec<KernelReport>,
-    /// One for each hard case.
+    /// One entry per hard case.
     hard_cases: Vec<DeviceFigures>,
     streams: Option<StreamsReport>,
 }

@@ -1,8 +1,8 @@
-//! `-h`, which fits a screen: the options that matter. `--help` has all of them, with examples.
+//! Short help (`-h`) that fits a screen: only the main options. `--help` shows all of them, with examples.
 
 use clap::{Arg, Command};
 
-/// Options that `-h` shows, beside required ones.
+/// Options that `-h` shows, in addition to required ones.
 const SHOWN: &[(&str, &[&str])] = &[
     ("bc4w", &["output", "stats", "frames", "face", "effort", "json"]),
     ("cameras", &["output", "format", "fps", "json"]),
@@ -69,7 +69,7 @@ fn hidden(arg: Arg) -> Arg {
     arg.hide_short_help(true)
 }
 
-/// Examples and notes are for `--help`.
+/// Restricts examples and notes to `--help`.
 fn shortened(command: Command) -> Command {
     let notes = command.get_after_help().cloned().unwrap_or_default();
     command.after_long_help(notes).after_help(MORE)
@@ -93,7 +93,7 @@ mod tests {
             let (short, long) = (help("-h"), help("--help"));
             let count = short.lines().count();
             assert!(count <= 40, "{name:?} -h has {count} lines:\n{short}");
-            // clap does not wrap the line of usage.
+            // clap does not wrap the usage line.
             let fits = |line: &str| line.chars().count() <= 100 || line.starts_with("Usage: ");
             assert!(short.lines().all(fits), "{short}");
             assert!(short.trim_end().ends_with(MORE), "{short}");

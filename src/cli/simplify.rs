@@ -1,4 +1,4 @@
-//! `lightfold simplify INPUT -o scene.glb`: a still scene as textured quads under budgets.
+//! `lightfold simplify INPUT -o scene.glb`: converts a still scene to textured quads under budgets.
 
 mod args;
 mod plot;
@@ -69,7 +69,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     Ok(ExitStatus::Passed)
 }
 
-/// Refuses outputs that are inputs or each other, and those that cannot be made.
+/// Fails if an output is an input or another output, or cannot be created.
 fn check_outputs(args: &Args, captures: &[&Capture]) -> Result<()> {
     let mut all: Vec<Output> = args.outputs().all().into_iter().map(|path| (option_of(args, &path), path)).collect();
     for (option, path) in &all {
@@ -96,12 +96,12 @@ fn check_outputs(args: &Args, captures: &[&Capture]) -> Result<()> {
     outputs::check(&all, &inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())
 }
 
-/// The option that an output is named by.
+/// Returns the option that names an output.
 fn option_of(args: &Args, path: &Path) -> &'static str {
     if args.ktx2.as_deref() == Some(path) { "--ktx2" } else { "-o" }
 }
 
-/// What is made of a scene.
+/// Evaluates and writes the outputs of a simplified scene.
 struct Outputs<'a> {
     args: &'a Args,
     settings: &'a Settings,
@@ -132,7 +132,8 @@ impl Outputs<'_> {
     }
 }
 
-/// Writes all files, each whole or not at all, and none where one cannot be made. Answers their bytes.
+/// Writes all files, each completely or not at all, and none if one cannot be created. Returns their paths and sizes in
+/// bytes.
 fn write(
     args: &Args,
     settings: &Settings,

@@ -1,4 +1,4 @@
-//! `lightfold tradeoff MANIFEST -o DIR`: bytes, time and quality of settings on one's own footage.
+//! `lightfold tradeoff MANIFEST -o DIR`: measures bytes, time and quality of settings on the user's own footage.
 
 mod args;
 mod child;

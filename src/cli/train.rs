@@ -1,5 +1,5 @@
-//! `lightfold train-color IN… -o TABLES` and `train-depth`: entropy tables of the transform codec and of predictive depth, trained
-//! on containers.
+//! `lightfold train-color IN… -o TABLES` and `train-depth`: train the entropy tables of the transform codec and of
+//! predictive depth on containers.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -1,4 +1,4 @@
-//! Folders of pictures that a stopped command keeps, and that the same command with `--resume` finishes.
+//! Picture folders that are kept when a command stops, and that the same command with `--resume` completes.
 
 use std::path::{Path, PathBuf};
 
@@ -8,13 +8,13 @@ use crate::files::{Kept, Left, PartialFolder};
 use crate::fingerprint::Fingerprint;
 use crate::report::coding_map::counted;
 
-/// An output folder in the making.
+/// An unfinished output folder.
 #[derive(Debug)]
 pub struct UnfinishedFolder {
     pub folder: PartialFolder,
-    /// The output, for messages.
+    /// Path of the output, for messages.
     path: PathBuf,
-    /// What is made, such as "capture".
+    /// Name of the work, such as "capture".
     what: &'static str,
 }
 
@@ -23,8 +23,8 @@ impl UnfinishedFolder {
         UnfinishedFolder { folder, path: path.to_path_buf(), what }
     }
 
-    /// Keeps the intact pictures of an earlier run of the same options where it is to be resumed, else discards them. `all` is the number of
-    /// all pictures.
+    /// Keeps the intact pictures of an earlier run with the same options if it is to be resumed, else discards them.
+    /// `all` is the total number of pictures.
     pub fn begin(&mut self, now: &Fingerprint, all: u64, (resume, global): (bool, &GlobalArgs)) -> Result<()> {
         let what = self.what;
         let say = |words: &str| global.note(format_args!("{}: {words}", self.path.display()));
@@ -68,7 +68,7 @@ impl UnfinishedFolder {
         ))
     }
 
-    /// The error that stopped a run, after which pictures are kept, if there are any.
+    /// Returns the error of a stopped run. Keeps the pictures, if there are any.
     pub fn stopped(&mut self, error: Error, all: u64) -> Error {
         let (error, images) = (self.folder.present(error), self.folder.keep());
         if images == 0 {

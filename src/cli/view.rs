@@ -1,4 +1,4 @@
-//! `lightfold view FILE`: plays a film in the browser, from a server on this machine or as a static site.
+//! `lightfold view FILE`: plays a film in the browser, from a local server or as a static site.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
@@ -55,7 +55,7 @@ pub struct Args {
 struct Report<'a> {
     #[serde(flatten)]
     film: &'a Description,
-    /// Of the page.
+    /// Address of the page.
     #[serde(skip_serializing_if = "Option::is_none")]
     address: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -69,7 +69,7 @@ struct SiteReport<'a> {
     bytes: u64,
 }
 
-/// An address as itself, or in brackets as those of IPv6 stand in URLs.
+/// Parses an IP address, with or without the brackets of IPv6 addresses in URLs.
 fn parse_address(text: &str) -> std::result::Result<IpAddr, std::net::AddrParseError> {
     text.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')).unwrap_or(text).parse()
 }
@@ -91,7 +91,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     export(&film, folder, args, global)
 }
 
-/// Reports a film that is not exported because it is damaged: a check that failed.
+/// Reports a film that is not exported because it is damaged, as a failed check.
 fn damaged(damage: &Error, args: &Args) -> ExitStatus {
     output::note(format_args!("lightfold: {damage}; nothing was exported"));
     if args.json {
@@ -101,7 +101,7 @@ fn damaged(damage: &Error, args: &Args) -> ExitStatus {
     ExitStatus::Failed
 }
 
-/// Checks every chunk of a container, and lists those that are damaged.
+/// Checks every chunk of a container, and lists the damaged ones.
 fn find_damage(args: &Args, global: &GlobalArgs) -> Result<Option<Error>> {
     let decoder = Decoder::open(&args.input)?;
     let streams: Vec<&StreamInfo> = decoder.streams().iter().collect();
@@ -131,7 +131,7 @@ fn export(film: &Film, folder: &Path, args: &Args, global: &GlobalArgs) -> Resul
     Ok(ExitStatus::Passed)
 }
 
-/// Serves until Ctrl-C, which is how it always ends.
+/// Serves until Ctrl-C, the normal way to end it.
 fn serve(film: Film, args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let stop = Stop::default();
     let at_ctrl_c = stop.clone();

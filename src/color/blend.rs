@@ -1,4 +1,4 @@
-//! The decoder's interpolation between two keyframes, in integers (color.md 3).
+//! The decoder's interpolation between two keyframes, in integer arithmetic (color.md 3).
 //!
 //! Based on: CALF 5.1, equation 8, with the weight t in 255ths.
 
@@ -7,14 +7,14 @@ use half::f16;
 pub trait Sample: Copy + Eq + Default + Send + Sync + std::fmt::Debug + 'static {
     const BYTES: usize;
 
-    /// `weight`/255 of the way from `a` to `b`, to nearest: (a·(255 − w) + b·w + 127) div 255.
+    /// Interpolates from `a` to `b` by `weight`/255, rounded to nearest: (a·(255 − w) + b·w + 127) div 255.
     fn lerp(a: Self, b: Self, weight: u8) -> Self;
 
     fn key(self) -> i32;
 
     fn put(self, out: &mut Vec<u8>);
 
-    /// Reads as many samples as fit into `out`; `bytes` has exactly their size.
+    /// Reads as many samples as `out` has; `bytes` must have exactly their size.
     fn get_row(out: &mut [Self], bytes: &[u8]);
 }
 
@@ -29,7 +29,7 @@ impl Sample for u8 {
 
     #[inline(always)]
     fn lerp(a: u8, b: u8, weight: u8) -> u8 {
-        // v div 255 for v + 127 where v ≤ 255², without leaving 16 bits; equal to the definition for all inputs.
+        // (x + 127) div 255 for x ≤ 255², in 16-bit arithmetic; equal to the definition for all inputs.
         let v = u16::from(a) * u16::from(255 - weight) + u16::from(b) * u16::from(weight) + 128;
         ((v + (v >> 8)) >> 8) as u8
     }
@@ -49,15 +49,15 @@ impl Sample for u8 {
     }
 }
 
-/// A half float as an integer that grows with its value: negative values mirrored below 0x8000, positive ones from
-/// there. Interpolating keys is close to interpolating logarithms, which is what an HDR signal wants.
+/// A half float as an integer that ascends with its value: negative values are mirrored below 0x8000, positive ones start at
+/// 0x8000. Interpolating keys is close to interpolating logarithms, which suits an HDR signal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord, Hash)]
 pub struct HalfKey(pub u16);
 
 impl HalfKey {
     #[inline(always)]
     pub fn from_bits(bits: u16) -> HalfKey {
-        // All ones for negative values, only the sign bit for the others.
+        // All ones for negative values, only the sign bit for others.
         let flip = ((bits as i16 >> 15) as u16) | 0x8000;
         HalfKey(bits ^ flip)
     }

@@ -1,4 +1,4 @@
-//! The payload of a chunk of one colour cell: keyframes and weights (color.md 4).
+//! Payload of a chunk of one colour cell: keyframes and weights (color.md 4).
 
 #[cfg(feature = "encode")]
 pub mod builder;
@@ -10,21 +10,21 @@ use crate::container::{ChunkPlace, Payload};
 use crate::error::{Error, Result};
 
 const SECTION: &str = "color.md 4";
-/// Flag: the last keyframe's successor is the first keyframe of the cell's next chunk.
+/// Flag: the keyframe after the last one is the first keyframe of the cell's next chunk.
 const CLOSED_BY_NEXT: u8 = 1;
-/// Weights that a chunk may hold: more than twelve hours at 24 frames a second (color.md 4).
+/// Maximum number of weights in a chunk: more than twelve hours at 24 frames per second (color.md 4).
 pub const MAX_WEIGHTS: u32 = 1 << 20;
 const KEYFRAME_ROW_BYTES: usize = 4;
-/// Bit of a row, in codecs of blocks: this keyframe is stored as samples.
+/// Bit of a keyframe row, in codecs with blocks: the keyframe is stored as samples.
 const AS_SAMPLES: u32 = 1 << 31;
 
-/// What is wrong with a cell whose last chunk has a weight behind its last keyframe.
+/// Error of a cell whose last chunk has a weight after its last keyframe.
 pub const LEADS_NOWHERE: &str = "a cell's last chunk leads to a next one, and there is none";
 
 #[derive(Debug, Clone, Copy)]
 pub struct CellFormat<S> {
     pub size: [usize; 2],
-    /// The format of keyframes in blocks; `None` where all keyframes are samples.
+    /// Block format of keyframes; `None` if all keyframes are samples.
     pub blocks: Option<KeyframeBlocks<S>>,
 }
 
@@ -37,7 +37,7 @@ impl<S: Sample> CellFormat<S> {
         self.size[0] * self.size[1]
     }
 
-    /// Bytes of a keyframe in blocks (`None`: the codec has none), and of one in samples.
+    /// Bytes of a keyframe in blocks (`None` if the codec has none), and of a keyframe in samples.
     fn keyframe_bytes(&self) -> [Option<u64>; 2] {
         let blocks = self.blocks.map(|blocks| blocks.image_bytes(self.size) as u64);
         [blocks, Some(self.pixels() as u64 * 3 * S::BYTES as u64)]
@@ -53,9 +53,9 @@ struct Place {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Blend {
-    /// The keyframe at or before the frame, by its index in the chunk.
+    /// Index in the chunk of the keyframe at or before the frame.
     pub keyframe: usize,
-    /// The weight of the keyframe after it, in 255ths; 0 shows the keyframe itself.
+    /// Weight of the next keyframe, in 255ths; 0 shows the keyframe itself.
     pub weight: u8,
 }
 
@@ -65,14 +65,14 @@ pub struct CellChunk<S> {
     pub keyframes: Vec<u32>,
     places: Vec<Place>,
     weights: std::ops::Range<usize>,
-    /// Whether frames behind the last keyframe may need the next chunk.
+    /// True if frames after the last keyframe may need the next chunk.
     pub closed_by_next: bool,
     pub format: CellFormat<S>,
 }
 
 impl<S: Sample> CellChunk<S> {
-    /// As [`Self::parse`], and the last chunk of a cell must not lead to a next one: it is refused as a whole, whatever
-    /// frame is wanted, as what can be shown of a chunk does not depend on that.
+    /// As [`Self::parse`], and the last chunk of a cell must not lead to a next one. Such a chunk is refused as a whole, so
+    /// that the frames that can be decoded do not depend on the one that is requested.
     pub fn parse_at(
         payload: impl Into<Payload>,
         format: CellFormat<S>,
@@ -83,7 +83,7 @@ impl<S: Sample> CellChunk<S> {
         if place == ChunkPlace::Last && chunk.leads_on() { Err(Error::invalid(LEADS_NOWHERE)) } else { Ok(chunk) }
     }
 
-    /// Checks a payload: all keyframes lie inside, their frames ascend from 0, and every weight that is not zero stands
+    /// Parses and checks a payload: all keyframes lie inside, their frames ascend from 0, and each weight other than 0 is
     /// between two keyframes or is closed by the next chunk.
     pub fn parse(payload: impl Into<Payload>, format: CellFormat<S>, frame_count: u32) -> Result<Self> {
         let payload = payload.into();
@@ -104,7 +104,7 @@ impl<S: Sample> CellChunk<S> {
         let mut in_blocks = Vec::with_capacity(usize::from(count));
         for at in 0..usize::from(count) {
             let row = fields.u32()?;
-            // Without blocks the bit belongs to the frame, and puts it out of range.
+            // Without blocks the bit belongs to the frame number, which is then out of range.
             let frame = if format.blocks.is_some() { row & !AS_SAMPLES } else { row };
             let ascends = if at == 0 { frame == 0 } else { frame > keyframes[at - 1] };
             if !ascends || frame >= frame_count {
@@ -142,7 +142,7 @@ impl<S: Sample> CellChunk<S> {
         self.payload.into_spare()
     }
 
-    /// Offset in the payload of the weights, and the weights: of the first frames; all later ones have weight 0.
+    /// Returns the payload offset of the weights, and the weights of the first frames; all later frames have weight 0.
     pub fn weights(&self) -> (usize, &[u8]) {
         (self.weights.start, &self.payload[self.weights.clone()])
     }
@@ -151,12 +151,12 @@ impl<S: Sample> CellChunk<S> {
         self.places[keyframe].start
     }
 
-    /// Frames from the first on that have a weight; later ones have weight 0.
+    /// Number of frames, from the first on, that have a stored weight; later ones have weight 0.
     pub fn weight_count(&self) -> u32 {
         self.weights.len() as u32
     }
 
-    /// Payload bytes that a keyframe takes, its row in the table of keyframes included.
+    /// Payload bytes of a keyframe, including its row in the table of keyframes.
     pub fn keyframe_bytes(&self, keyframe: usize) -> u64 {
         (KEYFRAME_ROW_BYTES + self.places[keyframe].bytes) as u64
     }
@@ -180,7 +180,7 @@ impl<S: Sample> CellChunk<S> {
         self.weights().1.iter().skip(after_last).any(|&weight| weight != 0)
     }
 
-    /// Reads the samples of a keyframe: three for each pixel. `out` holds those of all pixels.
+    /// Decodes a keyframe into `out`: three samples per pixel, for all pixels.
     pub fn read_keyframe(&self, keyframe: usize, out: &mut [S]) {
         let Place { start, bytes, in_blocks } = self.places[keyframe];
         let stored = &self.payload[start..start + bytes];

@@ -7,11 +7,11 @@ use crate::color::transform::{Keyed, Tables, TransformChunk};
 use crate::container::{ChunkPlace, Payload};
 use crate::error::{Error, Result};
 
-/// What the chunks of a cell are read by.
+/// Parameters for parsing the chunks of a cell.
 #[derive(Debug, Clone)]
 pub struct ChunkFormat<S> {
     pub cell: CellFormat<S>,
-    /// Entropy tables of the transform codec; `None` where all chunks are keyframes and weights.
+    /// Entropy tables of the transform codec; `None` if all chunks are keyframes and weights.
     pub tables: Option<Tables>,
 }
 
@@ -41,7 +41,7 @@ impl<S: Keyed> ChunkFormat<S> {
 }
 
 impl<S: Sample> ColorChunk<S> {
-    /// Whether two frames show the same.
+    /// True if two frames are coded as the same picture.
     pub fn is_same(&self, frame: u32, other: u32) -> bool {
         match self {
             ColorChunk::Cells(chunk) => chunk.blend(frame) == chunk.blend(other),
@@ -49,7 +49,7 @@ impl<S: Sample> ColorChunk<S> {
         }
     }
 
-    /// Memory for the next payload.
+    /// Returns memory for reuse by the next payload.
     pub fn into_spare(self) -> Vec<u8> {
         match self {
             ColorChunk::Cells(chunk) => chunk.into_spare(),
@@ -59,8 +59,8 @@ impl<S: Sample> ColorChunk<S> {
 }
 
 impl<S: Sample> CellChunk<S> {
-    /// Writes a frame that lies between keyframes of this chunk, three samples a pixel, unless it shows the same as frame
-    /// `shown`, which is in `out`. Answers the number of pixels written.
+    /// Writes a frame between keyframes of this chunk, three samples per pixel, unless it equals frame `shown`, whose samples
+    /// are in `out`. Returns the number of pixels written.
     pub fn show(&self, frame: u32, shown: Option<u32>, out: &mut [S], scratch: &mut Vec<S>) -> u64 {
         let blend = self.blend(frame);
         if shown.is_some_and(|shown| self.blend(shown) == blend) {

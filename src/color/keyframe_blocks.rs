@@ -1,4 +1,4 @@
-//! Keyframes as blocks of a texture format (CALF 5.3; color.md 4): what a cell needs to know of a format.
+//! Keyframes in blocks of a texture format (CALF 5.3; color.md 4): the properties of a format that a cell needs.
 
 #[cfg(feature = "encode")]
 pub mod encode;
@@ -9,7 +9,7 @@ use crate::color::blend::HalfKey;
 #[derive(Debug, Clone, Copy)]
 pub struct KeyframeBlocks<S> {
     pub bytes: usize,
-    /// Decodes rows of blocks into the samples of an image of this width and height; what lies outside is dropped.
+    /// Decodes rows of blocks into the samples of an image of this width and height; samples outside are dropped.
     pub decode: fn(&[u8], [usize; 2], &mut [S]),
     #[cfg(feature = "encode")]
     pub encoder: encode::KeyframeEncoder<S>,
@@ -38,7 +38,7 @@ impl KeyframeBlocks<u8> {
 }
 
 impl KeyframeBlocks<HalfKey> {
-    /// BC6H, of half floats from 0 on.
+    /// BC6H, for half floats of at least 0.
     pub const BC6H: Self = KeyframeBlocks {
         bytes: Bc6h::BYTES,
         decode: decode_halves,

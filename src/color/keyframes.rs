@@ -1,7 +1,8 @@
-//! Where the next keyframe of a cell goes, and the weights of the frames before it.
+//! Selects the next keyframe of a cell, and the weights of the frames before it.
 //!
-//! Based on: CALF 5.1, equations 9 to 12: as far away as the quality of every frame in between allows. Equation 12's
-//! maximum is not monotone (a far keyframe can serve where a nearer one does not), so the search has an effort.
+//! Based on: CALF 5.1, equations 9 to 12: the next keyframe is as far away as the quality of every frame in between allows.
+//! The condition of equation 12 is not monotone (a far keyframe can suffice where a nearer one does not), so the search
+//! depends on the effort.
 
 use std::cell::OnceCell;
 
@@ -14,7 +15,7 @@ pub struct Candidates<'a, S, Q> {
     pictures: Vec<&'a [S]>,
     quality: &'a Q,
     max_squared_error: u64,
-    /// Σ (pictureₓ − keyframe)² over keys, once it is needed.
+    /// Σ (pictureₓ − keyframe)² over keys, computed on demand.
     energy: Vec<OnceCell<i64>>,
 }
 
@@ -34,11 +35,11 @@ impl<'a, S: Sample, Q: Quality<S>> Candidates<'a, S, Q> {
         })
     }
 
-    /// The index of the next keyframe, at least 1: the farthest found such that every picture before it is within
-    /// the quality. There are at least two pictures; the nearest always serves.
+    /// Returns the index of the next keyframe, at least 1: the farthest found for which every picture before it reaches the
+    /// quality. There must be at least two pictures; the nearest always suffices.
     pub fn next_keyframe(&self, effort: Effort) -> usize {
         let last = self.pictures.len() - 1;
-        // The picture that failed last is likely to fail again: it is asked first.
+        // The picture that failed last is tested first, because it is likely to fail again.
         let mut suspect = 1;
         let mut serves = |next: usize| self.serves(next, &mut suspect);
         if effort == Effort::Exhaustive {
@@ -84,16 +85,17 @@ impl<'a, S: Sample, Q: Quality<S>> Candidates<'a, S, Q> {
         true
     }
 
-    /// The weight in 255ths with which picture `at` lies between the keyframe and picture `next`, and its squared
-    /// error: the better of the two bytes around the closed-form optimum.
+    /// Returns the weight in 255ths of picture `at` between the keyframe and picture `next`, and the squared error: the
+    /// better of the two bytes around the closed-form optimum.
     pub fn best_weight(&self, at: usize, next: usize) -> (u8, u64) {
         let Some([low, high]) = self.weights(at, next) else { return (0, self.error(at, next, 0)) };
         let (low_error, high_error) = (self.error(at, next, low), self.error(at, next, high));
-        // Bytes between which the early exit cannot tell are both above the limit, and are not asked for.
+        // If the early exit makes the two errors incomparable, both are above the limit, and the result is not used.
         if high_error < low_error { (high, high_error) } else { (low, low_error) }
     }
 
-    /// The weights of all pictures between the keyframe and the last, or the first picture that no weight serves.
+    /// Returns the weights of all pictures between the keyframe and the last, or the first picture for which no weight
+    /// suffices.
     pub fn weights_of_all(&self) -> Result<Vec<u8>, usize> {
         let next = self.pictures.len() - 1;
         let weight = |at| {
@@ -108,7 +110,7 @@ impl<'a, S: Sample, Q: Quality<S>> Candidates<'a, S, Q> {
         self.quality.squared_error(a, b, weight, source, self.max_squared_error)
     }
 
-    /// The bytes below and above 255·⟨x − m, n − m⟩ / |n − m|², or none where n equals m.
+    /// Returns the bytes below and above 255·⟨x − m, n − m⟩ / |n − m|²; `None` if n equals m.
     fn weights(&self, at: usize, next: usize) -> Option<[u8; 2]> {
         let energy = self.energy(next);
         if energy == 0 {
@@ -118,8 +120,8 @@ impl<'a, S: Sample, Q: Quality<S>> Candidates<'a, S, Q> {
         Some([t.floor() as u8, t.ceil() as u8])
     }
 
-    /// Whether no weight at all can serve. Only where keys are steps: the best real weight leaves a distance
-    /// that rounding each sample by at most half a step cannot mend.
+    /// True if no weight can suffice. Only if keys are steps: even the best real weight leaves a distance that cannot be
+    /// removed by rounding each sample by at most half a step.
     fn certainly_fails(&self, at: usize, next: usize) -> bool {
         if !Q::KEYS_ARE_STEPS {
             return false;
@@ -129,7 +131,7 @@ impl<'a, S: Sample, Q: Quality<S>> Candidates<'a, S, Q> {
         let removed = if energy > 0.0 { product.max(0.0).powi(2) / energy } else { 0.0 };
         let distance = (own - removed).max(0.0).sqrt();
         let rounding = 0.5 * (self.pictures[0].len() as f64).sqrt();
-        // The tolerance covers the rounding of these operations.
+        // The tolerance covers rounding errors of these operations.
         (distance - rounding) * (1.0 - 1e-9) > (self.max_squared_error as f64).sqrt()
     }
 
@@ -145,7 +147,7 @@ impl<'a, S: Sample, Q: Quality<S>> Candidates<'a, S, Q> {
 /// Σ (x − m)(n − m) over keys. Exact: a cell has at most 2^28 samples of at most 16 bits.
 fn dot<S: Sample>(m: &[S], x: &[S], n: &[S]) -> i64 {
     if S::BYTES == 1 {
-        // 2^14 products of two differences of at most 255 stay below 2^30 and fit into 32 bits, which runs twice as fast.
+        // 2^14 products of two differences of at most 255 sum to less than 2^30 and fit into 32 bits, which is twice as fast.
         let blocks = m.chunks(1 << 14).zip(x.chunks(1 << 14)).zip(n.chunks(1 << 14));
         return blocks
             .map(|((m, x), n)| {

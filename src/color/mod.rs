@@ -1,8 +1,8 @@
-//! Colour: cells of an image, coded in time as keyframes and weights (CALF 5.1; formats/color.md).
+//! Colour cells: coded in time as keyframes and weights (CALF 5.1), or with a transform in space and time (formats/color.md).
 //!
-//! Two domains: 8 bits behind a transfer function and an exposure, for footage that is displayed as it is; half floats for
-//! light that is used as light, interpolated as integers in the order of their values, which is close to interpolating
-//! logarithms. Every frame of every cell reaches the PSNR asked for, measured on decoded samples.
+//! Two sample formats: 8 bits after an exposure and a transfer function, for footage that is displayed as it is; half floats
+//! for linear light, interpolated as integers in the order of their values, which is close to interpolating logarithms. Every
+//! frame of every cell reaches the quality target, measured on decoded samples.
 
 #![doc(hidden)]
 

@@ -1,9 +1,9 @@
-//! How far a decoded cell is from its source, as an exact integer (color.md 5).
+//! Error of a decoded cell relative to its source, as an exact integer (color.md 5).
 //!
-//! 8-bit colour: the squared error of the samples, peak 255. Half floats: the squared error of their PU21 encoding in
-//! 64ths, peak 256 (CALF 5.1 asks for another metric for HDR and names none; PU21 counts what is visible, from
-//! candle light to daylight, where a PSNR of linear values would see only the highlights). Samples outside the range of PU21
-//! have a bound of their own beside it, as a mean over a cell says nothing about a lamp of few pixels.
+//! 8-bit colour: the squared error of the samples, peak 255. Half floats: the squared error of their PU21 encoding in 64ths,
+//! peak 256. CALF 5.1 asks for another metric for HDR and names none; PU21 weighs visible differences from candlelight to
+//! daylight, while a PSNR of linear values would measure only the highlights. Samples outside the range of PU21 have an
+//! additional bound, because a mean over a cell does not limit the error of a lamp of few pixels.
 
 use half::f16;
 
@@ -12,16 +12,16 @@ use crate::error::{Error, Result};
 use crate::metrics::psnr::{U8_PEAK, psnr_to_max_sse};
 use crate::metrics::pu21::{PU21_MAX_CD_M2, PU21_MIN_CD_M2, PU21_PEAK, PuTable};
 
-/// Quality to the eye of equal pictures (color.md 5).
+/// Perceptual quality of equal pictures (color.md 5.2).
 pub const MAX_QUALITY: f64 = 100.0;
 
 pub const PU_STEPS: f64 = 64.0;
-/// Largest error of a sample outside the range of PU21, in multiples of the RMS error of the least PSNR.
+/// Maximum error of a sample outside the range of PU21, in multiples of the RMS error at the minimum PSNR.
 pub const MAX_OUTSIDE_RMS: u64 = 4;
-/// Samples whose squared errors are summed in 32 bits before they are carried over.
+/// Samples per block, within which squared errors are summed in 32 bits.
 const BLOCK: usize = 2048;
 
-/// Largest error in codes of a sample outside the range of PU21 at a quality to the eye.
+/// Maximum error in codes of a sample outside the range of PU21, at a perceptual quality (color.md 5.2).
 pub fn outside_codes(quality: f64) -> f64 {
     (MAX_QUALITY - quality) * 0.4
 }
@@ -29,25 +29,25 @@ pub fn outside_codes(quality: f64) -> f64 {
 pub trait Quality<S: Sample>: Sync {
     fn peak(&self) -> f64;
 
-    /// Σ (shown − source)² of what the decoder shows for `weight` between `a` and `b`; larger where a bound of single samples
-    /// needs more than that sum says, so that both hold up to [`Self::max_squared_error`]. May stop early, with any value above
-    /// `limit`, once the sum has passed it.
+    /// Returns Σ (shown − source)² of the decoder's interpolation between `a` and `b` with `weight`. The result is larger
+    /// where the bound on single samples requires it, so that both bounds hold up to [`Self::max_squared_error`]. May return
+    /// early, with any value above `limit`, once the sum exceeds it.
     fn squared_error(&self, a: &[S], b: &[S], weight: u8, source: &[S], limit: u64) -> u64;
 
     fn max_squared_error(&self, db: f64, samples: usize) -> u64 {
         psnr_to_max_sse(db, samples as u64, self.peak())
     }
 
-    /// Whether one step of a sample's key is one step of the metric, so that sums over keys bound it.
+    /// True if one step of a sample's key is one step of the metric, so that sums over keys bound it.
     const KEYS_ARE_STEPS: bool;
 
-    /// The code of a sample, of which 255 or 256 are the peak.
+    /// Code of a sample; the peak is 255 or 256.
     fn code(&self, sample: S) -> f32;
 
-    /// What a sample's code changes by for one key, or for 16 keys of half floats.
+    /// Change of a sample's code per key, or per 16 keys of half floats.
     fn codes_a_key(&self, sample: S) -> f32;
 
-    /// The largest error in codes of a sample for which the bound on single samples holds; 0 without any.
+    /// Maximum error in codes of the samples to which the bound on single samples applies; 0 if there are none.
     fn largest_outside(&self, shown: &[S], source: &[S]) -> f32;
 }
 
@@ -94,14 +94,14 @@ impl Quality<u8> for EightBit {
 
 #[derive(Debug, Clone)]
 pub struct Pu21 {
-    /// PU21 in 64ths for every key.
+    /// PU21 encoding of every key, in 64ths.
     steps: Vec<i32>,
-    /// The first and the last key in the range of PU21.
+    /// First and last key in the range of PU21.
     range: [HalfKey; 2],
 }
 
 impl Pu21 {
-    /// The metric for footage whose value 1.0 is shown at `white_cd_m2`.
+    /// Creates the metric for footage whose value 1.0 is displayed at `white_cd_m2`.
     pub fn new(white_cd_m2: f64) -> Result<Pu21> {
         Self::check_white(white_cd_m2)?;
         let table = PuTable::new(white_cd_m2)?;
@@ -109,7 +109,7 @@ impl Pu21 {
         let steps = (0..=u16::MAX).map(|key| step(table.encode(HalfKey(key).to_half()))).collect();
         let key = |value: f16| HalfKey::from_bits(value.to_bits());
         let luminance = |key: u16| HalfKey(key).to_half().to_f64() * white_cd_m2;
-        // Keys ascend with finite values.
+        // Keys of finite values ascend with the value.
         let finite = key(f16::MIN).0..=key(f16::MAX).0;
         let first = finite.clone().find(|&key| luminance(key) >= PU21_MIN_CD_M2).unwrap_or(u16::MAX);
         let last = finite.rev().find(|&key| luminance(key) <= PU21_MAX_CD_M2).unwrap_or(0);
@@ -129,22 +129,23 @@ impl Pu21 {
         self.steps[usize::from(key.0)]
     }
 
-    /// The PU21 encoding of a sample in steps of 1/64, as all errors of this metric are counted.
+    /// Returns the PU21 encoding of a sample in steps of 1/64, the unit of all errors of this metric.
     pub fn steps(&self, value: f16) -> i32 {
         self.step(HalfKey::from_bits(value.to_bits()))
     }
 
-    /// The error of a sample in steps, and the same where one of both is outside the range of PU21, else 0.
+    /// Returns the error of a sample in steps, and the same error if either value is outside the range of PU21, else 0.
     #[inline(always)]
     fn errors(&self, shown: HalfKey, source: HalfKey) -> [u32; 2] {
         let [a, b] = [shown, source].map(|key| self.step(key));
-        // Dark halves share codes: other bits are an error all the same.
+        // Dark half floats share codes; different bits still count as an error.
         let error = a.abs_diff(b).max(u32::from(shown != source));
         let [first, last] = self.range;
         [error, if shown.min(source) < first || shown.max(source) > last { error } else { 0 }]
     }
 
-    /// Σ of squared errors, and the largest error of a sample that is outside the range of PU21 in one of both, in steps.
+    /// Returns Σ of squared errors, and the maximum error of samples of which either value is outside the range of PU21, in
+    /// steps.
     pub fn between(&self, a: &[f16], b: &[f16]) -> (u64, u32) {
         let key = |value: &f16| HalfKey::from_bits(value.to_bits());
         let errors = a.iter().zip(b).map(|(a, b)| self.errors(key(a), key(b)));
@@ -152,7 +153,7 @@ impl Pu21 {
     }
 }
 
-/// The sum of squared errors of so many samples that an error of a sample outside the range is as bad as.
+/// Sum of squared errors of `samples` samples that is as bad as this error of one sample outside the range.
 fn as_sum(outside: u32, samples: usize) -> u64 {
     let squared = u64::from(outside).pow(2);
     let sum = (u128::from(squared) * samples as u128).div_ceil(u128::from(MAX_OUTSIDE_RMS.pow(2)));
@@ -246,7 +247,7 @@ mod tests {
         for db in [20.0, 40.0, 60.0] {
             let limit = metric.max_squared_error(db, count);
             let most = MAX_OUTSIDE_RMS as f64 * metric.peak() * 10f64.powf(-db / 20.0);
-            // A lamp of one sample among many that are right, in place of every other value.
+            // One sample (a lamp) that differs among many exact ones, with many pairs of values.
             let kept = |lamp: f32, shown: f32| {
                 let mut pictures = [vec![key(0.5); count], vec![key(0.5); count]];
                 (pictures[0][7], pictures[1][7]) = (key(lamp), key(shown));

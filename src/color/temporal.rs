@@ -1,7 +1,7 @@
 //! Encodes the frames of one colour cell into chunks (CALF 5.1, algorithm 2; keyframes in blocks: 5.3).
 //!
-//! In: the cell's samples, frame by frame. Out: payloads of [`crate::color::cells`]. Memory: the pictures
-//! of the lookahead, repeats counted once, and the open chunk.
+//! Input: the cell's samples, frame by frame. Output: payloads of [`crate::color::cells`]. Memory: the pictures of the
+//! lookahead, with repeats stored once, and the open chunk.
 
 use crate::color::blend::Sample;
 use crate::color::cells::builder::CellBuilder;
@@ -12,8 +12,8 @@ use crate::color::settings::SearchSettings;
 use crate::container::EncodedChunk;
 use crate::error::Result;
 
-/// A chunk is closed at the first keyframe after it has grown to this many bytes. Larger chunks compress better,
-/// smaller ones cost less to reach into.
+/// A chunk is closed at the first keyframe after it has reached this many bytes. Larger chunks compress better; seeking into
+/// smaller ones is cheaper.
 pub const CLOSE_AT_BYTES: usize = 512 << 10;
 const MAX_KEYFRAMES: usize = 4096;
 
@@ -23,12 +23,12 @@ struct Entry<S> {
     run: u32,
 }
 
-/// How the keyframes of a cell become blocks, once their places are known (CALF 5.3).
+/// Encoding of a cell's keyframes in blocks, after their positions are selected (CALF 5.3).
 #[derive(Debug, Clone, Copy)]
 pub struct BlockStage<S> {
     pub blocks: KeyframeBlocks<S>,
     pub size: [usize; 2],
-    /// PSNR that every frame still reaches between keyframes in blocks, in dB; at most that of the search.
+    /// Minimum PSNR in dB of every frame with keyframes in blocks; at most that of the search.
     pub final_psnr_db: f64,
 }
 
@@ -52,7 +52,7 @@ pub struct CellEncoder<S> {
     settings: SearchSettings,
     blocks: Option<BlockStage<S>>,
     close_at_bytes: usize,
-    /// The last keyframe, and what came after it.
+    /// The last keyframe, and the pictures after it.
     pending: Vec<Entry<S>>,
     keyframe: Keyframe<S>,
     open: CellBuilder,
@@ -60,7 +60,8 @@ pub struct CellEncoder<S> {
 }
 
 impl<S: Sample> CellEncoder<S> {
-    /// An encoder for one cell that closes chunks at `close_at_bytes`, [`CLOSE_AT_BYTES`] unless memory is short.
+    /// Creates an encoder for one cell that closes chunks at `close_at_bytes`: [`CLOSE_AT_BYTES`], or less if memory is
+    /// short.
     pub fn new(settings: SearchSettings, close_at_bytes: usize) -> Self {
         CellEncoder {
             settings,
@@ -78,7 +79,7 @@ impl<S: Sample> CellEncoder<S> {
         CellEncoder { blocks: Some(blocks), ..self }
     }
 
-    /// Takes the next frame; all frames have the same number of samples. Answers the chunk that it closes, if any.
+    /// Encodes the next frame; all frames have the same number of samples. Returns the chunk that this closes, if any.
     pub fn push<Q: Quality<S>>(&mut self, samples: &[S], quality: &Q) -> Result<Option<EncodedChunk>> {
         match self.pending.last_mut() {
             Some(last) if last.samples == samples => {
@@ -120,7 +121,7 @@ impl<S: Sample> CellEncoder<S> {
         Candidates::new(pictures, quality, self.settings.target.min_psnr_db())
     }
 
-    /// The same with the keyframe as it is shown, up to `next`, which is shown as `last`.
+    /// As [`Self::sources`], with the decoded keyframe, up to picture `next`, whose decoded samples are `last`.
     fn shown<'a, Q: Quality<S>>(&'a self, next: usize, last: &'a [S], quality: &'a Q) -> Candidates<'a, S, Q> {
         let mut pictures: Vec<_> = self.pending[..=next].iter().map(|entry| entry.samples.as_slice()).collect();
         pictures[0] = self.keyframe.shown(pictures[0]);
@@ -135,7 +136,7 @@ impl<S: Sample> CellEncoder<S> {
             && (self.blocks.is_none() || self.shown(last, source, quality).keyframe_serves_all())
     }
 
-    /// How a keyframe is stored: as blocks where they show its own frame well enough.
+    /// Selects the storage of a keyframe: blocks if they reproduce its frame well enough, otherwise samples.
     fn coded<Q: Quality<S>>(&self, source: &[S], quality: &Q) -> Keyframe<S> {
         let Some(BlockStage { blocks, size, final_psnr_db }) = self.blocks else { return Keyframe::Samples };
         let limit = quality.max_squared_error(final_psnr_db, source.len());
@@ -161,8 +162,8 @@ impl<S: Sample> CellEncoder<S> {
 
     /// Writes the frames up to the next keyframe, and the keyframe.
     ///
-    /// Places are searched among the sources. Between keyframes in blocks a frame may turn out to be shown too badly:
-    /// it becomes the next keyframe itself, which leaves fewer frames in between each time.
+    /// Positions are searched with the source pictures. Between keyframes in blocks a frame may miss the final PSNR: it then
+    /// becomes the next keyframe itself, which leaves fewer frames in between each time.
     fn place_keyframe<Q: Quality<S>>(&mut self, quality: &Q) -> Result<Option<EncodedChunk>> {
         let mut next = self.sources(quality).next_keyframe(self.settings.effort);
         let (weights, keyframe) = loop {
@@ -173,7 +174,7 @@ impl<S: Sample> CellEncoder<S> {
                 Err(failed) => next = failed,
             }
         };
-        // The keyframe's own frame is in the chunk already; its repeats are not.
+        // The keyframe's own frame is already in the chunk; its repeats are not.
         self.open.push_weight(0, self.pending[0].run - 1);
         for (entry, weight) in self.pending[1..next].iter().zip(weights) {
             self.open.push_weight(weight, entry.run);

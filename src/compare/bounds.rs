@@ -1,4 +1,4 @@
-//! Bounds on the errors of a comparison, and those that are exceeded.
+//! Error bounds of a comparison, and the bounds that are exceeded.
 
 use serde::Serialize;
 
@@ -9,16 +9,16 @@ use crate::metrics::depth_error::Spot;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Bounds {
-    /// Largest error: codes of depth, 8-bit codes of material and alpha.
+    /// Maximum error: codes of depth, 8-bit codes of material and alpha.
     pub max_error: Option<u16>,
-    /// Lowest PSNR of a frame of a colour stream, in dB.
+    /// Minimum PSNR of a frame of a colour stream, in dB.
     pub min_psnr_db: Option<f64>,
-    /// Lowest PSNR of a frame of a colour cell, in dB.
+    /// Minimum PSNR of a colour cell in one frame, in dB.
     pub min_cell_psnr_db: Option<f64>,
-    /// Lowest quality of a frame of a colour cell.
+    /// Minimum quality of a colour cell in one frame.
     pub min_quality: Option<f64>,
     pub exact: bool,
-    /// Accepts light that 8 bits clipped.
+    /// Accepts colour values that 8 bits clip.
     pub allow_clipping: bool,
 }
 
@@ -29,15 +29,15 @@ pub enum Bound {
     MinPsnr,
     MinCellPsnr,
     MinQuality,
-    /// None of the pixels may be clipped.
+    /// No pixel may be clipped.
     Clipping,
 }
 
-/// An exceeded bound, where it is exceeded most.
+/// An exceeded bound, at its largest excess.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Violation {
     pub bound: Bound,
-    /// Its value: codes, dB, quality or pixels.
+    /// Value of the bound: codes, dB, quality or pixels.
     pub limit: f64,
     pub measured: f64,
     pub stream: usize,
@@ -48,11 +48,12 @@ pub struct Violation {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judgement {
     pub equal: bool,
-    /// All bounds hold, and nothing is missing.
+    /// True if all bounds hold and no stream or frame is missing.
     pub within_bounds: bool,
-    /// A bound is exceeded, or streams or frames are missing although there is a bound.
+    /// True if a bound is exceeded, if streams or frames are missing although there is a bound, or if `exact` is required and the
+    /// sides are not equal.
     pub failed: bool,
-    /// Whether there are bounds, other than exactness.
+    /// True if there are bounds other than `exact`.
     pub bounded: bool,
     pub violations: Vec<Violation>,
 }

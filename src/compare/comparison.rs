@@ -1,4 +1,4 @@
-//! The result of a comparison, by stream and in total.
+//! The result of a comparison, per stream and in total.
 
 use serde::{Serialize, Serializer};
 
@@ -14,7 +14,7 @@ use crate::metrics::{EyeScores, HvsError, SquaredError};
 pub struct Missing {
     #[serde(flatten)]
     pub id: StreamId,
-    /// The side that has them, 0 or 1.
+    /// The side that has the frames, 0 or 1.
     #[serde(serialize_with = "serialize_side")]
     pub only_in: usize,
     #[serde(serialize_with = "serialize_frames")]
@@ -42,7 +42,7 @@ pub enum Measured {
 }
 
 impl Measured {
-    /// Notes whether bits differ, so that equal codes are not taken for equal values.
+    /// Records that bits differ, so that equal codes are not reported as equal values.
     pub(super) fn note_bits(&mut self, differ: bool) {
         match self {
             Measured::Depth(errors) => errors.has_other_bits |= differ,
@@ -50,7 +50,7 @@ impl Measured {
         }
     }
 
-    /// PSNR in dB; NaN where bits differ that codes do not tell apart.
+    /// Returns the PSNR in dB; NaN if codes are equal but bits differ.
     pub fn psnr_db(&self) -> f64 {
         match self {
             Measured::Depth(errors) => errors.psnr_db(),
@@ -61,16 +61,16 @@ impl Measured {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct StreamReport {
-    /// On the first side.
+    /// Identity of the stream on the first side.
     pub id: StreamId,
-    /// On the second side, where it is another.
+    /// Identity of the stream on the second side, if it differs.
     pub other_id: Option<StreamId>,
     pub size: [u32; 2],
-    /// In the numbers of the first side.
+    /// Compared frames, as numbered on the first side.
     pub frames: FrameRange,
     pub domain: Domain,
     pub measured: Measured,
-    /// With [`crate::compare::Measure::Bits`].
+    /// Bit errors; measured with [`crate::compare::Measure::Bits`].
     pub bits: Option<BitErrors>,
 }
 
@@ -82,7 +82,7 @@ impl StreamReport {
         }
     }
 
-    /// The worst pixel, and its error as a fraction of the metric's peak.
+    /// Returns the worst pixel, and its error as a fraction of the peak of the metric.
     pub fn worst(&self) -> Option<(Spot, f64)> {
         let (spot, error, peak) = match &self.measured {
             Measured::Depth(errors) => (errors.worst, errors.max_error_codes.into(), errors.error.peak),
@@ -101,7 +101,7 @@ impl StreamReport {
         if let Measured::Depth(errors) = &self.measured { Some(errors) } else { None }
     }
 
-    /// Of a stream of any other kind than depth.
+    /// Returns the sample errors of a stream of any kind but depth.
     fn samples(&self) -> Option<&SampleErrors> {
         match &self.measured {
             Measured::Color(errors) | Measured::Bytes(errors) => Some(errors),
@@ -114,30 +114,30 @@ impl StreamReport {
 pub struct Comparison {
     pub streams: Vec<StreamReport>,
     pub missing: Vec<Missing>,
-    /// Colour pixels of each side that encoding clipped, in all of its streams and frames, as far as its container knows.
+    /// Number of colour pixels that encoding clipped, by side, over all streams and frames; 0 if a side does not state it.
     pub clipped_in_containers: [u64; 2],
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampleTotal {
-    /// PSNR over all samples, relative to their peaks: 8-bit and half-float streams have different ones.
+    /// PSNR over all samples relative to their peaks; 8-bit and half-float streams have different peaks.
     pub psnr_db: f64,
-    /// With the index of the stream.
+    /// Index of the stream, and the minimum PSNR of a frame.
     pub lowest_frame: Option<(usize, Lowest)>,
     pub lowest_cell: Option<(usize, Lowest)>,
     pub lowest_quality: Option<(usize, Lowest)>,
     /// Index of the stream with the largest error relative to its peak.
     pub worst: Option<usize>,
-    /// Largest error in the steps of that stream.
+    /// Maximum error in steps of that stream.
     pub max_error: u32,
-    /// Mean of the frames of which it was computed.
+    /// Mean SSIM of the frames for which it was computed.
     pub ssim: Option<f64>,
     pub ssim_frames: u64,
-    /// Of the same frames.
+    /// PSNR-HVS-M in dB of the same frames.
     pub psnr_hvs_m_db: Option<f64>,
     pub eye: EyeScores,
     pub differing_pixels: u64,
-    /// Pixels that 8 bits clipped.
+    /// Number of pixels that 8 bits clip.
     pub clipped_pixels: u64,
 }
 
@@ -161,7 +161,7 @@ fn psnr_of_all(errors: impl Iterator<Item = SquaredError>) -> f64 {
 }
 
 impl Comparison {
-    /// Whether nothing is missing or differs, in bits where these were compared, else in codes.
+    /// Returns true if nothing is missing and nothing differs, in bits if these were compared, else in codes.
     pub fn equal(&self) -> bool {
         let same = |stream: &StreamReport| match &stream.bits {
             Some(bits) => bits.differing_pixels == 0,
@@ -170,7 +170,7 @@ impl Comparison {
         self.missing.is_empty() && self.streams.iter().all(same)
     }
 
-    /// Depth errors of all streams, and the index of the stream with the worst pixel.
+    /// Returns the depth errors of all streams, and the index of the stream with the worst pixel.
     pub fn depth(&self) -> Option<(DepthErrors, Option<usize>)> {
         let mut total: Option<(DepthErrors, Option<usize>)> = None;
         for (at, errors) in self.streams.iter().enumerate().filter_map(|(at, stream)| Some((at, stream.depth()?))) {
@@ -186,7 +186,7 @@ impl Comparison {
         self.samples(StreamKind::Color)
     }
 
-    /// Of a kind other than depth.
+    /// Returns the sum over streams of a kind other than depth; `None` if there are none.
     pub fn samples(&self, kind: StreamKind) -> Option<SampleTotal> {
         let of_kind = self.streams.iter().enumerate().filter(|(_, stream)| stream.id.kind == kind);
         let all: Vec<(usize, &SampleErrors)> =
@@ -223,8 +223,9 @@ impl Comparison {
         })
     }
 
-    /// The colour stream with the most pixels that codes of a container, or of what was decoded from one, do not hold, and their
-    /// number in all streams; else those that encoding of a side clipped.
+    /// Returns the colour stream with the most pixels that the codes of a container or decoded dataset clip, and the number of
+    /// these pixels in all streams. If there are none, returns the first colour stream and the larger number of pixels that
+    /// encoding of a side clipped; `None` if that is 0.
     pub fn clipped(&self) -> Option<(usize, u64)> {
         let colors = self.streams.iter().enumerate().filter_map(|(at, stream)| Some((at, stream, stream.color()?)));
         let coded = colors.clone().filter(|(_, stream, _)| stream.domain.origin != Origin::Default);
@@ -235,7 +236,7 @@ impl Comparison {
         Some((at, if pixels > 0 { pixels } else { known }))
     }
 
-    /// The pixel with the largest error relative to its metric's peak, with the index of its stream.
+    /// Returns the index of the stream and the pixel with the largest error relative to the peak of its metric.
     pub fn worst(&self) -> Option<(usize, Spot)> {
         self.worst_where(|_| true)
     }
@@ -247,7 +248,8 @@ impl Comparison {
         worst.map(|(at, (spot, _))| (at, spot))
     }
 
-    /// Number of pixels whose bits differ, and the first with the index of its stream; `None` where bits were not compared.
+    /// Returns the number of pixels whose bits differ, and the first of them with the index of its stream; `None` if bits were
+    /// not compared.
     pub fn bits(&self) -> Option<(u64, Option<(usize, Spot)>)> {
         let mut streams = self.streams.iter().enumerate().filter_map(|(at, stream)| Some((at, stream.bits?)));
         let count = streams.clone().map(|(_, bits)| bits.differing_pixels).sum();

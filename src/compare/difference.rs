@@ -1,4 +1,4 @@
-//! Errors of colour, material and alpha between two images, counted pixel by pixel.
+//! Errors of colour, material and alpha between two images, counted per pixel.
 
 use half::f16;
 use serde::Serialize;
@@ -21,14 +21,14 @@ impl Level for u8 {
     }
 }
 
-/// Codes that go on beyond 8 bits.
+/// Codes that extend beyond 8 bits.
 impl Level for i32 {
     fn steps(self) -> i32 {
         self
     }
 }
 
-/// A half float and its PU21 encoding; equal encodings may differ in bits, which is an error of one step.
+/// A half float and its PU21 code in 64ths. Halves with equal codes may differ in bits, which counts as an error of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HalfLevel {
     bits: u16,
@@ -46,10 +46,10 @@ pub fn half_levels(plane: &ColorPlane, metric: &Pu21) -> Plane<[HalfLevel; 3]> {
     plane.map(|pixel| pixel.map(level))
 }
 
-/// The lowest PSNR or quality of a frame, or of a frame of a cell.
+/// The minimum PSNR or quality over frames, or over cells in single frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lowest {
-    /// PSNR in dB, +inf where all are equal; or quality.
+    /// PSNR in dB, +inf if all samples are equal; or quality.
     pub value: f64,
     /// Frame, and upper left corner of the cell.
     pub spot: Spot,
@@ -57,26 +57,27 @@ pub struct Lowest {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampleErrors {
-    /// Largest error of a sample in the metric's steps: 8-bit codes, or 64ths of PU21.
+    /// Maximum error of a sample in steps of the metric: 8-bit codes, or 64ths of PU21.
     pub max_error: u32,
     pub error: SquaredError,
-    /// The first pixel with the largest error; `None` where all are equal.
+    /// The first pixel with the maximum error; `None` if all are equal.
     pub worst: Option<Spot>,
     pub differing_pixels: u64,
     pub lowest_frame: Option<Lowest>,
-    /// The lowest PSNR of a cell in one frame.
+    /// Minimum PSNR of a cell in one frame.
     pub lowest_cell: Option<Lowest>,
-    /// The lowest quality of a cell in one frame; of colour alone.
+    /// Minimum quality of a cell in one frame; colour only.
     pub lowest_quality: Option<Lowest>,
     pub ssim_sum: f64,
     pub ssim_frames: u64,
-    /// Of the same frames.
+    /// PSNR-HVS-M of the same frames.
     pub hvs: HvsError,
-    /// SSIMULACRA2 and butteraugli of the same frames in 8-bit sRGB, where they are asked for.
+    /// SSIMULACRA2 and butteraugli of the same frames in 8-bit sRGB; empty unless requested.
     pub eye: EyeScores,
-    /// Pixels that 8 bits clipped, on both sides together.
+    /// Number of pixels that 8 bits clip, summed over both sides.
     pub clipped_pixels: u64,
-    /// Whether values differ, of both sides' files or where bits were compared.
+    /// True if values differ. Bits are compared for colour of two files, and for all kinds with
+    /// [`crate::compare::Measure::Bits`].
     pub has_other_bits: bool,
 }
 
@@ -85,12 +86,13 @@ impl SampleErrors {
         (self.ssim_frames > 0).then(|| self.ssim_sum / self.ssim_frames as f64)
     }
 
-    /// PSNR in dB; `+inf` where all are equal, NaN where bits differ that codes do not tell apart.
+    /// Returns the PSNR in dB; `+inf` if all are equal, NaN if codes are equal but bits differ.
     pub fn psnr_db(&self) -> f64 {
         finite_or_nan(self.error.psnr_db(), self.has_other_bits)
     }
 
-    /// The lowest PSNR of a frame, and the lowest PSNR and quality of a cell in one frame, likewise.
+    /// Returns the minimum PSNR of a frame, and the minimum PSNR and quality of a cell in one frame, with NaN as in
+    /// [`Self::psnr_db`].
     pub fn lowest(&self) -> [Option<Lowest>; 3] {
         let known = |lowest: Lowest| Lowest { value: finite_or_nan(lowest.value, self.has_other_bits), ..lowest };
         [self.lowest_frame, self.lowest_cell, self.lowest_quality].map(|lowest| lowest.map(known))
@@ -114,7 +116,7 @@ impl SampleErrors {
         }
     }
 
-    /// Adds a frame, measured in cells of `cell` pixels.
+    /// Adds a frame, measured in cells of `cell`×`cell` pixels.
     pub fn add<T: Level>(&mut self, frame: u32, a: &Plane<[T; 3]>, b: &Plane<[T; 3]>, cell: u32) {
         let peak = self.error.peak;
         let samples = |pixels: u64| SquaredError { samples: 3 * pixels, ..SquaredError::empty(peak) };
@@ -137,7 +139,7 @@ impl SampleErrors {
         self.error.samples += total.samples;
     }
 
-    /// Measures the quality of the cells of a frame whose source is `a`.
+    /// Measures the quality of the cells of a frame; `a` is the source.
     pub fn add_quality<T: Level>(&mut self, frame: u32, [a, b]: [&Plane<[T; 3]>; 2], cell: u32) {
         let unit = (self.error.peak / U8_PEAK).round().max(1.0) as f32;
         for [left, top, width, height] in cells(a, cell) {
@@ -151,7 +153,7 @@ impl SampleErrors {
         }
     }
 
-    /// Adds a run of pixels from `start` on; returns its squared error.
+    /// Adds a run of pixels from `start` on; returns its sum of squared errors.
     fn add_run<T: Level>(&mut self, start: Spot, a: &[[T; 3]], b: &[[T; 3]]) -> u128 {
         let mut sum = 0;
         for (offset, (a, b)) in a.iter().zip(b).enumerate() {
@@ -162,7 +164,7 @@ impl SampleErrors {
             let SampleError { squared, largest } = sample_error(a, b);
             sum += squared;
             let spot = Spot { x: start.x + offset as u32, ..start };
-            // Cells are not in row order: of equal errors in a frame, the first in row order is kept.
+            // Cells are not visited in row order; of equal errors in a frame, the first in row order is kept.
             let earlier = |worst: Spot| worst.frame == spot.frame && (spot.y, spot.x) < (worst.y, worst.x);
             let ties = largest == self.max_error && self.worst.is_none_or(earlier);
             if largest > self.max_error || ties {
@@ -174,7 +176,7 @@ impl SampleErrors {
     }
 }
 
-/// Left, top, width and height of an image's cells, row by row.
+/// Returns left, top, width and height of the cells of an image, in row order.
 pub(super) fn cells<T>(image: &Plane<T>, cell: u32) -> impl Iterator<Item = [u32; 4]> {
     let (width, height, side) = (image.width(), image.height(), cell.max(1));
     let starts = move |size: u32| (0..size).step_by(side as usize);

@@ -1,4 +1,4 @@
-//! The codes that two streams are compared in, and the conversion of either side into them.
+//! The domain (kind of codes) in which two streams are compared, and the conversion of each side to it.
 
 use half::f16;
 
@@ -15,26 +15,26 @@ use crate::metrics::depth_error::{DepthPicture, OUTSIDE};
 use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;
 use crate::streams::{ColorFormat, convert};
 
-/// Width of cells where neither side states it.
+/// Cell side in pixels if neither side states it.
 const DEFAULT_CELL: u32 = 64;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
-    /// The streams of the container on side 0 or 1.
+    /// Coding of the container on side 0 or 1.
     Container(usize),
-    /// The manifest of the decoded dataset on side 0 or 1.
+    /// Coding in the manifest of the decoded dataset on side 0 or 1.
     Manifest(usize),
-    /// Neither side was coded: depth spans both sides' surfaces, colour is 8-bit sRGB.
+    /// Neither side has a coding: depth codes span the surfaces of both sides, colour is 8-bit sRGB.
     Default,
 }
 
-/// What colour is compared in.
+/// Kind of codes in which colour is compared.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum ColorDomain {
     /// The coding of the container or of the decoded dataset, else 8-bit sRGB.
     #[default]
     AsCoded,
-    /// Half floats. Without a white it is that of the coding, else that of a standard display.
+    /// Half floats. Without a white luminance, that of the coding is used, else that of a standard display.
     Half { white_cd_m2: Option<f64> },
 }
 
@@ -45,7 +45,7 @@ pub struct Domain {
 }
 
 impl Domain {
-    /// Primaries in which colours of two sides are compared: those of the side that is coded, else of the first.
+    /// Returns the primaries in which colours are compared: those of the side that states the coding, else of the first side.
     pub fn primaries(&self, sides: &[Side; 2]) -> Primaries {
         match self.origin {
             Origin::Container(at) | Origin::Manifest(at) => sides[at].primaries,
@@ -53,7 +53,7 @@ impl Domain {
         }
     }
 
-    /// The domain of a pair of streams; `None` where the range of depth must be found first.
+    /// Returns the domain of a pair of streams; `None` if its depth range must be found by a scan.
     pub fn of_pair(sides: &[Side; 2], streams: [&SideStream; 2], color: ColorDomain) -> Option<Domain> {
         Domain::of_codings(sides, streams).map(|domain| domain.with_color(color))
     }
@@ -100,11 +100,11 @@ pub enum Converted {
 pub struct ConvertedImage {
     pub image: Converted,
     pub clipped_pixels: u64,
-    /// Codes that go on beyond 8 bits, where pixels are clipped and that is not allowed.
+    /// Codes that extend beyond 8 bits; `None` unless pixels are clipped and clipping is not allowed.
     pub unclipped: Option<Plane<[i32; 3]>>,
 }
 
-/// How colours of both sides are compared.
+/// Settings of the comparison of colour.
 #[derive(Debug, Clone, Copy)]
 pub struct ComparedColor {
     pub primaries: Primaries,
@@ -118,7 +118,7 @@ pub struct Converter {
     metres: Option<CodeTable>,
     codes: Option<EncodeTable>,
     light: Option<DecodeTable>,
-    /// To the primaries in which both sides are compared.
+    /// Conversion to the primaries of the comparison; `None` if the side has them.
     matrix: Option<LightMatrix>,
     allows_clipping: bool,
     /// Treatment of depth outside the range of the codes.
@@ -126,7 +126,7 @@ pub struct Converter {
 }
 
 impl Converter {
-    /// Of a stream of `side`; colour is compared in `primaries`.
+    /// Creates a converter for a stream of `side`; colour is converted to `color.primaries`.
     pub fn new(domain: Coding, (side, stream): (&Side, &SideStream), color: ComparedColor) -> Converter {
         let own = if side.form == SideForm::Container { stream.coding } else { None };
         let mut converter = Converter {
@@ -154,7 +154,7 @@ impl Converter {
         converter
     }
 
-    /// Whether the side's own codes are those of the domain; the size of cells does not matter.
+    /// Returns true if the side's own codes are those of the domain; the cell size is ignored.
     fn keeps_codes(&self) -> bool {
         match (self.own, self.domain) {
             (Some(Coding::Color(own, _)), Coding::Color(domain, _)) => match (own, domain) {
@@ -190,7 +190,7 @@ impl Converter {
             (Image::File(Values::Weights(weights)), Coding::Bytes) => {
                 unclipped(Converted::Bytes(convert::material_codes(&weights)?))
             }
-            // Three equal samples have the errors of one.
+            // Repeating alpha in three samples changes neither its mean nor its maximum error.
             (Image::Coded(Picture::Alpha(codes)), Coding::Bytes) => {
                 unclipped(Converted::Bytes(codes.map(|&code| [code; 3])))
             }
@@ -214,7 +214,7 @@ impl Converter {
         }
     }
 
-    /// Metres, weights, or light of the primaries in which both sides are compared.
+    /// Returns metres, weights, alpha, or linear RGB in the primaries of the comparison.
     pub fn values(&self, image: &Image) -> Values {
         match (self.own_values(image), self.matrix) {
             (Values::Light(light), Some(matrix)) => Values::Light(matrix.convert_plane(&light)),
@@ -231,12 +231,12 @@ impl Converter {
             }
             Image::Coded(Picture::ColorHalf(light)) => Values::Light(light.clone()),
             Image::Coded(Picture::Material(codes)) => {
-                // Files hold halves.
+                // Decoded files store half floats.
                 let half = |value: f32| f16::from_f32(value).to_f32();
                 Values::Weights(convert::material_values(codes).map(|pixel| pixel.map(half)))
             }
             Image::Coded(Picture::Alpha(codes)) => {
-                // Files hold halves.
+                // Decoded files store half floats.
                 let half = |code: u8| f16::from_f32(convert::alpha_value(code.into())).to_f32();
                 Values::Alpha(codes.map(|&code| half(code)))
             }
@@ -249,7 +249,7 @@ impl Converter {
     }
 
     fn quantise(&self, mut metres: DepthPlane, range: DepthRange) -> DepthPicture {
-        // A container of another range has rounded by up to half a step of its own.
+        // A container with another range has rounded depth by up to half a step of its own.
         let own = if let Some(Coding::Depth(own)) = self.own { own.step_ratio() } else { 0.0 };
         let tolerance = (range.step_ratio() + own) / 2.0;
         let code = |z: f32| match self.quantiser.as_ref().and_then(|quantiser| quantiser.code(z)) {
@@ -259,12 +259,12 @@ impl Converter {
         let (near, far) = (range.near_m(), range.far_m());
         let codes = metres.data_mut().iter_mut().map(|z| {
             match (code(*z), self.invalid_depth) {
-                // Encoders replace it by the same rule.
+                // Encoders replace such depth by the same rule.
                 (OUTSIDE, InvalidDepth::Near) => *z = z.max(near).min(far),
                 (OUTSIDE, InvalidDepth::Far) => *z = f32::INFINITY,
                 (found, _) => {
                     if *z == 0.0 {
-                        // An invalid depth that becomes near.
+                        // `InvalidDepth::Near` reads invalid depth as 0.
                         *z = near;
                     }
                     return found;
@@ -277,8 +277,8 @@ impl Converter {
     }
 }
 
-/// The code of a depth outside the range: that of an end within `tolerance`, a ratio, so that the rounding of another coding
-/// does not count, else none.
+/// Returns the code of a depth outside the range: the code of an end of the range that is within `tolerance` (a ratio), so that
+/// the rounding of another coding is not counted as an error, else [`OUTSIDE`]. `+inf` is background.
 fn code_beyond(z_m: f32, range: DepthRange, tolerance: f64) -> i32 {
     let (near, far, z) = (f64::from(range.near_m()), f64::from(range.far_m()), f64::from(z_m));
     if z_m == f32::INFINITY {

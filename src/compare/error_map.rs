@@ -1,4 +1,4 @@
-//! Errors of one image, pixel by pixel (GDC figure 1c), and for colour the PSNR of each cell, which its encoder bounds.
+//! Per-pixel errors of one image (GDC figure 1c), and for colour the PSNR of each cell, which its encoder bounds.
 
 use crate::color::quality::{Pu21, Quality};
 use crate::compare::difference::{self, Level, half_levels, sample_error};
@@ -15,16 +15,16 @@ use crate::streams::ColorFormat;
 pub struct CellPsnr {
     /// Left, top, width and height in the image.
     pub rect: [u32; 4],
-    /// +inf where nothing differs.
+    /// PSNR in dB; +inf if the samples are equal.
     pub psnr_db: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorMap {
     pub domain: Domain,
-    /// For colour and material the largest error of the three samples.
+    /// Error of each pixel; for colour and material the maximum of its three samples.
     pub pixels: Plane<PixelError>,
-    /// Cells of colour, row by row; empty for depth and material.
+    /// Colour cells in row order; empty for depth and material.
     pub cells: Vec<CellPsnr>,
 }
 
@@ -32,7 +32,7 @@ pub struct ErrorMap {
 pub struct LargestError {
     pub steps: u32,
     pub background_pixels: u64,
-    /// Outside the range of the codes.
+    /// Number of pixels outside the range of the codes.
     pub outside_pixels: u64,
 }
 
@@ -54,7 +54,7 @@ impl ErrorMap {
     }
 }
 
-/// Compares one frame, in the number of the first side, of a pair of streams, one of which is a container's.
+/// Compares one frame of a pair of streams, one of which is a container's. `frame` is a frame number of the first side.
 pub fn error_map(sides: &[Side; 2], pair: &Pair<'_>, frame: u32) -> Result<ErrorMap> {
     let streams = pair.streams;
     let named = |error: Error| error.context(format!("{}, frame {frame}", streams[0].id));

@@ -1,4 +1,4 @@
-//! The coding of a decoded dataset, from its manifest.
+//! Reads the coding of a decoded dataset from its manifest.
 
 use std::collections::BTreeMap;
 
@@ -11,11 +11,11 @@ use crate::error::{Error, Result};
 use crate::image::{Face, StreamKind, ToneMap, Transfer};
 use crate::streams::ColorFormat;
 
-/// `extra.lightfold` of a decoded dataset's manifest.
+/// The value `extra.lightfold` in the manifest of a decoded dataset.
 #[derive(Debug, Clone, Default, Deserialize)]
 pub(super) struct ManifestCoding {
     color: Option<ColorCoding>,
-    /// By `probe/face`.
+    /// Depth codings by `probe/face`.
     depth: Option<BTreeMap<String, DepthCoding>>,
 }
 

@@ -1,8 +1,8 @@
 //! Compares two sides stream by stream.
 //!
-//! Each pair of streams is brought into one [`Domain`]: depth into 16-bit log codes, colour into the codes of a transfer
-//! function or half floats, as the side that is a container codes them. One frame of each stream is in memory at a time.
-//! Streams are compared in parallel; the result does not depend on how many at once.
+//! Both streams of a pair are converted to one [`Domain`]: depth to 16-bit log codes, colour to the codes of a transfer function
+//! or to half floats, as the side that is a container codes them. One frame of each stream is in memory at a time. Streams are
+//! compared in parallel; the result does not depend on how many run at once.
 
 use std::borrow::Cow;
 
@@ -24,14 +24,14 @@ use crate::ordered::try_map_at_once;
 use crate::streams::ColorFormat;
 use crate::streams::convert::DepthExtent;
 
-/// Bytes for each pixel of a pair of images, both as they are compared: beside the images as they are read.
+/// Returns the bytes per pixel of both converted images of a pair, in addition to the images as read.
 fn comparing_bytes(pair: &Pair<'_>, settings: &CompareSettings) -> u64 {
     let is_half = |stream: &&SideStream| matches!(stream.coding, Some(Coding::Color(ColorFormat::Half { .. }, _)));
     let (converted, values) = match pair.streams[0].id.kind {
-        // Codes of 32 bits and metres.
+        // 32-bit codes and metres.
         StreamKind::Depth => (2 * (4 + 4), 2 * 4),
-        // Light and its levels where it is compared as half floats; else codes, and for one side light that they are made of; codes go
-        // on beyond 8 bits in 32.
+        // Half floats: linear RGB and its PU21 levels of both sides. Else: 8-bit codes of both sides, linear RGB of the side that
+        // is being converted, and without `allow_clipping` 32-bit codes of both sides.
         StreamKind::Color if settings.color != ColorDomain::AsCoded || pair.streams.iter().any(is_half) => {
             (2 * (6 + 12), 2 * 6)
         }
@@ -46,14 +46,14 @@ fn comparing_bytes(pair: &Pair<'_>, settings: &CompareSettings) -> u64 {
 pub enum Measure {
     #[default]
     Codes,
-    /// Codes, and bits of metres, light and weights.
+    /// Codes, and the bits of metres, linear RGB, weights and alpha.
     Bits,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum SsimFrames {
     Every,
-    /// The first, the middle and the last.
+    /// The first, middle and last frame.
     #[default]
     Sampled,
     None,
@@ -65,15 +65,15 @@ pub struct CompareSettings {
     pub measure: Measure,
     pub color: ColorDomain,
     pub ssim: SsimFrames,
-    /// Scores the same frames by SSIMULACRA2 and butteraugli, too.
+    /// Also computes SSIMULACRA2 and butteraugli for the same frames.
     pub ssimulacra2: bool,
-    /// Compares clipped codes of light that does not fit 8 bits. Otherwise codes go on beyond 255 and below 0; SSIM and PSNR-HVS-M
-    /// are always of clipped codes.
+    /// Compares clipped codes if colour does not fit 8 bits. If false, codes extend above 255 and below 0; SSIM and PSNR-HVS-M
+    /// always use clipped codes.
     pub allow_clipping: bool,
     pub memory: Budget,
 }
 
-/// Compares all pairs. The monitor advances by one for every pair of images.
+/// Compares all pairs. The monitor advances by one for each pair of images.
 pub fn compare(pairing: &Pairing<'_>, settings: &CompareSettings, monitor: &dyn Monitor) -> Result<Comparison> {
     let at_once = streams_at_once(pairing, settings)?;
     let domains = domains(pairing, settings.color, at_once, monitor)?;
@@ -104,7 +104,7 @@ fn streams_at_once(pairing: &Pairing<'_>, settings: &CompareSettings) -> Result<
     if memory.bytes.is_none() {
         return Ok(usize::MAX);
     }
-    // Files that several pairs share are read once, and pairs are compared one after the other.
+    // Files that several pairs share are read once, so these pairs are compared one after the other.
     let of_run = |pairs: &[Pair<'_>]| {
         let of_side = |at: usize| {
             let bytes = pairs.iter().map(|pair| pairing.sides[at].stream_bytes(pair.streams[at]));
@@ -152,7 +152,7 @@ fn visit(
     Ok(())
 }
 
-/// The domain of each pair; unknown ranges of depth are found by reading both sides.
+/// Returns the domain of each pair; unknown depth ranges are found by reading both sides.
 fn domains(pairing: &Pairing<'_>, color: ColorDomain, at_once: usize, monitor: &dyn Monitor) -> Result<Vec<Domain>> {
     let known: Vec<_> = pairing.pairs.iter().map(|pair| Domain::of_pair(pairing.sides, pair.streams, color)).collect();
     let unknown: Vec<Pair<'_>> =
@@ -173,7 +173,7 @@ fn domains(pairing: &Pairing<'_>, color: ColorDomain, at_once: usize, monitor: &
     })?;
     let scanned: Vec<_> = unknown.iter().zip(extents.into_iter().flatten()).collect();
     let range_of = |pair: &Pair<'_>| {
-        // One range for all faces of a probe, as a container has it.
+        // All faces of a probe have one range, as in a container.
         let probe = |pair: &Pair<'_>| pair.streams.map(|stream| stream.id.probe.clone());
         let same = scanned.iter().filter(|(other, _)| probe(other) == probe(pair)).map(|(_, extent)| *extent);
         match same.flatten().reduce(DepthExtent::union) {
@@ -192,7 +192,7 @@ struct PairComparison {
     report: StreamReport,
     converters: [Converter; 2],
     metric: Option<Pu21>,
-    /// True where codes are those of sRGB.
+    /// True if codes are sRGB in Rec. 709 primaries.
     is_srgb: bool,
 }
 
@@ -295,7 +295,7 @@ impl PairComparison {
     }
 }
 
-/// SSIM, at once where it is known; `None` for images that are too small.
+/// Returns the SSIM, without computing it for equal images; `None` if the images are too small.
 fn ssim(a: &Plane<[u8; 3]>, b: &Plane<[u8; 3]>) -> Result<Option<f64>> {
     let large = a.width().min(a.height()) >= SSIM_WINDOW;
     if large && a == b { Ok(Some(1.0)) } else { ssim_rgb8(a, b) }

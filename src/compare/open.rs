@@ -14,11 +14,11 @@ use crate::streams::{CodecHeader, StreamInfo};
 
 #[derive(Debug, Clone, Default)]
 pub struct SideOptions {
-    /// How files are read; decoded datasets need none of it.
+    /// Options for reading files; decoded datasets need none of them.
     pub source: SourceOptions,
-    /// Content of image sequences; the face of single images where neither side has it.
+    /// Content of image sequences, and the face of single images if neither side states it.
     pub layout: SequenceLayout,
-    /// Channel or layer of image sequences, of whichever kind.
+    /// Channel or layer of image sequences of any kind.
     pub sequence_channel: Option<String>,
     pub selection: Selection,
 }
@@ -26,15 +26,15 @@ pub struct SideOptions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Form {
     Container,
-    /// Cube faces or views.
+    /// Cube faces or perspective views.
     Faces,
-    /// Equirectangular images, whose faces take the other side's size.
+    /// Equirectangular images; their cube faces take the size of the other side.
     Panorama,
-    /// Takes kind, probe and face from the other side.
+    /// Image files; kind, probe and face are taken from the other side.
     Sequence,
 }
 
-/// Opens both sides; the second takes face size, probe and kind from the first, which is the one that states more.
+/// Opens both sides. The side that states more is opened first; the other takes face size, probe and kind from it.
 pub fn open_both(paths: [&str; 2], options: &SideOptions) -> Result<[Side; 2]> {
     if paths == ["-", "-"] {
         return Err(Error::Usage("standard input can be only one of the two sides".into()));
@@ -51,7 +51,7 @@ pub fn open_both(paths: [&str; 2], options: &SideOptions) -> Result<[Side; 2]> {
     check_selection(&sides, &options.selection)?;
     let mut selection = options.selection.clone();
     if let Some(sequence) = sides.iter().find(|side| side.form == SideForm::Sequence) {
-        // Beside an image sequence only streams of its kind are compared.
+        // If a side is an image sequence, only streams of its kind are compared.
         selection.kinds = sequence.streams.iter().take(1).map(|stream| stream.id.kind).collect();
     }
     for side in &mut sides {
@@ -60,7 +60,7 @@ pub fn open_both(paths: [&str; 2], options: &SideOptions) -> Result<[Side; 2]> {
     Ok(sides)
 }
 
-/// Takes depth of views as files store it.
+/// Keeps the depth kind of views as files store it.
 fn keep_kind_of_views(side: &mut Side) {
     if let Content::Files(source) = &mut side.content {
         source.keep_kind_of_views();
@@ -84,7 +84,7 @@ fn form_of(path: &str) -> Result<Form> {
     Ok(Form::Sequence)
 }
 
-/// The other side: its path, or the streams of a side that was opened before.
+/// The other side: its path, or its streams if it is open.
 struct Other<'a> {
     path: &'a str,
     streams: &'a [SideStream],
@@ -99,7 +99,7 @@ fn open(path: &str, form: Form, options: &SideOptions, other: &Other<'_>) -> Res
 }
 
 fn select(side: &mut Side, selection: &Selection) -> Result<()> {
-    // Probe and face of an image sequence are only its defaults.
+    // Probe and face of an image sequence are defaults, so they are not filtered.
     let sequence = side.form == SideForm::Sequence;
     side.streams.retain_mut(|stream| {
         let frames = selection.frames.map_or(Some(stream.frames), |frames| stream.frames.intersect(frames));
@@ -177,7 +177,7 @@ fn open_dataset(path: &str, form: Form, options: &SideOptions, other: &Other<'_>
         _ => None,
     };
     let mut source = Source::open(Path::new(path), &source)?;
-    // The range of codes is that of what the container held.
+    // The range of codes applies to the depth kind that the container stored.
     if coding.is_some() {
         source.keep_kind_of_views();
     }
@@ -220,7 +220,7 @@ fn open_sequence(path: &str, options: &SideOptions, other: &Other<'_>) -> Result
     from_source(path, SideForm::Sequence, source, &ManifestCoding::default())
 }
 
-/// Kind of an image sequence, from the options, its name, or the other side.
+/// Returns the kind of an image sequence, from the options, its name, or the other side.
 fn sequence_kind(path: &str, options: &SideOptions, other: &Other<'_>) -> Result<StreamKind> {
     if let [kind] = options.selection.kinds.as_slice() {
         return Ok(*kind);
@@ -236,7 +236,7 @@ fn only_one<T: PartialEq>(mut values: impl Iterator<Item = T>) -> Option<T> {
     values.all(|other| other == first).then_some(first)
 }
 
-/// The kind that is part of a file name, else of its folder's name.
+/// Returns the kind that a file name contains, else the kind that its folder name contains.
 fn kind_in_name(path: &str) -> Option<StreamKind> {
     let lower = path.to_lowercase();
     let words = ["depth", "material", "alpha", "color", "colour"];

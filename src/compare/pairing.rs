@@ -1,4 +1,4 @@
-//! Pairs of streams and frames of two sides.
+//! Pairs of matching streams and frames of two sides.
 
 use std::collections::HashMap;
 
@@ -7,22 +7,22 @@ use crate::compare::side::{Side, SideForm, SideStream};
 use crate::error::{Error, Result};
 use crate::image::{FrameRange, StreamKind};
 
-/// Streams and frames that only one side has.
+/// Treatment of streams and frames that only one side has.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Coverage {
-    /// They are a difference.
+    /// They count as a difference.
     #[default]
     Whole,
-    /// They are left out.
+    /// They are ignored.
     Common,
 }
 
 #[derive(Debug, Clone, Copy)]
 pub struct Pair<'a> {
     pub streams: [&'a SideStream; 2],
-    /// Frames that both have, in the numbers of the first side.
+    /// Frames that both streams have, as numbered on the first side.
     pub frames: FrameRange,
-    /// Added to a frame number for the second side.
+    /// Offset that is added to a frame number of the first side to get that of the second.
     shift: i64,
 }
 
@@ -34,7 +34,7 @@ pub struct Pairing<'a> {
 }
 
 impl<'a> Pairing<'a> {
-    /// Matches streams by kind, probe and face; single streams of a kind match whatever their names.
+    /// Matches streams by kind, probe and face. If each side has a single stream of a kind, these match whatever their names.
     pub fn new(sides: &'a [Side; 2], coverage: Coverage) -> Result<Pairing<'a>> {
         let [a, b] = sides;
         let [of_a, of_b] =
@@ -130,7 +130,7 @@ fn frames_outside(all: FrameRange, inner: Option<FrameRange>) -> Vec<FrameRange>
 }
 
 impl Pair<'_> {
-    /// Whether files of either side are best read for both pairs at once.
+    /// Returns true if the pairs share files on either side, which should be read only once.
     pub(super) fn shares_files(&self, next: &Pair<'_>) -> bool {
         self.streams.iter().zip(next.streams).any(|(one, next)| one.shares_files(next))
     }

@@ -1,4 +1,4 @@
-//! A comparison as a report in JSON.
+//! JSON report of a comparison.
 
 use std::collections::BTreeMap;
 
@@ -18,13 +18,13 @@ use crate::metrics::EyeScores;
 use crate::metrics::depth_error::{DepthErrors, Spot};
 use crate::streams::ColorFormat;
 
-/// All of a comparison. Streams come by kind, then probe, then face.
+/// Report of a whole comparison. Streams are sorted by kind, then probe, then face.
 #[derive(Debug, Serialize)]
 pub struct ComparisonReport<'a> {
     equal: bool,
     within_bounds: bool,
     broken: Vec<ViolationReport<'a>>,
-    /// The pixel with the largest error relative to its metric's peak.
+    /// The pixel with the largest error relative to the peak of its metric.
     worst: Option<Place<'a>>,
     domains: BTreeMap<&'static str, Vec<DomainReport<'a>>>,
     missing: &'a [Missing],

@@ -41,9 +41,9 @@ impl fmt::Display for StreamId {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Coding {
     Depth(DepthRange),
-    /// 8-bit or half-float colour, and the width of cells in pixels.
+    /// 8-bit or half-float colour, and the cell side in pixels.
     Color(ColorFormat, u32),
-    /// Of material and alpha.
+    /// 8-bit codes of material and alpha.
     Bytes,
 }
 
@@ -53,7 +53,7 @@ pub struct SideStream {
     pub probe_order: usize,
     pub frames: FrameRange,
     pub size: [u32; 2],
-    /// Its coding, or the coding before it was decoded into files, where that is known.
+    /// Coding of the stream, or the coding it had before it was decoded to files; `None` if unknown.
     pub coding: Option<Coding>,
     pub depth_kind: DepthKind,
     pub(super) place: Place,
@@ -62,7 +62,7 @@ pub struct SideStream {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Place {
     Stream(usize),
-    /// Index of a source's group, and of the plane that reading it delivers.
+    /// Index of a group of the source, and of a plane that reading the group returns.
     Plane {
         group: usize,
         plane: usize,
@@ -70,7 +70,7 @@ pub(super) enum Place {
 }
 
 impl SideStream {
-    /// Whether both are cut from the same files, which are best read once.
+    /// Returns true if both are cut from the same files, which should be read only once.
     pub fn shares_files(&self, other: &SideStream) -> bool {
         match (self.place, other.place) {
             (Place::Plane { group, .. }, Place::Plane { group: other, .. }) => group == other,
@@ -84,7 +84,7 @@ impl SideStream {
 pub enum SideForm {
     Container,
     Dataset,
-    /// A dataset that lightfold decoded, whose manifest has the coding.
+    /// A dataset that lightfold decoded; its manifest states the coding.
     #[serde(rename = "decoded dataset")]
     Decoded,
     Sequence,
@@ -113,10 +113,10 @@ pub struct Side {
     pub form: SideForm,
     #[serde(skip)]
     pub streams: Vec<SideStream>,
-    /// Of its light.
+    /// Primaries of the colour values.
     #[serde(skip)]
     pub primaries: Primaries,
-    /// Colour pixels that encoding clipped, of a container that knows.
+    /// Number of colour pixels that encoding clipped, if the side is a container that states it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clipped_pixels: Option<u64>,
     #[serde(skip)]
@@ -125,7 +125,7 @@ pub struct Side {
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum Image {
-    /// In the domain of a container's codec.
+    /// Codes of a container.
     Coded(Picture),
     File(Values),
 }
@@ -140,13 +140,13 @@ pub enum Values {
 }
 
 impl Side {
-    /// Bytes of memory for reading a stream, without its images.
+    /// Returns the bytes of memory for reading a stream; for files this includes the images of all faces of the group.
     pub fn stream_bytes(&self, stream: &SideStream) -> u64 {
         match (&self.content, stream.place) {
             (Content::Container(decoder), Place::Stream(at)) => {
                 decoder.streams().get(at).map_or(0, |stream| memory::stream_bytes(decoder, stream))
             }
-            // The images of the group's other faces wait for their turn.
+            // Images of the other faces of the group are held until they are requested.
             (Content::Files(source), Place::Plane { group, .. }) => {
                 source.groups().get(group).map_or(0, |group| source.reading_bytes(group))
             }
@@ -154,7 +154,7 @@ impl Side {
         }
     }
 
-    /// Treatment of invalid depth, as its files are read.
+    /// Returns the treatment of invalid depth with which files are read.
     pub fn invalid_depth(&self) -> InvalidDepth {
         match &self.content {
             Content::Files(source) => source.rules.invalid,
@@ -170,7 +170,7 @@ impl Side {
     }
 }
 
-/// Reads images of some streams of a side, frame by frame; files that hold several of them are read once.
+/// Reader of the images of some streams of a side, frame by frame; files that hold several of them are read once.
 pub struct SideReader<'a> {
     side: &'a Side,
     streams: Vec<&'a SideStream>,

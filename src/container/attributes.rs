@@ -1,14 +1,14 @@
-//! Attributes of a container (container.md 6.4): named bytes behind the chunk table, which readers may ignore.
+//! Attributes of a container (container.md 6.4): named byte strings after the chunk table, which readers may ignore.
 
 use crate::container::fields::Fields;
 use crate::error::Result;
 
-/// Longest name, in bytes.
+/// Maximum length of a name in bytes.
 pub const MAX_NAME_BYTES: usize = 64;
-/// A name of one letter, its length, the length of an empty value.
+/// Minimum bytes of an attribute: a name of one letter with its length, and the length of an empty value.
 const MIN_BYTES: usize = 2 + 1 + 1;
 
-/// Named bytes, ascending by name.
+/// Named byte strings, sorted by name.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Attributes(Vec<(String, Vec<u8>)>);
 
@@ -25,7 +25,7 @@ impl Attributes {
         self.place(name).ok().map(|at| self.0[at].1.as_slice())
     }
 
-    /// Adds an attribute, or replaces the one of this name.
+    /// Adds an attribute, or replaces the value of an existing one.
     pub fn set(&mut self, name: &str, value: Vec<u8>) {
         match self.place(name) {
             Ok(at) => self.0[at].1 = value,
@@ -37,7 +37,7 @@ impl Attributes {
         self.0.binary_search_by(|(known, _)| known.as_str().cmp(name))
     }
 
-    /// Reads the attributes that fill the rest of an index.
+    /// Reads the attributes, which fill the rest of an index.
     pub(super) fn read(fields: &mut Fields<'_>) -> Result<Attributes> {
         fields.enter("container.md 6.4");
         let count = fields.varint_u32()?;
@@ -61,7 +61,7 @@ impl Attributes {
     }
 }
 
-/// Whether a name has 1 to 64 lower-case letters, digits, `_` and `.`.
+/// True if a name consists of 1 to 64 lower-case letters, digits, `_` and `.`.
 pub fn is_name(name: &str) -> bool {
     let plain = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_' || byte == b'.';
     (1..=MAX_NAME_BYTES).contains(&name.len()) && name.bytes().all(plain)

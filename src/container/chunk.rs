@@ -1,6 +1,6 @@
-//! One row of the chunk table (container.md 6): which frames of which unit lie where, and how they are stored.
+//! A row of the chunk table (container.md 6): the unit and frames of a chunk, and where and how it is stored.
 //!
-//! A chunk is fetched, checked and decompressed at once, so its length is the price of a seek.
+//! A chunk is fetched, checked and decompressed as a whole, so its length determines the cost of a seek.
 
 use crate::container::fields::Fields;
 use crate::container::header::HEAD_BYTES;
@@ -8,25 +8,25 @@ use crate::error::Result;
 
 pub const ENTRY_BYTES: usize = 40;
 pub const MAX_CHUNK_BYTES: u32 = 1 << 30;
-/// Most raw bytes of a stored byte of LZMA2, whose densest codes have about 7,000.
+/// Maximum raw bytes per stored byte of LZMA2; its densest codes reach about 7,000.
 pub const MAX_EXPANSION: u64 = 16_384;
-/// Most raw bytes of a stored byte of Zstandard: a block of 128 KiB takes at least four bytes.
+/// Maximum raw bytes per stored byte of Zstandard: a block of 128 KiB takes at least four bytes.
 pub const MAX_ZSTD_EXPANSION: u64 = 32_768;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Storage {
     Raw = 0,
-    /// As one LZMA2 stream, with the dictionary of [`dictionary_bytes`](crate::container::lzma2::dictionary_bytes).
+    /// One LZMA2 stream, with the dictionary size of [`dictionary_bytes`](crate::container::lzma2::dictionary_bytes).
     Lzma2 = 1,
-    /// As one Zstandard frame.
+    /// One Zstandard frame.
     Zstd = 2,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ChunkKey {
     pub stream: u32,
-    /// Tile or cell of the stream, row-major.
+    /// Index of the tile or cell in the stream, in row-major order.
     pub unit: u32,
     pub first_frame: u32,
     /// Number of frames, at least 1.
@@ -56,7 +56,7 @@ pub struct ChunkEntry {
 }
 
 impl ChunkEntry {
-    /// Reads a row; the chunk lies between the head and `end`, and its sizes are plausible.
+    /// Reads a row. Fails unless the chunk lies between the head and `end`, and its sizes are plausible.
     pub fn read(fields: &mut Fields<'_>, end: u64) -> Result<ChunkEntry> {
         let start = fields.offset();
         let [stream, unit, first_frame, frame_count] = fields.u32s()?;
@@ -74,7 +74,7 @@ impl ChunkEntry {
         Ok(entry)
     }
 
-    /// Whether the chunk of the row that starts at `start` lies between the head and `end`, and its sizes are plausible.
+    /// Fails unless the chunk lies between the head and `end`, and its sizes are plausible; `start` is the offset of the row.
     pub(super) fn check(&self, fields: &Fields<'_>, start: u64, end: u64) -> Result<()> {
         let ChunkEntry { offset, stored_bytes, raw_bytes, .. } = *self;
         let inside =
@@ -102,7 +102,7 @@ impl ChunkEntry {
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct EncodedChunk {
-    /// Frames since the unit's first.
+    /// First frame, relative to the unit's first.
     pub first_frame: u32,
     pub frame_count: u32,
     pub payload: Vec<u8>,

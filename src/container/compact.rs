@@ -1,7 +1,7 @@
-//! The compact form of the index (container.md 6.3): rows that repeat nothing of the rows before.
+//! The compact form of the index (container.md 6.3): rows omit the fields that follow from earlier rows.
 //!
-//! A chunk of a few hundred bytes has a row of six, where form 0 takes 40. What follows from the order of the rows is not
-//! stored: streams, units and frames, and the place of the stored bytes.
+//! The row of a chunk of a few hundred bytes takes six bytes; in form 0 it takes 40. The order of the rows determines
+//! streams, units and frames, and the position of the stored bytes, which are therefore not stored.
 
 use std::sync::Arc;
 
@@ -13,10 +13,10 @@ use crate::container::index::{Index, ProbeEntry, StreamEntry, check_count};
 use crate::error::Result;
 
 pub const SECTION: &str = "container.md 6.3";
-/// Flags, the name's length, the position.
+/// Minimum bytes of a probe row: flags, length of the name, position.
 const PROBE_MIN_BYTES: usize = 1 + 2 + 3 * 8;
 
-/// Fields that a row of the probe table has; it takes the others from the row before.
+/// Fields that a row of the probe table has; the others are equal to those of the row before.
 pub mod probe_flags {
     pub const ORIENTATION: u8 = 1;
     pub const FRAMES: u8 = 2;
@@ -24,7 +24,7 @@ pub mod probe_flags {
     pub const RESERVED: u8 = !7;
 }
 
-/// Fields that a row of the stream table has.
+/// Fields that a row of the stream table has; the others follow from the row before.
 pub mod stream_flags {
     pub const KIND: u8 = 1;
     pub const PROBE: u8 = 2;
@@ -36,34 +36,34 @@ pub mod stream_flags {
     pub const CHUNK_FRAMES: u8 = 128;
 }
 
-/// Low bits of a row of the chunk table.
+/// Low bits of the first number in a row of the chunk table.
 pub mod chunk_flags {
     pub const STORAGE: u64 = 3;
-    /// In place of a storage: the stored bytes are those of an earlier row.
+    /// Instead of a storage: the row has the stored bytes of an earlier row.
     pub const SHARED: u64 = 3;
     pub const STEP: u64 = 4;
     pub const BITS: u32 = 3;
 }
 
-/// Which unit the next row of the chunk table is for, unless it says so.
+/// Unit of the next row of the chunk table, unless the row has a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum ChunkOrder {
-    /// The next unit, as encoders close chunks of one time.
+    /// The next unit, because encoders close the chunks of one time together.
     ByTime = 0,
-    /// The same unit until it is complete.
+    /// The same unit, until its frames are complete.
     ByUnit = 1,
 }
 
-/// A row of the stream table, and what the chunk table needs of it.
+/// A row of the stream table, and the length of the stream's chunks for the chunk table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StreamRow {
     pub entry: StreamEntry,
-    /// Frames of each chunk but a unit's last; 0 where each row of the chunk table says.
+    /// Frames of each chunk except the last of a unit; 0 if each row of the chunk table states them.
     pub chunk_frames: u32,
 }
 
-/// What the first rows take their values from.
+/// Rows from which the first probe and the first stream take the fields that they omit.
 pub fn before_first() -> (ProbeEntry, StreamRow) {
     let (position, orientation, intrinsics) = ([0.0; 3], [0.0, 0.0, 0.0, 1.0], [0.0; 4]);
     let probe = ProbeEntry { name: String::new(), position, orientation, frames: [0; 2], intrinsics };
@@ -83,7 +83,7 @@ pub fn before_first() -> (ProbeEntry, StreamRow) {
     (probe, StreamRow { entry, chunk_frames: 0 })
 }
 
-/// Reads an index that starts at `offset` of its file, which is also where the chunks end.
+/// Reads an index that starts at `offset` of its file, where the chunks end.
 pub fn read(bytes: &[u8], offset: u64, form: IndexForm) -> Result<Index> {
     let mut index = read_as_written(bytes, offset, form)?;
     index.chunks.sort_unstable_by_key(|chunk| chunk.key);
@@ -91,7 +91,7 @@ pub fn read(bytes: &[u8], offset: u64, form: IndexForm) -> Result<Index> {
     Ok(index)
 }
 
-/// As [`read`], with the chunks in the order of their rows, which is that of their stored bytes.
+/// As [`read`], with the chunks in the order of their rows, which is the order of their stored bytes.
 pub fn read_as_written(bytes: &[u8], offset: u64, form: IndexForm) -> Result<Index> {
     let mut fields = Fields::new(bytes, offset, SECTION);
     let [probe_count, stream_count, chunk_count] = varints(&mut fields)?;
@@ -107,7 +107,7 @@ pub fn read_as_written(bytes: &[u8], offset: u64, form: IndexForm) -> Result<Ind
         probe = read_probe(&mut fields, probe)?;
         index.probes.push(probe.clone());
     }
-    // A stream takes a byte here, and one for each of its units.
+    // A stream takes at least one byte in this table and one for each of its units.
     check_count(&fields, "streams", stream_count, 2)?;
     let mut streams: Vec<StreamRow> = Vec::with_capacity(stream_count as usize);
     for _ in 0..stream_count {
@@ -157,7 +157,7 @@ fn read_probe(fields: &mut Fields<'_>, before: ProbeEntry) -> Result<ProbeEntry>
     Ok(probe)
 }
 
-/// Reads a row after `rows`, the last of which is `before`.
+/// Reads the row after `rows`; `before` is the last of these.
 fn read_stream(fields: &mut Fields<'_>, rows: &[StreamRow], before: &StreamRow) -> Result<StreamRow> {
     let start = fields.offset();
     let flags = fields.u8()?;
@@ -199,12 +199,12 @@ fn read_stream(fields: &mut Fields<'_>, rows: &[StreamRow], before: &StreamRow) 
     Ok(StreamRow { entry, chunk_frames })
 }
 
-/// Units are numbered through all streams.
+/// Reader of the chunk table. Units are numbered across all streams.
 struct ChunkTable<'a> {
     streams: &'a [StreamRow],
-    /// Number of each stream's first unit.
+    /// Number of the first unit of each stream.
     first_unit: Vec<u32>,
-    /// First frame of each unit that no row has had yet.
+    /// First frame of each unit that no row has covered yet.
     next_frame: Vec<u32>,
     chunks: Vec<ChunkEntry>,
     count: u32,
@@ -233,7 +233,7 @@ impl<'a> ChunkTable<'a> {
         Ok(ChunkTable { streams, first_unit, next_frame, chunks: Vec::with_capacity(count as usize), count })
     }
 
-    /// Reads the rows, in the order of the file.
+    /// Reads the rows, in file order.
     fn read(mut self, fields: &mut Fields<'_>, order: ChunkOrder, end: u64) -> Result<Vec<ChunkEntry>> {
         let units = self.next_frame.len() as u64;
         let (mut predicted, mut offset) = (0u64, HEAD_BYTES as u64);
@@ -265,7 +265,7 @@ impl<'a> ChunkTable<'a> {
         Ok(self.chunks)
     }
 
-    /// The frames that the next row of a unit is for, and whether they are its last.
+    /// Returns the key of the next row of a unit, and true if the row completes the unit.
     fn key(&mut self, fields: &mut Fields<'_>, start: u64, at: usize) -> Result<(ChunkKey, bool)> {
         let stream = self.first_unit.partition_point(|&first| first as usize <= at) - 1;
         let (row, unit) = (&self.streams[stream], at as u32 - self.first_unit[stream]);
@@ -285,7 +285,7 @@ impl<'a> ChunkTable<'a> {
         Ok((ChunkKey { stream: stream as u32, unit, first_frame, frame_count }, frame_count == left))
     }
 
-    /// The rest of a row: what is stored at `offset`, or in an earlier row.
+    /// Reads the rest of a row: its bytes are stored at `offset`, or they are those of an earlier row.
     fn place(
         &self,
         fields: &mut Fields<'_>,
@@ -293,7 +293,7 @@ impl<'a> ChunkTable<'a> {
         (head, key): (u64, ChunkKey),
         offset: u64,
     ) -> Result<ChunkEntry> {
-        // A number of 35 bits without the three flags.
+        // 35 bits without the three flags: 32 bits.
         let value = (head >> chunk_flags::BITS) as u32;
         let storage = match head & chunk_flags::STORAGE {
             0 => Storage::Raw,

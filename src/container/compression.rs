@@ -1,4 +1,4 @@
-//! How chunks are compressed, each by itself (container.md 6.1 and 6.2), so that random access survives.
+//! Compression of chunks, each by itself (container.md 6.1 and 6.2), for random access.
 
 use std::fmt;
 use std::io::Write;
@@ -9,17 +9,17 @@ use crate::error::{Error, Result};
 
 pub const DEFAULT_LZMA2_LEVEL: u32 = 6;
 pub const DEFAULT_ZSTD_LEVEL: u32 = 9;
-/// Levels above it have windows that container.md 6.2 forbids.
+/// Maximum level; higher levels have windows that container.md 6.2 forbids.
 pub const MAX_ZSTD_LEVEL: u32 = 19;
 
-/// What is tried on each chunk; one that does not become smaller is stored raw.
+/// Compression method of chunks; a chunk that does not become smaller is stored raw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compression {
-    /// Nothing is tried.
+    /// All chunks are stored raw.
     None,
-    /// A preset of 0 (fast) to 9 (small).
+    /// LZMA2 with a preset of 0 (fast) to 9 (small).
     Lzma2(u32),
-    /// A level of 1 (fast) to 19 (small).
+    /// Zstandard with a level of 1 (fast) to 19 (small).
     Zstd(u32),
 }
 
@@ -39,14 +39,14 @@ impl Default for Compression {
     }
 }
 
-/// What most of a payload is made of.
+/// Main content of a payload, which selects parameters of LZMA2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PayloadKind {
     #[default]
     Mixed,
     /// Samples of one byte.
     Bytes,
-    /// Fields of odd sizes, as nodes of a quadtree are.
+    /// Fields of odd sizes, such as the nodes of a quadtree.
     Unaligned,
     /// Half floats.
     Words,
@@ -55,7 +55,8 @@ pub enum PayloadKind {
 }
 
 impl PayloadKind {
-    /// LZMA's lc, lp and pb: literals have contexts by bits of the byte before and by their place in a block.
+    /// Parameters lc, lp and pb of LZMA: the contexts of literals depend on bits of the previous byte and on the position in
+    /// a block.
     fn lzma_contexts(self) -> [u32; 3] {
         match self {
             PayloadKind::Mixed => [3, 0, 2],
@@ -68,7 +69,7 @@ impl PayloadKind {
 }
 
 impl Compression {
-    /// The bytes to store, and how they are stored.
+    /// Compresses a payload. Returns the storage method and the bytes to store.
     #[doc(hidden)]
     pub fn compress(self, raw: Vec<u8>, kind: PayloadKind) -> Result<(Storage, Vec<u8>)> {
         let (storage, stored) = match self {
@@ -80,7 +81,7 @@ impl Compression {
     }
 }
 
-/// By `lzma-rust2`: `lzma-rs` 0.3 writes valid streams that store.
+/// Compresses with `lzma-rust2`, because `lzma-rs` 0.3 writes valid streams without compression.
 pub fn lzma2(raw: &[u8], level: u32, kind: PayloadKind) -> Result<Vec<u8>> {
     let raw_bytes = u32::try_from(raw.len()).map_err(|_| Error::unsupported("a chunk of more than 4 GiB"))?;
     let mut options = lzma_rust2::Lzma2Options::with_preset(level);
@@ -90,7 +91,7 @@ pub fn lzma2(raw: &[u8], level: u32, kind: PayloadKind) -> Result<Vec<u8>> {
     writer.write_all(raw).and_then(|()| writer.finish()).map_err(|source| Error::io("LZMA2 encoder", source))
 }
 
-/// One frame with its content size, without checksum or dictionary, which is what the library writes in one step.
+/// Writes one frame with its content size, and without checksum or dictionary, as the library does in one step.
 pub fn zstd(raw: &[u8], level: u32) -> Result<Vec<u8>> {
     let level = level.clamp(1, MAX_ZSTD_LEVEL) as i32;
     zstd::bulk::compress(raw, level).map_err(|source| Error::io("Zstandard encoder", source))
@@ -140,7 +141,7 @@ mod tests {
             assert_eq!(zstd_independent::decompress_independent(&stored, raw_bytes).unwrap(), *raw);
             assert!(decompress(&stored, raw_bytes + 1).is_err());
             assert!(decompress(&[&stored[..], &[0]].concat(), raw_bytes).is_err());
-            // Another frame, of nothing.
+            // A second frame, which is empty.
             assert!(decompress(&[stored.clone(), zstd(&[], 1).unwrap()].concat(), raw_bytes).is_err());
             assert!(decompress(&stored[..stored.len() - 1], raw_bytes).is_err());
         }

@@ -1,10 +1,10 @@
-//! Little-endian fields read from a byte slice, with the place of the first one that is wrong.
+//! Reader of little-endian fields in a byte slice; an error has the offset of the first invalid field.
 
 use byteorder::{ByteOrder, LittleEndian};
 
 use crate::error::{Error, Result};
 
-/// Reads fields one after the other and never beyond the end.
+/// Reads fields one after the other, and never past the end.
 #[derive(Debug, Clone)]
 pub struct Fields<'a> {
     bytes: &'a [u8],
@@ -14,7 +14,7 @@ pub struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
-    /// `base` is the offset of `bytes` in what errors count from; `section` of `formats/` describes them.
+    /// `base` is the offset of `bytes` for errors; `section` is the section of `formats/` that describes the fields.
     pub fn new(bytes: &'a [u8], base: u64, section: &'static str) -> Self {
         Fields { bytes, position: 0, base, section }
     }
@@ -39,7 +39,7 @@ impl<'a> Fields<'a> {
         Error::invalid_at(self.section, self.offset(), message)
     }
 
-    /// As [`Self::error`], of a row that starts at `offset`.
+    /// As [`Self::error`], for a row that starts at `offset`.
     pub fn error_at(&self, offset: u64, message: impl Into<String>) -> Error {
         Error::invalid_at(self.section, offset, message)
     }
@@ -75,7 +75,7 @@ impl<'a> Fields<'a> {
         Ok(LittleEndian::read_u64(self.bytes(8)?))
     }
 
-    /// An unsigned LEB128 number of at most five bytes, 35 bits, in its shortest form (container.md 6.3).
+    /// Reads an unsigned LEB128 number of at most five bytes (35 bits), in its shortest form (container.md 6.3).
     pub fn varint(&mut self) -> Result<u64> {
         let mut value = 0;
         for shift in (0..35).step_by(7) {
@@ -115,7 +115,7 @@ impl<'a> Fields<'a> {
         Ok(values)
     }
 
-    /// A length-prefixed (u16) UTF-8 string.
+    /// Reads a UTF-8 string with a length prefix (u16).
     pub fn string(&mut self, what: &str) -> Result<String> {
         let length = self.u16()? as usize;
         let offset = self.offset();
@@ -125,7 +125,7 @@ impl<'a> Fields<'a> {
             .map_err(|_| Error::invalid_at(self.section, offset, format!("{what} is not UTF-8")))
     }
 
-    /// `count` reserved bytes, which must be zero.
+    /// Reads `count` reserved bytes. Fails if one is not zero.
     pub fn zeros(&mut self, count: usize) -> Result<()> {
         let offset = self.offset();
         match self.bytes(count)?.iter().position(|&byte| byte != 0) {

@@ -1,21 +1,21 @@
 //! The first 16 and the last 40 bytes of a container (container.md 3 and 7).
 //!
-//! The foot, written last, locates the index. A file whose writing was cut short has no foot and does not open.
+//! The foot is written last and locates the index. An incomplete file has no foot and cannot be opened.
 
 use crate::container::fields::Fields;
 use crate::error::{Error, Result};
 
-/// First eight bytes: a byte above 127, the name, and line ends that a text-mode copy would change.
+/// First eight bytes: a byte above 127, the name, and line endings that a text-mode copy would change.
 pub const MAGIC: [u8; 8] = [0x89, b'L', b'F', b'L', b'D', 0x0d, 0x0a, 0x1a];
 pub const FOOT_MAGIC: [u8; 4] = *b"LFND";
-/// Major version: readers refuse any other.
+/// Major version; readers refuse any other.
 pub const VERSION_MAJOR: u16 = 1;
-/// Minor version: 1 has the compact index, 2 attributes (container.md 3).
+/// Minor version: 1 added the compact index, 2 attributes (container.md 3).
 pub const VERSION_MINOR: u16 = 2;
 pub const HEAD_BYTES: usize = 16;
 pub const FOOT_BYTES: usize = 40;
 
-/// Whether a file is to be read as a container: by its extension, or its first bytes.
+/// True if a file is read as a container, by its extension or its first bytes.
 #[cfg(feature = "encode")]
 pub fn is_container(path: &std::path::Path) -> Result<bool> {
     use std::io::Read;
@@ -31,7 +31,7 @@ pub fn is_container(path: &std::path::Path) -> Result<bool> {
     Ok(head == MAGIC)
 }
 
-/// Checks the head of a container of a major version that this reader knows; answers the minor version.
+/// Checks the head of a container. Fails for an unknown major version. Returns the minor version.
 pub fn read_head(bytes: &[u8]) -> Result<u16> {
     let mut fields = Fields::new(bytes, 0, "container.md 3");
     if fields.bytes(8)? != MAGIC {
@@ -51,11 +51,11 @@ pub fn read_head(bytes: &[u8]) -> Result<u16> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum IndexForm {
-    /// Rows of fixed size (container.md 4 to 6), as version 1.0 writes them.
+    /// Rows of fixed size (container.md 4 to 6), written by version 1.0.
     Rows = 0,
-    /// container.md 6.3.
+    /// Compact form (container.md 6.3).
     Compact = 1,
-    /// The same with attributes, container.md 6.4.
+    /// Compact form with attributes (container.md 6.4).
     Attributed = 2,
 }
 
@@ -68,7 +68,7 @@ pub struct Foot {
 }
 
 impl Foot {
-    /// Reads the foot of a file of `file_bytes` bytes, whose index lies between the chunks and the foot.
+    /// Reads the foot of a file of `file_bytes` bytes. Fails unless the index lies between the chunks and the foot.
     pub fn read(bytes: &[u8], file_bytes: u64) -> Result<Foot> {
         const SECTION: &str = "container.md 7";
         let start = file_bytes.saturating_sub(FOOT_BYTES as u64);

@@ -1,6 +1,6 @@
-//! The index (container.md 4 to 6): the dataset, its probes, its streams, and the table of chunks.
+//! The index (container.md 4 to 6): the dataset, its probes, its streams, and the chunk table.
 //!
-//! In: bytes whose CRC-32 matches. Out: tables whose numbers agree with each other, so that a decoder may index with them.
+//! Input: bytes whose CRC-32 matches. Output: consistent tables, whose numbers a decoder may use as indices.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -10,33 +10,33 @@ use crate::container::chunk::{self, ChunkEntry, ChunkPlace, Storage};
 use crate::container::fields::Fields;
 use crate::error::{Error, Result};
 
-/// Largest width or height of a stream.
+/// Maximum width or height of a stream in pixels.
 pub const MAX_SIZE: u32 = 16_384;
-/// Frame numbers stay below this.
+/// Exclusive upper bound of frame numbers.
 pub const MAX_FRAME: u32 = 1 << 31;
 const PROBE_MIN_BYTES: usize = 2 + 7 * 8 + 8 + 4 * 8;
 const STREAM_MIN_BYTES: usize = 4 + 4 + 6 * 4 + 4;
 
-/// A probe: where the streams that name it were captured.
+/// A probe: the place where its streams were captured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProbeEntry {
     /// Name, unique in the file.
     pub name: String,
     /// Position in metres.
     pub position: [f64; 3],
-    /// Orientation as a unit quaternion x, y, z, w; 0, 0, 0, 1 for none.
+    /// Orientation as a unit quaternion x, y, z, w; 0, 0, 0, 1 for no rotation.
     pub orientation: [f64; 4],
     /// First and last frame in which the probe is active.
     pub frames: [u32; 2],
-    /// fx, fy, cx, cy in pixels for a perspective probe, zeros where there are none.
+    /// fx, fy, cx, cy of a perspective probe in pixels; zeros for other probes.
     pub intrinsics: [f64; 4],
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct StreamEntry {
-    /// 0 colour, 1 depth, 2 material.
+    /// 0: colour; 1: depth; 2: material; 3: alpha.
     pub kind: u8,
-    /// 0 to 5 px nx py ny pz nz, 6 the view of a perspective probe.
+    /// 0 to 5: px nx py ny pz nz; 6: the view of a perspective probe.
     pub face: u8,
     pub probe: u16,
     pub codec: [u8; 4],
@@ -48,7 +48,7 @@ pub struct StreamEntry {
     /// Width of a unit (tile or cell); units in the last column are cut off at the image's edge.
     pub unit_width: u32,
     pub unit_height: u32,
-    /// Shared by streams whose headers are equal in the compact form.
+    /// Codec header; streams with equal headers in the compact form share it.
     pub codec_header: Arc<Vec<u8>>,
 }
 
@@ -78,18 +78,18 @@ impl StreamEntry {
 pub struct Index {
     pub name: String,
     pub fps: f64,
-    /// 0 cube maps, 1 perspective.
+    /// 0: cube maps; 1: perspective.
     pub projection: u8,
     pub probes: Vec<ProbeEntry>,
-    /// Streams, no two of the same kind, probe and face.
+    /// Streams; no two have the same kind, probe and face.
     pub streams: Vec<StreamEntry>,
-    /// Chunks, ordered by stream, unit and first frame.
+    /// Chunks, sorted by stream, unit and first frame.
     pub chunks: Vec<ChunkEntry>,
     pub attributes: Attributes,
 }
 
 impl Index {
-    /// Reads an index of form 0 that starts at `offset` of its file, which is also where the chunks end.
+    /// Reads an index of form 0 that starts at `offset` of its file, where the chunks end.
     pub fn read(bytes: &[u8], offset: u64) -> Result<Index> {
         let mut fields = Fields::new(bytes, offset, "container.md 4");
         let [probe_count, stream_count, chunk_count] = fields.u32s()?;
@@ -108,7 +108,7 @@ impl Index {
         Ok(index)
     }
 
-    /// What stands between the counts and the probe table, in both forms.
+    /// Reads the fields between the counts and the probe table, which are the same in both forms.
     pub(super) fn read_dataset(fields: &mut Fields<'_>) -> Result<Index> {
         let projection = fields.u8()?;
         fields.zeros(3)?;
@@ -126,7 +126,7 @@ impl Index {
         Ok(Index { name, fps, projection, ..Index::default() })
     }
 
-    /// The rules that no row can break alone.
+    /// Checks the rules that involve several rows.
     pub(super) fn check(&self) -> Result<()> {
         self.check_unique()?;
         self.check_coverage()
@@ -150,8 +150,8 @@ impl Index {
         &self.chunks[start..start + length]
     }
 
-    /// Memory for the chunks of a stream's decoder, which holds one of each unit: the sum of the largest `held` of each
-    /// unit, at most 2⁶⁴ − 1.
+    /// Bytes of the chunks that a stream's decoder holds, one for each unit: the sum of the largest `held` of each unit, at
+    /// most 2⁶⁴ − 1.
     pub fn held_payload_bytes(&self, stream: u32, held: impl Fn(&ChunkEntry) -> u64) -> u64 {
         let units = self.stream_chunks(stream).chunk_by(|a, b| a.key.unit == b.key.unit);
         units.map(|chunks| chunks.iter().map(&held).max().unwrap_or(0)).fold(0, u64::saturating_add)
@@ -169,7 +169,8 @@ impl Index {
         }
     }
 
-    /// Every unit of every stream has chunks that cover its frames, each once, in order; nothing else has.
+    /// Checks that the chunks of each unit of each stream cover its frames once, in order, and that there are no other
+    /// chunks.
     fn check_coverage(&self) -> Result<()> {
         let broken = |stream: usize, unit: u32, frame: u64| {
             Error::invalid(format!(
@@ -199,7 +200,7 @@ impl Index {
     }
 }
 
-/// Whether so many rows of at least `least` bytes fit what is left, before memory is reserved for them.
+/// Fails if `count` rows of at least `least` bytes do not fit into the remaining bytes, before memory is reserved for them.
 pub(super) fn check_count(fields: &Fields<'_>, what: &str, count: u32, least: usize) -> Result<()> {
     if u64::from(count) * least as u64 > fields.remaining() as u64 {
         return Err(fields.error(format!("{count} {what} do not fit into the rest of the index")));
@@ -207,14 +208,14 @@ pub(super) fn check_count(fields: &Fields<'_>, what: &str, count: u32, least: us
     Ok(())
 }
 
-/// Validity of a probe's name. Names become parts of file names when a container is decoded.
+/// True if a probe's name is valid. Names become parts of file names when a container is decoded.
 pub fn is_probe_name(name: &str) -> bool {
     let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
     !name.is_empty() && !name.starts_with('.') && name.chars().all(plain)
 }
 
 impl ProbeEntry {
-    /// Whether the values of the row that starts at `start` are legal.
+    /// Fails if the values of the row that starts at `start` are illegal.
     pub(super) fn check(&self, fields: &Fields<'_>, start: u64) -> Result<()> {
         let ProbeEntry { name, frames, .. } = self;
         if !is_probe_name(name) {
@@ -244,7 +245,7 @@ fn read_probe(fields: &mut Fields<'_>) -> Result<ProbeEntry> {
 }
 
 impl StreamEntry {
-    /// What is illegal in a file of `probes` probes.
+    /// Returns an illegal value of the stream, if any, in a file of `probes` probes.
     pub(super) fn fault(&self, probes: usize) -> Option<String> {
         let StreamEntry { kind, face, probe, width, height, unit_width, unit_height, .. } = *self;
         let (first_frame, frame_count) = (self.first_frame, self.frame_count);
@@ -290,7 +291,7 @@ fn read_stream(fields: &mut Fields<'_>, probes: usize) -> Result<StreamEntry> {
     }
 }
 
-/// A row of the chunk table, in which version 1.0 knows raw chunks and LZMA2.
+/// Reads a row of the chunk table of form 0. Version 1.0 has only raw chunks and LZMA2.
 fn read_chunk(fields: &mut Fields<'_>, end: u64) -> Result<ChunkEntry> {
     let start = fields.offset();
     let entry = ChunkEntry::read(fields, end)?;

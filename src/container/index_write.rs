@@ -1,4 +1,4 @@
-//! Writes the index, the reverse of [`compact`](crate::container::compact).
+//! Writes the index, as [`compact`](crate::container::compact) reads it.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ fn count(what: &str, n: usize) -> Result<u32> {
 }
 
 impl Index {
-    /// The compact form (container.md 6.3). The chunks stand in the order in which they were written, not sorted.
+    /// Writes the compact form (container.md 6.3). Chunks are in the order in which they were written, not sorted.
     pub fn write(&self) -> Result<Vec<u8>> {
         if let Some(fault) = self.streams.iter().find_map(|stream| stream.fault(self.probes.len())) {
             return Err(Error::invalid(fault));
@@ -51,12 +51,12 @@ impl Index {
         Ok(out)
     }
 
-    /// The form that [`Self::write`] writes.
+    /// Index form that [`Self::write`] writes.
     pub fn form(&self) -> IndexForm {
         if self.attributes.is_empty() { IndexForm::Compact } else { IndexForm::Attributed }
     }
 
-    /// What stands between the counts and the probe table, in both forms.
+    /// Writes the fields between the counts and the probe table, which are the same in both forms.
     fn write_dataset(&self, out: &mut Vec<u8>) -> Result<()> {
         out.push(self.projection);
         out.extend_from_slice(&[0; 3]);
@@ -64,7 +64,7 @@ impl Index {
         out.put_string("the dataset's name", &self.name)
     }
 
-    /// The streams, with the length of their chunks where all but the last ones have the same.
+    /// Returns stream rows with the length of the stream's chunks, if all except the last of each unit have the same length.
     fn stream_rows(&self) -> Vec<StreamRow> {
         let mut longest = vec![0; self.streams.len()];
         for ChunkKey { stream, frame_count, .. } in self.chunks.iter().map(|chunk| chunk.key) {
@@ -149,7 +149,7 @@ fn out_of_order(key: ChunkKey) -> Error {
 }
 
 fn write_probe(out: &mut Vec<u8>, before: &ProbeEntry, probe: &ProbeEntry) -> Result<()> {
-    // By their bits: 0 and -0 differ.
+    // Compared by their bits: 0 and −0 differ.
     let same = |a: &[f64; 4], b: &[f64; 4]| a.map(f64::to_bits) == b.map(f64::to_bits);
     let flags = [
         (probe_flags::ORIENTATION, !same(&before.orientation, &probe.orientation)),
@@ -172,7 +172,7 @@ fn write_probe(out: &mut Vec<u8>, before: &ProbeEntry, probe: &ProbeEntry) -> Re
     Ok(())
 }
 
-/// Writes a row after the row `before`; `back` rows before it one has the same codec header.
+/// Writes the row after `before`. `back` is the distance to the last row with the same codec header, if any.
 fn write_stream(out: &mut Vec<u8>, before: &StreamRow, row: &StreamRow, back: Option<usize>) -> Result<()> {
     let (old, new) = (&before.entry, &row.entry);
     let flags = [
@@ -252,7 +252,7 @@ fn put_varints(out: &mut Vec<u8>, values: &[u32]) {
 
 #[cfg(feature = "internals")]
 impl Index {
-    /// Index form 0, of version 1.0: for tests of readers.
+    /// Writes index form 0, of version 1.0, for tests of readers.
     pub fn write_rows(&self) -> Result<Vec<u8>> {
         let mut out = Vec::new();
         out.put_u32(count("probes", self.probes.len())?);
@@ -313,7 +313,7 @@ mod tests {
         let mut index =
             Index { fps: 24.0, probes: vec![probe], streams: (0..6).map(stream).collect(), ..Index::default() };
         let mut offset = 16;
-        // 12 frames a chunk, by time: the last one of each unit has six.
+        // Chunks of 12 frames, ordered by time; the last chunk of each unit has six.
         for (first_frame, frame_count) in [(0, 12), (12, 12), (24, 6)] {
             for (stream, unit) in (0..6).flat_map(|stream| (0..64).map(move |unit| (stream, unit))) {
                 let bytes = 600 + unit * 3;

@@ -1,14 +1,13 @@
-//! A journal beside an unfinished container, from which a later process finds the complete chunks. No part of the format.
+//! Journal beside an unfinished container, in which a later process finds the complete chunks. Not a part of the format.
 //!
-//! A container has its index at the end, so a file whose writing was cut short does not describe its chunks. Writing the
-//! index after each batch instead would make the bytes of the file depend on when it was stopped, and need a file that can
-//! seek.
+//! A container has its index at the end, so an incomplete file does not describe its chunks. If the index were written after
+//! each batch, the bytes of the file would depend on when it was stopped, and the file would have to be seekable.
 //!
 //! Layout: the eight bytes `LFJOURN1`, then records: length of the body (u32), CRC-32 of kind and body (u32), kind (u8),
-//! body. Kind 0, the head: the configuration of the encode. Kind 1, a chunk: its row of the chunk table, and the last
-//! frame that its bytes depend on (u32). Kind 2: a note of the encoder. A chunk's record is written after the chunk's
-//! bytes, at least every 256 chunks or 4 MiB. Neither file is forced to the disk on the way, so [`recover`] compares the
-//! CRC-32 of every chunk with the container's bytes.
+//! body. Kind 0, the head: the configuration of the encode. Kind 1, a chunk: its row of the chunk table, and the last frame
+//! that its bytes depend on (u32). Kind 2: a note of the encoder. A chunk's record is written after the chunk's bytes, at
+//! least every 256 chunks or 4 MiB. Neither file is synced in between, so [`recover`] compares the CRC-32 of every chunk with
+//! the container's bytes.
 
 use std::collections::{HashMap, VecDeque};
 use std::fmt;
@@ -23,16 +22,16 @@ use crate::monitor::Monitor;
 
 /// First eight bytes of a journal; the last is the version of the layout.
 pub const MAGIC: [u8; 8] = *b"LFJOURN1";
-/// Bytes before the body of a record: its length, its CRC-32, its kind.
+/// Bytes of a record before its body: length, CRC-32 and kind.
 const RECORD_HEAD_BYTES: usize = 9;
 const HEAD: u8 = 0;
 const CHUNK: u8 = 1;
 const NOTE: u8 = 2;
 
-/// 128 bits of hash, the CRC and the length.
+/// 128 bits of hash; CRC-32 and length.
 pub(super) type Identity = [u64; 3];
 
-/// Of what chunks share that are stored once: the bytes, and how they are stored (container.md 6.3).
+/// Identity of a stored chunk. Chunks with the same bytes and the same storage are stored once (container.md 6.3).
 pub(super) fn identity(entry: &ChunkEntry, stored: &[u8]) -> Identity {
     let hash = |salt: u8| {
         let mut hasher = DefaultHasher::new();
@@ -47,18 +46,18 @@ pub(super) fn identity(entry: &ChunkEntry, stored: &[u8]) -> Identity {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CompleteChunk {
     pub entry: ChunkEntry,
-    /// The last frame that its bytes depend on: its own last, or one of the lookahead.
+    /// Last frame that the chunk's bytes depend on: its own last frame, or a frame of the lookahead.
     pub last_frame: u32,
 }
 
-/// Chunks that survive the end of the process.
+/// Chunks that can be recovered after the process ends.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SafeChunks {
     pub count: u64,
     pub last: Option<ChunkKey>,
 }
 
-/// Appends records. They stay in memory until [`super::Writer::checkpoint`] has written the chunks they describe.
+/// Appends records. They stay in memory until [`super::Writer::checkpoint`] has written the chunks that they describe.
 pub struct Journal {
     out: Box<dyn Write + Send>,
     gathered: VecDeque<Record>,
@@ -68,7 +67,7 @@ pub struct Journal {
 
 struct Record {
     bytes: Vec<u8>,
-    /// The chunks that survive once it is written.
+    /// Chunks that can be recovered once the record is written.
     safe: SafeChunks,
 }
 
@@ -113,13 +112,13 @@ impl Journal {
         self.gathered.push_back(Record { bytes, safe: self.pushed });
     }
 
-    /// Chunks that were pushed since the last checkpoint.
+    /// Number of chunks that were pushed since the last checkpoint.
     pub(super) fn unsafe_chunks(&self) -> u64 {
         self.pushed.count - self.safe.count
     }
 
-    /// Writes the gathered records; the chunks they describe are written. Where the disk fills up half way, the records
-    /// before that count.
+    /// Writes the gathered records; the chunks that they describe must be written. If the disk fills up, the records written
+    /// before remain valid.
     pub(super) fn write(&mut self) -> Result<()> {
         while let Some(record) = self.gathered.pop_front() {
             self.out.write_all(&record.bytes).and_then(|()| self.out.flush()).map_err(|error| Error::io("", error))?;
@@ -145,9 +144,9 @@ pub struct Recovered {
     pub head: Vec<u8>,
     pub chunks: Vec<CompleteChunk>,
     pub notes: Vec<Vec<u8>>,
-    /// Sound bytes of the container, which is truncated to them.
+    /// Number of valid bytes of the container, which is truncated to them.
     pub container_bytes: u64,
-    /// Sound bytes of the journal, which is truncated to them.
+    /// Number of valid bytes of the journal, which is truncated to them.
     pub journal_bytes: u64,
     pub(super) stored: HashMap<Identity, u64>,
 }
@@ -164,7 +163,7 @@ pub fn recover_watched(journal: &[u8], container: impl Read, monitor: &dyn Monit
     found
 }
 
-/// Reads until the user asks to stop.
+/// A reader that fails when the monitor requests a stop.
 struct Watched<'a, R> {
     from: R,
     monitor: &'a dyn Monitor,
@@ -172,13 +171,13 @@ struct Watched<'a, R> {
 
 impl<R: Read> Read for Watched<'_, R> {
     fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
-        // After an error of the kind `Interrupted` readers try again.
+        // Not of kind `Interrupted`, because readers retry after that.
         if self.monitor.interrupted() { Err(std::io::Error::other("asked to stop")) } else { self.from.read(bytes) }
     }
 }
 
-/// Reads a journal up to the first record that is torn, damaged, or speaks of a chunk that is not all in the container.
-/// `None` where not even its head and that of the container are sound.
+/// Reads a journal up to the first record that is incomplete, damaged, or describes a chunk that the container does not fully
+/// have. Returns `None` if the head of the journal or of the container is invalid.
 pub fn recover(journal: &[u8], mut container: impl Read) -> Result<Option<Recovered>> {
     let mut records = Records { bytes: journal, position: MAGIC.len() };
     let Some((HEAD, head)) = journal.starts_with(&MAGIC).then(|| records.next()).flatten() else { return Ok(None) };
@@ -193,7 +192,7 @@ pub fn recover(journal: &[u8], mut container: impl Read) -> Result<Option<Recove
         journal_bytes: records.position as u64,
         ..Recovered::default()
     };
-    // Chunks of equal bytes are stored once.
+    // CRC-32 by offset and length, because chunks with equal bytes are stored once.
     let mut checked: HashMap<(u64, u32), u32> = HashMap::new();
     while let Some((kind, body)) = records.next() {
         match kind {
@@ -268,7 +267,7 @@ mod tests {
 
     #[test]
     fn records_before_the_end_of_the_disk_count() {
-        /// A disk with room for some bytes.
+        /// A disk with space for some bytes.
         struct Disk(usize);
         impl Write for Disk {
             fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {

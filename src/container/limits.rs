@@ -1,25 +1,25 @@
-//! Limits on files that claim more than their size justifies (container.md 2).
+//! Limits for files that claim more than their size justifies (container.md 2).
 
 use crate::container::index::Index;
 use crate::error::{Error, Result};
 
-/// What a reader may spend on a file that is not trusted (container.md 2, "What a reader spends").
+/// Maximum resources that a reader spends on an untrusted file (container.md 2, "What a reader spends").
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OpenLimits {
     pub memory_floor_bytes: u64,
-    /// Beyond the floor, it may take this many times the file's size.
+    /// Above the floor, memory is limited to this multiple of the file size.
     pub memory_ratio: u64,
     pub unit_frames_floor: u64,
-    /// Beyond the floor, they may reach this many times the file's bytes.
+    /// Unit frames that are allowed per byte of the file, in addition to the floor.
     pub unit_frames_ratio: u64,
     pub pixels_floor: u64,
-    /// Beyond the floor, they may reach this many times the file's bytes.
+    /// Pixels that are allowed per byte of the file, in addition to the floor.
     pub pixels_ratio: u64,
 }
 
 impl OpenLimits {
-    /// 1 GiB or 1,024 times the file; 2²⁶ units in frames and 1,024 more for each byte of the file; 2³⁸ pixels and 2²⁰
-    /// more for each byte.
+    /// Memory: 1 GiB, or 1,024 times the file size if that is more. Unit frames (units times frames): 2²⁶ plus 1,024 per byte
+    /// of the file. Pixels in all frames: 2³⁸ plus 2²⁰ per byte.
     pub const DEFAULT: OpenLimits = OpenLimits {
         memory_floor_bytes: 1 << 30,
         memory_ratio: 1024,
@@ -34,7 +34,7 @@ impl OpenLimits {
         pixels_floor: u64::MAX,
         ..OpenLimits::DEFAULT
     };
-    /// All streams together may take so many times what one may.
+    /// Memory of all streams together, as a multiple of that of one stream.
     const ALL_STREAMS: u64 = 4;
 
     pub fn stream_bytes(&self, file_bytes: u64) -> u64 {
@@ -52,15 +52,15 @@ impl Default for OpenLimits {
     }
 }
 
-/// What decoding one image of a stream takes at the least: 3 bytes a pixel, which no codec goes below once the image is put
-/// together from its units, and the largest payload of each unit.
+/// Minimum bytes to decode one image of a stream: 3 bytes per pixel, which is the least of all codecs for an image that is
+/// assembled from its units, and the largest payload of each unit.
 fn least_bytes(index: &Index, at: u32) -> u64 {
     let stream = &index.streams[at as usize];
     let pixels = u64::from(stream.width) * u64::from(stream.height) * 3;
     pixels.saturating_add(index.held_payload_bytes(at, |chunk| chunk.raw_bytes.into()))
 }
 
-/// Refuses an index whose images, payloads or frames are more than `limits` allow. Decoders may refuse more.
+/// Fails if the images, payloads or frames of an index exceed `limits`. Decoders may have stricter limits.
 pub fn check(index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()> {
     let (mut total, mut unit_frames, mut pixels) = (0u64, 0u64, 0u64);
     for (at, stream) in (0..).zip(&index.streams) {

@@ -1,25 +1,26 @@
-//! Decompresses chunk payloads (container.md 6.1): raw LZMA2 without xz framing, as the container has CRC-32s of its own.
+//! LZMA2 decompression of chunk payloads (container.md 6.1): raw LZMA2 without xz framing, because the container has its own
+//! CRC-32s.
 //!
-//! Each chunk is compressed by itself, so that random access survives. CALF compresses the data set as a whole.
+//! Each chunk is compressed by itself, for random access. CALF compresses the data set as a whole.
 
 use std::io::Read;
 
 use crate::error::{Error, Result};
 
 const MIN_DICTIONARY: u32 = 1 << 12;
-/// Largest dictionary of a container, which bounds the memory of a reader.
+/// Maximum dictionary size of a container in bytes, which limits the memory of a reader.
 const MAX_DICTIONARY: u32 = 1 << 24;
 
-/// Dictionary size of a payload: the power of two that covers it, from 4 KiB to 16 MiB.
+/// Dictionary size of a payload in bytes: the next power of two, from 4 KiB to 16 MiB.
 pub fn dictionary_bytes(raw_bytes: u32) -> u32 {
     raw_bytes.clamp(MIN_DICTIONARY, MAX_DICTIONARY).next_power_of_two()
 }
 
-/// Decompresses exactly `raw_bytes`; memory grows with the output.
+/// Decompresses exactly `raw_bytes` bytes. Memory grows with the output.
 pub fn decompress(stored: &[u8], raw_bytes: u32) -> Result<Vec<u8>> {
     let mut reader = lzma_rust2::Lzma2Reader::new(stored, dictionary_bytes(raw_bytes), None);
     let mut raw = Vec::new();
-    // One byte more than expected, so that a stream that is too long is noticed.
+    // Reads one byte more than expected, to detect a stream that is too long.
     (&mut reader)
         .take(u64::from(raw_bytes) + 1)
         .read_to_end(&mut raw)

@@ -1,8 +1,8 @@
-//! A second LZMA2 decoder, which verification compares with the first.
+//! A second LZMA2 decoder, with which verification compares the first.
 
 use crate::error::{Error, Result};
 
-/// Decompresses at most `raw_bytes`, as many as the first decoder found, by `lzma-rs`.
+/// Decompresses at most `raw_bytes` bytes, the size that the first decoder has found, with `lzma-rs`.
 pub fn decompress_independent(stored: &[u8], raw_bytes: u32) -> Result<Vec<u8>> {
     let mut raw = vec![0; raw_bytes as usize];
     let mut left = raw.as_mut_slice();

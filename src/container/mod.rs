@@ -1,7 +1,7 @@
-//! The `.lfold` container (formats/container.md): streams of opaque chunks, and the index that finds them.
+//! The `.lfold` container (formats/container.md): streams of opaque chunks, and their index.
 //!
-//! Enters: descriptions of probes and streams, and chunk payloads as bytes. Leaves: the same. This room knows
-//! probes, faces and frame ranges, but no codec: what a payload means is said in formats/depth.md and color.md.
+//! Takes descriptions of probes and streams, and chunk payloads as bytes, and returns the same. The module has probes, faces
+//! and frame ranges, but no codec: formats/depth.md and color.md define payloads.
 
 #![doc(hidden)]
 

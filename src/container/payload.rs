@@ -1,4 +1,4 @@
-//! The bytes of a chunk: in memory of their own, or a part of a container in shared memory.
+//! Bytes of a chunk: in their own memory, or a range of a container in shared memory.
 
 use std::ops::{Deref, Range};
 use std::sync::Arc;
@@ -16,25 +16,26 @@ pub struct Payload {
 }
 
 impl Payload {
-    /// A part of shared memory; `range` lies inside it.
+    /// Returns a range of shared memory; `range` must lie inside it.
     pub fn shared(memory: &Arc<Vec<u8>>, range: Range<usize>) -> Payload {
         Payload { backing: Backing::Shared(Arc::clone(memory)), range }
     }
 
-    /// The first `length` bytes of memory, which is kept for the next chunk.
+    /// Returns the first `length` bytes of `memory`, all of which is kept for reuse.
     pub fn front_of(memory: Vec<u8>, length: usize) -> Payload {
         let length = length.min(memory.len());
         Payload { backing: Backing::Own(memory), range: 0..length }
     }
 
-    /// The payload without its first bytes.
+    /// Removes the first `bytes` bytes.
     #[must_use]
     pub fn skip(mut self, bytes: usize) -> Payload {
         self.range.start = (self.range.start + bytes).min(self.range.end);
         self
     }
 
-    /// Parts of these lengths, one behind the other, which share the memory; together they are no longer than the payload.
+    /// Splits the payload into consecutive parts of these lengths, which share its memory. Parts end at the end of the
+    /// payload.
     pub fn split(self, lengths: impl Iterator<Item = usize>) -> Vec<Payload> {
         let Range { mut start, end } = self.range;
         let memory = match self.backing {
@@ -49,7 +50,7 @@ impl Payload {
         lengths.map(next).collect()
     }
 
-    /// The memory, for the next chunk to be read into; none where it is shared.
+    /// Returns the memory, for reuse by the next chunk; empty if it is shared.
     pub fn into_spare(self) -> Vec<u8> {
         match self.backing {
             Backing::Own(memory) => memory,

@@ -1,4 +1,4 @@
-//! Opens a container and fetches single chunks from it.
+//! Opens a container and fetches single chunks.
 
 use std::fs::File;
 use std::io::{ErrorKind, Read};
@@ -16,10 +16,10 @@ use crate::container::source::ByteSource;
 use crate::container::zstd;
 use crate::error::{Error, Result};
 
-/// A foot that bytes follow is looked for in this many at the end of a file.
+/// Number of bytes at the end of a file that are searched for a foot with bytes after it.
 const FOOT_SEARCH_BYTES: u64 = 1 << 16;
 
-/// An open container. Shared between threads; every fetch reads just the chunk's own bytes.
+/// An open container, shared between threads. A fetch reads only the bytes of the chunk.
 #[derive(Debug)]
 pub struct Reader {
     path: PathBuf,
@@ -32,7 +32,7 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// Opens a file, or standard input for `-`, which is read whole.
+    /// Opens a file, or standard input for `-`, which is read completely.
     pub fn open(path: impl AsRef<Path>) -> Result<Reader> {
         let (path, limits) = (path.as_ref(), OpenLimits::default());
         let io = |error| Error::io(path, error);
@@ -48,7 +48,7 @@ impl Reader {
             return Err(Error::Usage(format!("{}: a folder, where a .lfold container was expected", path.display())));
         }
         if !metadata.is_file() {
-            // A pipe, as a shell's process substitution makes one.
+            // A pipe, such as a shell's process substitution.
             return whole(read_stream(file, "this file"));
         }
         if metadata.len() == 0 {
@@ -75,7 +75,7 @@ impl Reader {
         Ok(reader)
     }
 
-    /// Reads a source of at most `limit_bytes` into memory; answers whether it lies there.
+    /// Reads a source of at most `limit_bytes` bytes into memory. Returns true if the source is in memory.
     pub fn load(&mut self, limit_bytes: u64) -> Result<bool> {
         if self.source.memory().is_none() && self.file_bytes <= limit_bytes {
             self.source = Box::new(Arc::new(self.read_at(0, self.file_bytes, Vec::new())?.into_vec()));
@@ -113,7 +113,7 @@ impl Reader {
         Ok((foot, bytes))
     }
 
-    /// The chunks in the order in which they were written, read anew from the index.
+    /// Reads the index again and returns the chunks in the order in which they were written.
     pub fn chunks_as_written(&self) -> Result<Vec<ChunkEntry>> {
         let (foot, bytes) = self.read_index_bytes()?;
         match foot.index_form {
@@ -126,7 +126,7 @@ impl Reader {
         }
     }
 
-    /// The foot, which is the last bytes of the file. Where it ends before, the error says how many bytes follow it.
+    /// Reads the foot at the end of the file. If the foot lies before the end, the error states the number of bytes after it.
     fn read_foot(&self) -> Result<Foot> {
         let start = self.file_bytes - FOOT_BYTES as u64;
         Foot::read(&self.read_at(start, FOOT_BYTES as u64, Vec::new())?, self.file_bytes).map_err(|error| {
@@ -142,7 +142,7 @@ impl Reader {
         })
     }
 
-    /// The path it was opened from, `-` for standard input, empty for memory.
+    /// Path that the container was opened from; `-` for standard input, empty for memory.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -159,7 +159,7 @@ impl Reader {
         (HEAD_BYTES + FOOT_BYTES) as u64 + self.index_bytes
     }
 
-    /// Where chunks may lie: the offset of the first byte behind the head, and that of the index.
+    /// Byte range of the chunks: from the end of the head to the index.
     pub fn payload_area(&self) -> std::ops::Range<u64> {
         let start = HEAD_BYTES as u64;
         start..start + self.file_bytes - self.overhead_bytes()
@@ -169,12 +169,12 @@ impl Reader {
         self.load_stored(chunk).map_err(|error| self.blame(chunk, error))
     }
 
-    /// As [`Self::fetch_stored`], with errors that do not name the chunk.
+    /// As [`Self::fetch_stored`], but errors do not name the chunk.
     pub fn load_stored(&self, chunk: &ChunkEntry) -> Result<Vec<u8>> {
         self.load_stored_into(chunk, Vec::new()).map(Payload::into_vec)
     }
 
-    /// As [`Self::fetch_stored`], of chunks that lie one behind the other, in one reading.
+    /// As [`Self::fetch_stored`], for contiguous chunks with a single read.
     pub fn fetch_stored_run(&self, chunks: &[ChunkEntry]) -> Result<Vec<Payload>> {
         let Some(first) = chunks.first() else { return Ok(Vec::new()) };
         let lengths = || chunks.iter().map(|chunk| chunk.stored_bytes);
@@ -196,7 +196,7 @@ impl Reader {
         self.load_into(chunk, Vec::new()).map_err(|error| self.blame(chunk, error))
     }
 
-    /// A chunk's payload, read into `spare` memory, with errors that do not name the chunk.
+    /// Returns a chunk's payload, read into `spare` memory. Errors do not name the chunk.
     pub fn load_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Payload> {
         let stored = self.load_stored_into(chunk, spare)?;
         match chunk.storage {
@@ -206,7 +206,7 @@ impl Reader {
         }
     }
 
-    /// Names the chunk and the file in an error.
+    /// Adds the names of the chunk and the file to an error.
     pub fn blame(&self, chunk: &ChunkEntry, error: Error) -> Error {
         let (ChunkKey { stream, unit, first_frame, .. }, last) = (chunk.key, chunk.key.last_frame());
         let place =
@@ -214,7 +214,7 @@ impl Reader {
         error.context(place).in_file(&self.path)
     }
 
-    /// `count` bytes from `offset` on: a part of the source's memory, or read into `spare`.
+    /// Returns `count` bytes from `offset` on: a range of the source's memory, or bytes read into `spare`.
     fn read_at(&self, offset: u64, count: u64, mut spare: Vec<u8>) -> Result<Payload> {
         let past_end = || {
             Error::invalid_at("container.md 3", offset, "the file ends before what it announces").in_file(&self.path)
@@ -223,7 +223,7 @@ impl Reader {
             return Err(past_end());
         }
         let length = usize::try_from(count).map_err(|_| past_end())?;
-        // The room of a much larger chunk is not kept beside what this one is made into.
+        // Memory of a much larger chunk is freed, and does not add to that of the decompressed chunk.
         if spare.capacity() > 2 * length {
             spare = Vec::new();
         }
@@ -248,12 +248,12 @@ fn check_crc(chunk: &ChunkEntry, stored: &[u8]) -> Result<()> {
     }
 }
 
-/// The error of an input without a byte, as a command that failed leaves it in a pipe.
+/// Error for an input without bytes, such as a pipe from a command that failed.
 fn empty(what: &str) -> Error {
     Error::invalid(format!("{what} is empty, where a .lfold container was expected"))
 }
 
-/// Reads a stream to its end, unless its head is not that of a container.
+/// Reads a stream to its end. Fails early if its head is not that of a container.
 fn read_stream(mut stream: impl Read, what: &str) -> Result<Vec<u8>> {
     let io = |error| Error::io("", error);
     let mut memory = Vec::new();
@@ -275,7 +275,7 @@ mod tests {
     use crate::container::index::{ProbeEntry, StreamEntry};
     use crate::container::writer::{PackedChunk, Writer};
 
-    /// A source without shared memory that fails, or ends, from some byte on.
+    /// A source without shared memory that fails, or ends, at byte `from`.
     #[derive(Debug)]
     struct Broken {
         bytes: Vec<u8>,
@@ -298,7 +298,7 @@ mod tests {
         }
     }
 
-    /// One stream in three chunks, two of them compressed.
+    /// One stream of three chunks, two of them compressed.
     fn sample() -> Vec<u8> {
         let mut writer = Writer::new(Vec::new(), "sample", 24.0, 0).unwrap();
         let (position, orientation, intrinsics) = ([0.0; 3], [0.0, 0.0, 0.0, 1.0], [0.0; 4]);
@@ -363,7 +363,7 @@ mod tests {
         assert!(message.starts_with("x.lfold: at byte ") && message.contains("the file ends before"), "{message}");
         let message = open(100, ErrorKind::TimedOut).unwrap_err().to_string();
         assert_eq!(message, "x.lfold: timed out");
-        // Opened while it was whole.
+        // Opened while the source was complete.
         let mut reader = open(u64::MAX, ErrorKind::Other).unwrap();
         reader.source = Box::new(Broken { bytes: bytes.clone(), from: 20, kind: ErrorKind::UnexpectedEof });
         let message = reader.fetch(&reader.index().chunks[0]).unwrap_err().to_string();

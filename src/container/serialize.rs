@@ -1,11 +1,11 @@
-//! Head, rows of chunks and foot as bytes (container.md 3, 6 and 7): the reverse of what
-//! [`header`](crate::container::header) and [`chunk`](crate::container::chunk) read.
+//! Writes the head, chunk rows and foot (container.md 3, 6 and 7), as [`header`](crate::container::header) and
+//! [`chunk`](crate::container::chunk) read them.
 
 use crate::container::chunk::{ChunkEntry, ChunkKey};
 use crate::container::header::{FOOT_BYTES, FOOT_MAGIC, Foot, HEAD_BYTES, MAGIC, VERSION_MAJOR, VERSION_MINOR};
 use crate::error::{Error, Result};
 
-/// Appends little-endian fields to a byte vector; the mirror of [`Fields`].
+/// Appends little-endian fields to a byte vector, as [`Fields`] reads them.
 pub trait PutFields {
     fn put(&mut self, bytes: &[u8]);
 
@@ -21,7 +21,7 @@ pub trait PutFields {
         self.put(&value.to_le_bytes());
     }
 
-    /// The shortest LEB128 form of a number of at most 35 bits (container.md 6.3).
+    /// Writes a number of at most 35 bits in the shortest LEB128 form (container.md 6.3).
     fn put_varint(&mut self, mut value: u64) {
         while value >= 0x80 {
             self.put(&[value as u8 | 0x80]);
@@ -38,7 +38,7 @@ pub trait PutFields {
         self.put(&value.to_le_bytes());
     }
 
-    /// A u16 length and the UTF-8 bytes.
+    /// Writes a u16 length and the UTF-8 bytes.
     fn put_string(&mut self, what: &str, value: &str) -> Result<()> {
         let length = u16::try_from(value.len())
             .map_err(|_| Error::Usage(format!("{what} has {} bytes; a container holds at most 65535", value.len())))?;
@@ -74,7 +74,7 @@ impl ChunkEntry {
 }
 
 impl Foot {
-    /// The last bytes of a file that ends with this foot right after its index.
+    /// Returns the foot of a file that ends with it, directly after the index.
     pub fn write(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(FOOT_BYTES);
         bytes.put_u64(self.index_offset);

@@ -1,24 +1,24 @@
-//! Byte ranges of a container, from a file, from memory, or from whatever implements [`ByteSource`].
+//! Byte ranges of a container, from a file, from memory, or from another [`ByteSource`].
 
 use std::fs::File;
 use std::io;
 use std::sync::Arc;
 
-/// The bytes of a container, which do not change while it is open. Several threads read at once.
+/// Bytes of a container, which do not change while it is open. Several threads read concurrently.
 pub trait ByteSource: std::fmt::Debug + Send + Sync {
-    /// Number of bytes.
+    /// Returns the number of bytes.
     ///
     /// # Errors
-    /// Where the source cannot tell its size.
+    /// If the source cannot determine its size.
     fn byte_count(&self) -> io::Result<u64>;
 
     /// Fills `bytes` with the bytes from `offset` on.
     ///
     /// # Errors
-    /// Of kind [`io::ErrorKind::UnexpectedEof`] where the source ends before; any other where reading fails.
+    /// Of kind [`io::ErrorKind::UnexpectedEof`] if the source ends before; of any other kind if reading fails.
     fn read_at(&self, offset: u64, bytes: &mut [u8]) -> io::Result<()>;
 
-    /// All bytes where they lie in shared memory: chunks are then parts of it, and nothing is copied.
+    /// Returns all bytes if they are in shared memory: chunks are then ranges of it, and nothing is copied.
     fn memory(&self) -> Option<&Arc<Vec<u8>>> {
         None
     }

@@ -1,4 +1,4 @@
-//! Writes a container front to back, never seeking, so that it can go into a pipe.
+//! Writes a container front to back without seeking, so that the output may be a pipe.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -14,20 +14,20 @@ use crate::container::payload::Payload;
 use crate::container::serialize::write_head;
 use crate::error::{Error, Result};
 
-/// Chunks, and bytes of chunks, after which a journal is brought up to date: a killed process loses no more than that.
+/// Chunks, and bytes of chunks, between two checkpoints of a journal: the maximum that a killed process loses.
 const CHECKPOINT_CHUNKS: u64 = 256;
 const CHECKPOINT_BYTES: u64 = 4 << 20;
 
 #[derive(Debug, Clone)]
 pub struct PackedChunk {
-    /// Its row of the table, without the offset.
+    /// Row of the chunk table, without the offset.
     entry: ChunkEntry,
     identity: Identity,
     stored: Payload,
 }
 
 impl PackedChunk {
-    /// Compresses the payload where that is smaller.
+    /// Compresses the payload if that makes it smaller.
     pub fn new(
         key: ChunkKey,
         payload: Vec<u8>,
@@ -60,7 +60,7 @@ impl PackedChunk {
     }
 }
 
-/// Chunks with equal bytes are stored once. The order in which chunks are pushed is the order of the file.
+/// Writer of a container. Chunks are stored in the order in which they are pushed; chunks with equal bytes are stored once.
 #[derive(Debug)]
 pub struct Writer<W: Write> {
     out: W,
@@ -72,7 +72,7 @@ pub struct Writer<W: Write> {
 }
 
 impl<W: Write> Writer<W> {
-    /// Writes the head. Streams and probes are declared before their chunks.
+    /// Writes the head. Probes and streams must be declared before their chunks.
     pub fn new(mut out: W, name: &str, fps: f64, projection: u8) -> Result<Self> {
         let head = write_head();
         out.write_all(&head).map_err(|error| Error::io("", error))?;
@@ -91,7 +91,7 @@ impl<W: Write> Writer<W> {
         Writer { journal: Some(journal), ..self }
     }
 
-    /// Goes on behind what was recovered; `out` and the journal append. Probes and streams are declared again.
+    /// Continues after the recovered chunks; `out` and the journal append. Probes and streams must be declared again.
     pub fn go_on(out: W, name: &str, fps: f64, projection: u8, (recovered, journal): (Recovered, Journal)) -> Self {
         let Recovered { chunks, container_bytes: position, stored, .. } = recovered;
         let chunks = chunks.into_iter().map(|chunk| chunk.entry).collect();
@@ -110,7 +110,7 @@ impl<W: Write> Writer<W> {
         self.index.streams.len() as u32 - 1
     }
 
-    /// Sets an attribute (container.md 6.4); at any time before the end.
+    /// Sets an attribute (container.md 6.4), at any time before the writer is finished.
     pub fn set_attribute(&mut self, name: &str, value: Vec<u8>) {
         self.index.attributes.set(name, value);
     }
@@ -145,7 +145,7 @@ impl<W: Write> Writer<W> {
         }
     }
 
-    /// Brings the journal, if there is one, up to date: all chunks so far survive the process.
+    /// Brings the journal, if any, up to date: all chunks pushed so far can be recovered after the process ends.
     pub fn checkpoint(&mut self) -> Result<()> {
         let Some(journal) = &mut self.journal else { return Ok(()) };
         self.out.flush().map_err(|error| Error::io("", error))?;
@@ -161,8 +161,8 @@ impl<W: Write> Writer<W> {
         self.finish_checked(|_, _| Ok(()))
     }
 
-    /// Writes index and foot, unless `check` of the index and the file's size refuses; gives back the sink and the
-    /// size.
+    /// Writes index and foot, unless `check`, which gets the index and the size of the file, fails. Returns the sink and the
+    /// size of the file.
     pub fn finish_checked(mut self, check: impl FnOnce(&Index, u64) -> Result<()>) -> Result<(W, u64)> {
         let checked = || {
             let index = self.index.write()?;

@@ -1,9 +1,9 @@
-//! A second Zstandard decoder, which verification compares with the first.
+//! A second Zstandard decoder, with which verification compares the first.
 
 use crate::container::zstd::MAX_WINDOW_BYTES;
 use crate::error::{Error, Result};
 
-/// Decompresses at most `raw_bytes`, as many as the first decoder found, by `ruzstd`.
+/// Decompresses at most `raw_bytes` bytes, the size that the first decoder has found, with `ruzstd`.
 pub fn decompress_independent(stored: &[u8], raw_bytes: u32) -> Result<Vec<u8>> {
     let mut decoder = ruzstd::decoding::FrameDecoder::new();
     decoder.set_max_window_size(MAX_WINDOW_BYTES);

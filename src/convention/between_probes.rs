@@ -1,7 +1,7 @@
 //! Checks kind and scale of depth, positions and orientations by reprojection between probes.
 //!
-//! A surface of one probe may be hidden from another, but not seen through. Under a true hypothesis hardly any sample
-//! contradicts; under a false one many do, or hardly any agrees because all are hidden.
+//! A surface of one probe may be hidden from another probe, but must not be seen through. Under a correct hypothesis few samples
+//! contradict this; under a wrong one many do, or few agree because almost all are hidden.
 
 use rayon::prelude::*;
 
@@ -14,31 +14,31 @@ use crate::error::Result;
 use crate::monitor::Monitor;
 
 pub const KIND: &str = "depth.kind";
-/// Fewer compared samples are inconclusive.
+/// With fewer compared samples the check is inconclusive.
 const MIN_TESTED: u64 = 200;
-/// A hypothesis with this share of contradictions is doubtful: ten times that of true ones on rendered datasets.
+/// A hypothesis with this share of contradictions is doubtful. Correct ones have a tenth of it on rendered datasets.
 const DOUBTFUL: f64 = 0.02;
-/// The same for the pairs of a single probe.
+/// As [`DOUBTFUL`], for the pairs of a single probe.
 const DOUBTFUL_PROBE: f64 = 0.04;
-/// So is one with less agreement: everything hides everything.
+/// A hypothesis with less agreement than this share is doubtful, because almost all samples are hidden.
 const AGREES_TOO_LITTLE: f64 = 0.02;
-/// Where nothing contradicts but little agrees, as between probes around an object, another hypothesis must reach this
-/// agreement to be preferred: any that brings surfaces together makes some agree by chance.
+/// Min agreement of a preferred hypothesis if there are few contradictions but little agreement, as between probes around an
+/// object. Any hypothesis that moves surfaces together makes some samples agree by chance.
 const FAIR_SHARE: f64 = 0.2;
-/// Ratio of misfits from which a hypothesis is preferred.
+/// Min ratio of misfits for a hypothesis to be preferred.
 pub const DECISIVE: f64 = 3.0;
-/// Hypotheses within this ratio of the least misfit are equally good.
+/// Hypotheses with a misfit within this ratio of the lowest are equally good.
 const AS_GOOD: f64 = 1.3;
-/// Share attributed to chance.
+/// Share of contradictions attributed to chance.
 const CHANCE: f64 = 0.005;
-/// Limit of simultaneous mistakes.
+/// Max number of simultaneous mistakes.
 const MAX_MISTAKES: usize = 3;
-/// Up to this many probes, all pairs are compared.
+/// Max number of probes for which all pairs are compared.
 const ALL_PAIRS: usize = 6;
-/// Beyond, each probe with this many nearest ones.
+/// With more probes, each is compared with this many nearest ones.
 const NEIGHBOURS: usize = 4;
 
-/// Ratio of contradiction to agreement: about 0.01 for a true hypothesis.
+/// Returns the ratio of contradiction to agreement, about 0.01 for a correct hypothesis.
 pub fn misfit(tally: &Tally) -> f64 {
     (tally.contradiction() + CHANCE) / (tally.agreement() + CHANCE / 10.0)
 }
@@ -47,7 +47,7 @@ fn doubtful(tally: &Tally) -> bool {
     tally.contradiction() >= DOUBTFUL || tally.agreement() < AGREES_TOO_LITTLE
 }
 
-/// Shares of the samples that are seen through, and that agree.
+/// Formats the shares of the samples that contradict and that agree.
 fn shares(tally: &Tally) -> String {
     format!("{} and {}", percent(tally.contradiction()), percent(tally.agreement()))
 }
@@ -85,7 +85,7 @@ pub fn check(
     Comparison { probes, pairs, names, projection, monitor }.judge(&Hypothesis::declared(kind, probes))
 }
 
-/// Ordered pairs of probes of one frame.
+/// Returns the ordered pairs of probes with depth in the same frame.
 fn pairs_of(probes: &[ProbeSamples]) -> Vec<[usize; 2]> {
     let mut pairs = Vec::new();
     for a in 0..probes.len() {
@@ -112,7 +112,7 @@ impl Comparison<'_> {
         Ok(tallies)
     }
 
-    /// The sum over some of the pairs.
+    /// Returns the sum of the tallies of the selected pairs.
     fn total(&self, own: &[Tally], is_in: impl Fn(&[usize; 2]) -> bool) -> Tally {
         self.pairs.iter().zip(own).filter(|(pair, _)| is_in(pair)).map(|(_, tally)| *tally).sum()
     }
@@ -150,7 +150,7 @@ impl Comparison<'_> {
         Ok(findings)
     }
 
-    /// The finding about a subject that nothing contradicts: fine where all alternatives would be contradicted.
+    /// Creates the finding about a subject without contradictions: fine if every alternative fits clearly worse.
     fn confirm(&self, subject: Subject, own: &Tally, others: Vec<(&Alternative, &Tally)>) -> Option<Finding> {
         let (next, tally) = others.into_iter().min_by(|a, b| misfit(a.1).total_cmp(&misfit(b.1)))?;
         let margin = misfit(tally) / misfit(own);
@@ -171,7 +171,7 @@ impl Comparison<'_> {
         Some(Finding::new(name_of(subject), verdict, says).with(&[("margin", margin)]).with(&next_figures(tally)))
     }
 
-    /// Searches for the mistake where probes contradict each other.
+    /// Searches for the mistake if probes contradict each other.
     fn explain(&self, base: &Hypothesis, own: &[Tally], figures: &[(&'static str, f64)]) -> Result<Vec<Finding>> {
         let all: Tally = own.iter().copied().sum();
         let what = format!(
@@ -189,14 +189,15 @@ impl Comparison<'_> {
             if best * DECISIVE > misfit(&tally) {
                 break;
             }
-            // A single misplaced probe explains it better where all others agree better than under the best alternative.
+            // One misplaced probe is the better explanation if the others agree better without it than under the best
+            // alternative.
             if steps.is_empty() && odd.as_ref().is_some_and(|(_, misfit)| *misfit * AS_GOOD <= best) {
                 break;
             }
             let good: Vec<usize> =
                 (0..alternatives.len()).filter(|at| misfit(&tallies[*at]) <= best * AS_GOOD).collect();
             let Some(&first) = good.first() else { break };
-            // Of equally good scales, the most common.
+            // Of equally good scales, report only the most common.
             let most = if alternatives[first].subject == Subject::Scale { 1 } else { 3 };
             let words: Vec<String> = good.iter().take(most).map(|at| alternatives[*at].words.clone()).collect();
             steps.push((alternatives[first].subject, listed(&words, "or")));
@@ -242,7 +243,7 @@ impl Comparison<'_> {
         Ok(findings.collect())
     }
 
-    /// The probe without which the others agree, and their misfit.
+    /// Returns the probe without which the others agree, and their misfit.
     fn odd_one_out(&self, own: &[Tally], misfit_of_all: f64) -> Option<(usize, f64)> {
         if self.probes.len() < 3 {
             return None;

@@ -1,15 +1,15 @@
-//! Borders of cube faces, and the mismatch of any two of them.
+//! Borders of cube faces, and the mismatch of two of them.
 
 use crate::image::Face;
 use crate::image::cube::{FacePoint, direction_to_face};
 
-/// Longest border, in samples.
+/// Max length of a border in samples.
 const MAX_SAMPLES: u32 = 256;
 
 /// Sides of an image: first row, last row, first column, last column.
 pub const SIDES: usize = 4;
 
-/// Values along the four sides of a face; NaN where unknown.
+/// Values along the four sides of a face; NaN if unknown.
 #[derive(Debug, Clone)]
 pub struct Borders {
     /// Top and bottom from left to right, left and right from top to bottom.
@@ -17,10 +17,10 @@ pub struct Borders {
 }
 
 impl Borders {
-    /// The borders of an image of `side`×`side` pixels, subsampled if it is large.
+    /// Samples the borders of an image of `side`×`side` pixels, subsampled if it is large.
     pub fn new(side: u32, value: impl Fn(u32, u32) -> f32) -> Borders {
         let step = side.div_ceil(MAX_SAMPLES).max(1);
-        // Symmetric about the middle, so that a side read backwards meets the same pixels.
+        // Samples are symmetric about the middle, so that a reversed side has the same pixels.
         let count = (side / step).max(1);
         let first = (side - ((count - 1) * step + 1)) / 2;
         let last = side.saturating_sub(1);
@@ -36,12 +36,12 @@ impl Borders {
     }
 }
 
-/// The mismatch of two sides.
+/// Mismatch of two sides.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Mismatch {
-    /// Sum over samples of 0 (the same) to 1 (unlike).
+    /// Sum over samples of 0 (equal) to 1 (different).
     pub cost: f64,
-    /// Samples where at least one side shows a surface.
+    /// Number of samples for which at least one side has a surface.
     pub samples: u64,
 }
 
@@ -51,7 +51,7 @@ impl Mismatch {
     }
 }
 
-/// Compares two sides, one of them reversed if `reversed`. Values that differ by the factor e^`cap` are unlike; +inf is the
+/// Compares two sides, the second one reversed if `reversed`. Values whose ratio is e^`cap` or more are different; +inf is the
 /// background.
 pub fn mismatch(a: &[f32], b: &[f32], reversed: bool, cap: f64) -> Mismatch {
     let mut found = Mismatch::default();
@@ -71,23 +71,23 @@ pub fn mismatch(a: &[f32], b: &[f32], reversed: bool, cap: f64) -> Mismatch {
     found
 }
 
-/// A side of a face, both by number.
+/// A side of a face, as indices of both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FaceSide {
     pub face: usize,
     pub side: usize,
 }
 
-/// Two sides of different faces that may be one edge of the cube.
+/// Two sides of different faces that may be the same edge of the cube.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Edge {
     pub a: FaceSide,
     pub b: FaceSide,
-    /// Whether the sides run in opposite directions.
+    /// True if the sides run in opposite directions.
     pub reversed: bool,
 }
 
-/// A point in −1..1 on a side of an image, `along` it.
+/// Returns the point at coordinate `along` of a side; both coordinates of an image are in −1..1.
 pub fn side_point(side: usize, along: f64) -> [f64; 2] {
     match side {
         0 => [along, -1.0],
@@ -97,18 +97,18 @@ pub fn side_point(side: usize, along: f64) -> [f64; 2] {
     }
 }
 
-/// The side that a point on the border of an image is on, and where along it.
+/// Returns the side of a point on the border of an image, and its coordinate along that side.
 pub fn side_of([u, v]: [f64; 2]) -> (usize, f64) {
     if u.abs() > v.abs() { (if u < 0.0 { 2 } else { 3 }, v) } else { (if v < 0.0 { 0 } else { 1 }, u) }
 }
 
-/// The twelve edges of the cube, each once.
+/// Returns the twelve edges of the cube, each once.
 pub fn edges() -> Vec<Edge> {
     let mut found = Vec::new();
     for face in Face::CUBE {
         let [forward, right, down] = face.axes();
         for side in 0..SIDES {
-            // Slightly beyond the edge, nearer to one end of it.
+            // A point slightly beyond the edge, closer to one of its ends.
             let [u, v] = side_point(side, 0.5);
             let beyond = |at: f64| if at.abs() == 1.0 { at * 1.001 } else { at };
             let FacePoint { face: next, plane: [nu, nv] } =

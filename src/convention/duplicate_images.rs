@@ -1,7 +1,7 @@
-//! Finds duplicate images, and blank ones.
+//! Finds duplicate and blank images.
 //!
-//! Similar walls have equal depth from their middle, and a floor has it all along. So equal depth is a duplicate only where
-//! colour is equal, too, or where the surfaces of one image do not lie where the other has them.
+//! Depth images may be equal without being duplicates: in front of the middle of similar walls, or anywhere above a floor. Equal
+//! depth is therefore a duplicate only if colour is equal too, or if the surfaces of one image contradict those of the other.
 
 use std::collections::BTreeMap;
 
@@ -12,12 +12,12 @@ use super::read::{Footage, HashedImage, Shows};
 use super::reproject::{Tally, look_up};
 use crate::dataset::{DepthKind, StreamKind};
 
-/// Fewer samples of one face visible from the other are inconclusive.
+/// With fewer samples of one face visible from the other, the comparison is inconclusive.
 const MIN_TESTED: u64 = 50;
-/// Two probes that see one surface agree on at least this share of the samples.
+/// Min share of samples that agree between two probes that see the same surface.
 const IS_ONE_SURFACE: f64 = 0.5;
 
-/// Finds duplicate and blank images; `kind` is the declared kind of depth.
+/// Finds duplicate and blank images. `kind` is the declared kind of depth.
 pub fn check(footage: &Footage, kind: DepthKind) -> Vec<Finding> {
     let groups = equal_images(footage, Shows::Surfaces);
     let (alike, duplicates): (Vec<_>, Vec<_>) = groups.into_iter().partition(|group| are_alike(footage, group, kind));
@@ -30,14 +30,14 @@ pub fn check(footage: &Footage, kind: DepthKind) -> Vec<Finding> {
         None => no_duplicates(footage, &alike),
     }];
     if let Some(name) = footage.blank.first() {
-        // A wall or a dome may have one colour, too.
+        // A wall or a dome may also have a uniform colour.
         let says = format!("{name} has one colour, but its depth varies: was it rendered?");
         findings.push(Finding::new("images", Verdict::CannotTell, says).with(&[("blank", footage.blank.len() as f64)]));
     }
     findings
 }
 
-/// Groups of images with equal pixels, among those that show `shows`.
+/// Returns groups of images with equal pixels, among those with content `shows`.
 fn equal_images(footage: &Footage, shows: Shows) -> Vec<Vec<&HashedImage>> {
     let mut by_hash: BTreeMap<u64, Vec<&HashedImage>> = BTreeMap::new();
     for image in footage.hashes.iter().filter(|image| image.shows == shows) {
@@ -53,7 +53,7 @@ fn names(group: &[&HashedImage]) -> String {
     two.join(" and ")
 }
 
-/// Whether all images of a group may show similar surfaces.
+/// Returns true if all images of a group may show different but similar surfaces.
 fn are_alike(footage: &Footage, group: &[&HashedImage], kind: DepthKind) -> bool {
     group.iter().enumerate().all(|(at, a)| group[at + 1..].iter().all(|b| may_be_alike(footage, a, b, kind)))
 }
@@ -70,7 +70,7 @@ fn may_be_alike(footage: &Footage, a: &HashedImage, b: &HashedImage, kind: Depth
     if color(a).is_some_and(|hash| color(b) == Some(hash)) {
         return false;
     }
-    // Faces of one probe share no point: the seams check those.
+    // Faces of one probe share no surface point; `seams` checks them.
     if a.probe == b.probe {
         return true;
     }
@@ -81,14 +81,15 @@ fn may_be_alike(footage: &Footage, a: &HashedImage, b: &HashedImage, kind: Depth
     tally.tested() < MIN_TESTED || tally.agreement() >= IS_ONE_SURFACE
 }
 
-/// The samples of an image's probe, of its face alone.
+/// Returns the samples of an image's probe, restricted to the image's face.
 fn alone(footage: &Footage, image: &HashedImage) -> Option<ProbeSamples> {
     let view = footage.views.iter().find(|view| view.name == image.probe)?;
     let face = view.faces.iter().find(|samples| samples.face == image.face)?;
     Some(ProbeSamples { faces: vec![face.clone()], name: view.name.clone(), ..*view })
 }
 
-/// The finding where no surface is duplicated: the sky looks the same from everywhere.
+/// Creates the finding if no image of surfaces is duplicated. Equal images of the sky are valid, because it looks the same from
+/// every position.
 fn no_duplicates(footage: &Footage, alike: &[Vec<&HashedImage>]) -> Finding {
     let skies = equal_images(footage, Shows::Background);
     let unknown = equal_images(footage, Shows::Unknown);

@@ -1,4 +1,4 @@
-//! Assigns images to the faces of a cube, and turns them: as declared, and as neighbouring edges fit best.
+//! Assignments of images to the faces of a cube, with a turn of each image: the declared one, and the one whose edges fit best.
 
 use glam::{DMat3, DVec3};
 
@@ -8,7 +8,7 @@ use crate::image::cube::{FacePoint, direction_to_face};
 
 const FACES: usize = 6;
 
-/// A way to turn and mirror an image: exchange rows and columns or not, then mirror across, then upside down.
+/// One of the 8 symmetries of a square image: optional exchange of rows and columns, then horizontal, then vertical mirroring.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Turn(u8);
 
@@ -19,13 +19,13 @@ impl Turn {
         (0..8).map(Turn)
     }
 
-    /// The point of the file's image that a point of the turned image shows, both in −1..1.
+    /// Maps a point of the turned image to the point of the file's image, both in −1..1.
     pub fn in_file(self, [u, v]: [f64; 2]) -> [f64; 2] {
         let [u, v] = if self.0 & 4 != 0 { [v, u] } else { [u, v] };
         [if self.0 & 1 != 0 { -u } else { u }, if self.0 & 2 != 0 { -v } else { v }]
     }
 
-    /// Continues a sentence after "is".
+    /// Phrase that follows "is" in a sentence.
     pub fn words(self) -> &'static str {
         match self.0 {
             0 => "as it should be",
@@ -39,29 +39,29 @@ impl Turn {
         }
     }
 
-    /// The turn under which point `probe` shows point `file`.
+    /// Returns the turn that maps point `probe` of the turned image to point `file` of the file's image.
     fn that_shows(probe: [f64; 2], file: [f64; 2]) -> Option<Turn> {
         let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() < 1e-6 && (a[1] - b[1]).abs() < 1e-6;
         Turn::all().find(|turn| near(turn.in_file(probe), file))
     }
 }
 
-/// For each face its file and the turn of that; `None` where there is none.
+/// The file and turn of each face; `None` for a missing face.
 pub type FacePermutation = [Option<PlacedFile>; FACES];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PlacedFile {
-    /// Index of the face that it is declared to be.
+    /// Index of the face that the file is declared to be.
     pub file: usize,
     pub turn: Turn,
 }
 
-/// Every face from its own file, as it is.
+/// Returns the declared permutation: each face from its own file, not turned.
 pub fn declared(present: [bool; FACES]) -> FacePermutation {
     all_turned(present, Turn::NONE)
 }
 
-/// The mismatch of any two sides of different files.
+/// Mismatch of every two sides of different files.
 #[derive(Debug, Clone)]
 pub struct CostTable {
     costs: Vec<f64>,
@@ -75,7 +75,7 @@ pub struct Fit {
 }
 
 impl CostTable {
-    /// `cost` compares any two sides of different files.
+    /// Creates a table; `cost` compares two sides of different files.
     pub fn new(cost: impl Fn(&Edge) -> f64) -> CostTable {
         let mut costs = vec![0.0; (FACES * SIDES) * (FACES * SIDES) * 2];
         for a in 0..FACES * SIDES {
@@ -93,7 +93,7 @@ impl CostTable {
         (a * FACES * SIDES + b) * 2 + usize::from(reversed)
     }
 
-    /// Cost of an edge; 0 where one of its faces is missing.
+    /// Returns the cost of an edge; 0 if one of its faces is missing.
     fn edge(&self, edge: &Edge, permutation: &FacePermutation) -> f64 {
         let place = |FaceSide { face, side }| {
             let PlacedFile { file, turn } = permutation[face]?;
@@ -117,8 +117,8 @@ impl CostTable {
         self.edges.iter().filter(own).map(|edge| self.edge(edge, permutation)).sum()
     }
 
-    /// The permutation of least cost, by branch and bound: costs only grow as files are placed. Of six faces the first stays
-    /// where it is, since turning and mirroring the whole cube changes no edge.
+    /// Returns the permutation with the lowest cost, by branch and bound: costs never decrease as files are placed. With six
+    /// faces the first one is fixed, because rotating or mirroring the whole cube does not change edges.
     pub fn best(&self, present: [bool; FACES]) -> Fit {
         let start = declared(present);
         let mut best = Fit { permutation: start, cost: self.total(&start) };
@@ -143,7 +143,7 @@ impl CostTable {
         best: &mut Fit,
     ) {
         let [face, rest @ ..] = positions else {
-            // Not better by rounding alone.
+            // Require more than a rounding difference.
             if cost < best.cost - 1e-6 {
                 *best = Fit { permutation: *place, cost };
             }
@@ -164,13 +164,13 @@ impl CostTable {
     }
 }
 
-/// A permutation of six faces under the 48 symmetries of the cube.
+/// Returns the equivalents of a permutation of six faces under the 48 symmetries of the cube.
 pub fn symmetric(permutation: &FacePermutation) -> Vec<FacePermutation> {
     let columns = signed_axes().map(|axes| axes.map(|(axis, sign)| DVec3::AXES[axis] * sign));
     columns.filter_map(|[x, y, z]| turned(permutation, DMat3::from_cols(x, y, z))).collect()
 }
 
-/// The signed permutations of the three axes: which takes the place of each, and its sign.
+/// Signed permutations of the three axes: for each axis, the index of the axis that replaces it and its sign.
 pub fn signed_axes() -> impl Iterator<Item = [(usize, f64); 3]> {
     let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [2, 1, 0], [1, 2, 0], [2, 0, 1]];
     let signed =
@@ -182,7 +182,7 @@ fn turned(permutation: &FacePermutation, turn: DMat3) -> Option<FacePermutation>
     let mut placed = [None; FACES];
     for face in Face::CUBE {
         let [forward, right, down] = face.axes();
-        // A point without symmetry.
+        // A point that no symmetry of the square maps to itself.
         let probe = [0.6, -0.3];
         let FacePoint { face: other, plane: [u, v] } =
             direction_to_face(turn * (forward + probe[0] * right + probe[1] * down));
@@ -193,14 +193,14 @@ fn turned(permutation: &FacePermutation, turn: DMat3) -> Option<FacePermutation>
     Some(placed)
 }
 
-/// The faces whose file or turn is not the declared one.
+/// Returns the faces whose file or turn differs from the declared one.
 pub fn changed(permutation: &FacePermutation) -> Vec<usize> {
     let differs =
         |face: &usize| permutation[*face].is_some_and(|place| place != PlacedFile { file: *face, turn: Turn::NONE });
     (0..FACES).filter(differs).collect()
 }
 
-/// Every face from its own file, each turned in the same way.
+/// Returns the permutation with each face from its own file, all with the same turn.
 pub fn all_turned(present: [bool; FACES], turn: Turn) -> FacePermutation {
     std::array::from_fn(|face| present[face].then_some(PlacedFile { file: face, turn }))
 }
@@ -211,7 +211,7 @@ mod tests {
 
     const ALL: [bool; FACES] = [true; FACES];
 
-    /// Costs 0 where two sides belong together under `truth`, else 1.
+    /// Returns a table with cost 0 for two sides that are adjacent under `truth`, else 1.
     fn table(truth: &FacePermutation) -> CostTable {
         let belongs: Vec<_> = edges()
             .iter()
@@ -265,8 +265,8 @@ mod tests {
 
     #[test]
     fn turns_are_named_as_they_are() {
-        // What the file shows in its upper right corner must be seen, after a file was turned to the right by 90
-        // degrees, where undoing it looks it up: the upper left corner of the truth is the upper right of the file.
+        // A file that was turned right by 90 degrees shows the true upper left corner in its upper right corner, so `in_file`
+        // maps the former to the latter.
         let named = |words: &str| Turn::all().find(|turn| turn.words() == words).unwrap();
         assert_eq!(named("turned by 90 degrees to the right").in_file([-1.0, -1.0]), [1.0, -1.0]);
         assert_eq!(named("turned by 90 degrees to the left").in_file([1.0, -1.0]), [-1.0, -1.0]);

@@ -7,7 +7,7 @@ use crate::json::Number;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The data fit the manifest, and would fit no other.
+    /// The data fit the manifest and would not fit an alternative.
     Fine,
     /// Another hypothesis fits far better, or the data contradict themselves.
     Suspect,
@@ -20,7 +20,7 @@ pub struct Finding {
     /// Name of the check, such as `depth.kind`.
     pub check: &'static str,
     pub verdict: Verdict,
-    /// One sentence.
+    /// The finding as one sentence.
     pub says: String,
     /// Measured values by name.
     #[serde(serialize_with = "by_name")]
@@ -48,7 +48,7 @@ pub(super) fn percent(share: f64) -> String {
     if percent == 0.0 || percent >= 10.0 { format!("{percent:.0}%") } else { format!("{percent:.2}%") }
 }
 
-/// `a`, `a and b`, `a, b and c`.
+/// Joins words: `a`, `a and b`, `a, b and c`.
 pub(super) fn listed(words: &[String], last: &str) -> String {
     match words {
         [] => String::new(),

@@ -1,9 +1,9 @@
-//! Tells planar depth from distance by the planes in one probe.
+//! Distinguishes planar depth from distance by planes in the images of one probe.
 //!
-//! Along a row or a column of an image, 1/Z of a plane is linear, where Z is planar depth. Where distance is mistaken for Z,
-//! or Z for distance, it is not. So of triples of samples, many are collinear under the true kind and few under the
-//! other. A dome around the probe and a wall at right angles to the view are indistinguishable, also off-centre or slightly
-//! slanted. So only triples of steep change have a vote.
+//! With planar depth Z, 1/Z of a plane is linear along rows and columns of an image; if distance is taken for Z, or Z for
+//! distance, it is not. Many triples of samples are therefore collinear under the true kind, and few under the other. A dome
+//! around the probe and a wall perpendicular to the view cannot be distinguished, even if the dome is off-centre or the wall
+//! slightly slanted, so only triples with a steep change of depth are counted.
 
 use rayon::prelude::*;
 
@@ -14,32 +14,32 @@ use crate::dataset::DepthKind;
 
 /// Distances between the samples of a triple in u or v: short for small surfaces, long for noisy depth.
 const SPANS: [f64; 2] = [0.125, 0.25];
-/// A triple is collinear where 1/Z in its middle is this close to the mean of both ends, times the square of the span. The
-/// two kinds differ by up to 0.5.
+/// A triple is collinear if its middle 1/Z differs from the mean of both ends by at most this fraction of the middle value, times
+/// the square of the span. The two kinds differ by up to 0.5 in this measure.
 const STRAIGHT: f64 = 0.05;
-/// Least relative change of 1/stored over a triple, per unit of u or v. Inside a sphere of radius r, at e from its centre,
-/// distance changes by at most e / sqrt(r² - e²), and there it hardly bends: up to e = 0.44 r a dome has no vote. A plane
-/// changes this fast from a slant of 27 degrees.
+/// Min relative change of 1/stored over a triple, per unit of u or v. Inside a sphere of radius r, at distance e from its centre,
+/// distance changes by at most e / sqrt(r² - e²), almost without curvature, so that a dome is not counted up to e = 0.44 r. A
+/// plane reaches this change at a slant of 27 degrees.
 const SLOPE: f64 = 0.5;
-/// Fewer triples that are collinear under one kind only are inconclusive.
+/// With fewer triples that are collinear under one kind only, the check is inconclusive.
 const MIN_TRIPLES: u64 = 400;
-/// The same as a share of all triples.
+/// As [`MIN_TRIPLES`], as a share of all triples.
 const MIN_SHARE: f64 = 0.02;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Triples {
-    /// All of steep change.
+    /// Number of triples with a steep change.
     pub all: u64,
-    /// Collinear as distance only.
+    /// Number of triples that are collinear as distance only.
     pub distance: u64,
-    /// Collinear as planar depth only.
+    /// Number of triples that are collinear as planar depth only.
     pub planar: u64,
 }
 
-/// Counts the triples of a face, along rows and columns.
+/// Counts the triples of a face along rows and columns.
 pub fn count(samples: &FaceSamples) -> Triples {
     let (width, height) = (samples.stored.width(), samples.stored.height());
-    // 1/Z if stored depth is distance, and if it is planar.
+    // 1/Z if the stored depth is distance, and if it is planar.
     let values = |x: u32, y: u32| -> Option<[f64; 2]> {
         let stored = f64::from(samples.stored.get(x, y));
         let factor = samples.to_distance(DepthKind::Planar, x, y);
@@ -74,7 +74,7 @@ pub fn count(samples: &FaceSamples) -> Triples {
     found
 }
 
-/// Compares the triples that are collinear under either kind, over all probes.
+/// Compares the numbers of triples that are collinear under each kind, over all probes.
 pub fn check(views: &[ProbeSamples], kind: DepthKind) -> Finding {
     let faces: Vec<&FaceSamples> = views.iter().flat_map(|view| &view.faces).collect();
     let counts: Vec<Triples> = faces.into_par_iter().map(count).collect();
@@ -121,7 +121,7 @@ mod tests {
 
     const SIDE: u32 = 64;
 
-    /// A probe at the origin that sees a surface at so many metres along each direction.
+    /// Returns a probe at the origin that sees a surface at `distance` metres in each direction.
     fn probe(distance: impl Fn(DVec3) -> f64, kind: DepthKind) -> ProbeSamples {
         let face = |face: Face| {
             let plane = Plane::from_fn(SIDE, SIDE, |x, y| {
@@ -136,7 +136,7 @@ mod tests {
         ProbeSamples { name: "0".into(), frame: 0, pose, faces: Face::CUBE.map(face).to_vec() }
     }
 
-    /// From inside a dome of 10 m, at `offset` of its middle.
+    /// Returns a probe inside a dome of radius 10 m, at `offset` from its centre.
     fn dome(offset: DVec3) -> ProbeSamples {
         let distance = move |direction: DVec3| {
             let along = direction.dot(offset);
@@ -145,7 +145,7 @@ mod tests {
         probe(distance, DepthKind::Distance)
     }
 
-    /// From inside a box, not in its middle.
+    /// Returns a probe inside a box, not at its centre.
     fn room(kind: DepthKind) -> ProbeSamples {
         let (low, high) = (DVec3::new(-3.5, -1.5, -3.0), DVec3::new(2.5, 1.25, 4.0));
         let distance = move |direction: DVec3| {

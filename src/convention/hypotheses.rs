@@ -6,17 +6,17 @@ use super::face_permutation::signed_axes;
 use super::probe_samples::{Pose, ProbeSamples};
 use crate::dataset::{DepthKind, Projection};
 
-/// Ratios of units that are mistaken for one another: milli- and centimetres, feet, decades.
+/// Ratios of units that are commonly confused: millimetres, centimetres, feet, powers of ten.
 const UNITS: [f64; 8] = [0.001, 0.01, 0.1, 0.3048, 1.0 / 0.3048, 10.0, 100.0, 1000.0];
-/// Ratio of neighbouring scales of the full search.
+/// Ratio of consecutive scales in the full search.
 const SCALE_STEP: f64 = 1.08;
-/// Steps to either side of 1.
+/// Number of scales above 1, and below 1, in the full search.
 const SCALE_STEPS: i32 = 36;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hypothesis {
     pub kind: DepthKind,
-    /// Factor on depth; 1 as declared.
+    /// Factor applied to depth; 1 as declared.
     pub scale: f64,
     pub poses: Vec<Pose>,
 }
@@ -39,20 +39,20 @@ pub enum Subject {
 #[derive(Debug, Clone)]
 pub struct Alternative {
     pub subject: Subject,
-    /// Continues a sentence after "with ".
+    /// Phrase that follows "with " in a sentence.
     pub words: String,
     pub hypothesis: Hypothesis,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
-    /// Common ones, to test whether the data can tell them apart.
+    /// Common hypotheses, to test whether the data can distinguish them from the declared one.
     Common,
-    /// All, to find the mistake.
+    /// All hypotheses, to find the mistake.
     All,
 }
 
-/// All hypotheses that differ from `base` in one subject; common mistakes first.
+/// Returns the hypotheses that differ from `base` in one subject, common mistakes first.
 pub fn alternatives(base: &Hypothesis, names: &[String], projection: Projection, extent: Extent) -> Vec<Alternative> {
     let mut all = Vec::new();
     // A panorama has no planar depth.
@@ -63,7 +63,7 @@ pub fn alternatives(base: &Hypothesis, names: &[String], projection: Projection,
         };
         let hypothesis = Hypothesis { kind, ..base.clone() };
         all.push(Alternative { subject: Subject::Kind, words: words.into(), hypothesis: hypothesis.clone() });
-        // Each alone may not look better than neither.
+        // Also combine kind and scale: correcting only one of two mistakes may not improve the fit.
         if extent == Extent::All {
             all.extend(UNITS.map(|factor| scaled(&hypothesis, factor, Subject::Kind, &format!("{words} and"))));
         }
@@ -78,13 +78,13 @@ pub fn alternatives(base: &Hypothesis, names: &[String], projection: Projection,
     all
 }
 
-/// `what` with depth `factor` times as large.
+/// `base` with depth multiplied by `factor`; `what` begins its description.
 fn scaled(base: &Hypothesis, factor: f64, subject: Subject, what: &str) -> Alternative {
     let words = format!("{what} {} as large", times(factor));
     Alternative { subject, words, hypothesis: Hypothesis { scale: base.scale * factor, ..base.clone() } }
 }
 
-/// `0.001 times`, `12.6 times`.
+/// Formats a factor: `0.001 times`, `12.600 times`.
 fn times(factor: f64) -> String {
     if (0.01..100.0).contains(&factor) { format!("{factor:.3} times") } else { format!("{factor} times") }
 }
@@ -109,7 +109,7 @@ fn positions(base: &Hypothesis, names: &[String], extent: Extent, all: &mut Vec<
     for (words, axes) in axis_orders() {
         found.push(moved(format!("positions as {words}"), &|index| axes * base.poses[index].position));
     }
-    // Only relative positions count.
+    // Only relative positions matter.
     let offsets =
         |of: &Hypothesis| -> Vec<DVec3> { of.poses.iter().map(|pose| pose.position - of.poses[0].position).collect() };
     let own = offsets(base);
@@ -117,7 +117,8 @@ fn positions(base: &Hypothesis, names: &[String], extent: Extent, all: &mut Vec<
     all.extend(found.into_iter().filter(|alternative| !same(&alternative.hypothesis)));
 }
 
-/// All signed permutations of the axes but the identity, such as `(x, -y, z)`, as matrices; fewest changes first.
+/// Returns the 47 signed axis permutations other than the identity as matrices, with names such as `(x, -y, z)`; fewest changes
+/// first.
 fn axis_orders() -> Vec<(String, DMat3)> {
     let mut found = Vec::new();
     for axes in signed_axes() {
@@ -132,7 +133,7 @@ fn axis_orders() -> Vec<(String, DMat3)> {
     found.into_iter().filter(|(changed, _, _)| *changed > 0).map(|(_, words, axes)| (words, axes)).collect()
 }
 
-/// Words, and the pose that they make of another.
+/// A description, and the transformation of a pose.
 type Way<'a> = (&'a str, &'a dyn Fn(&Pose) -> Pose);
 
 fn orientations(base: &Hypothesis, all: &mut Vec<Alternative>) {

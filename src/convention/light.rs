@@ -1,34 +1,35 @@
-//! Tells linear light from sRGB codes.
+//! Distinguishes linear colour from sRGB codes.
 
 use half::f16;
 
 use super::finding::{Finding, Verdict, percent};
 use crate::image::{ColorPlane, ColorSpace, Transfer};
 
-/// Fewer pixels are inconclusive.
+/// With fewer pixels the check is inconclusive.
 const MIN_PIXELS: u64 = 1000;
-/// Share of values above 1, where codes end, that is no accident.
+/// Min share of values above 1, the maximum of sRGB codes, that is not accidental.
 const ABOVE_SHARE: f64 = 1e-4;
-/// Share of values that are 255ths from which they are codes; of evenly distributed half floats at most half are.
+/// Min share of dim values at multiples of 1/255 for which the file is taken to hold codes. Of evenly distributed half floats at
+/// most half are multiples.
 const CODES_SHARE: f64 = 0.999;
 
 /// Sample type of colour files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Files {
-    /// Whole numbers up to 255 or 65535: PNG.
+    /// Integers up to 255 or 65535: PNG.
     Integers,
     Floats,
 }
 
-/// Statistics of colour, as linear light.
+/// Statistics of colour values, interpreted as linear.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ColorValues {
     pub pixels: u64,
     pub values: u64,
     pub above_one: u64,
-    /// Components from 0.02 to 0.25, where half floats are much finer than 255ths.
+    /// Number of components from 0.02 to 0.25, where half floats are much finer than multiples of 1/255.
     pub dim: u64,
-    /// Of those, the half floats nearest to a 255th.
+    /// Number of `dim` components that are the half float nearest to a multiple of 1/255.
     pub codes: u64,
 }
 
@@ -72,7 +73,7 @@ pub fn check(values: &ColorValues, space: ColorSpace, files: Files) -> Finding {
         _ if is_light && told && values.dim >= MIN_PIXELS && codes >= CODES_SHARE => {
             (Verdict::Suspect, "all values are 255ths: they look like sRGB codes, not like linear light".to_owned())
         }
-        // Codes end at 1, and so does the light that was made of them.
+        // sRGB codes are at most 1, and so are the linear values decoded from them.
         _ if !is_light && told && above >= ABOVE_SHARE => {
             (Verdict::Suspect, format!("{} of the values are above 1, where sRGB codes end", percent(above)))
         }

@@ -1,15 +1,16 @@
-//! Checks a dataset against its manifest; changes nothing.
+//! Checks a dataset against its manifest, without changing it.
 //!
-//! Enters: an open [`Source`]. Leaves: [`Finding`]s, each a verdict, figures and a sentence for a person to judge.
+//! Input: an open [`Source`]. Output: [`Finding`]s, each with a verdict, figures and a sentence for the user.
 //!
-//! 1. `seams`: order and orientation of cube faces, by their edges, for depth and colour apart. Of the 48 ways to turn and
-//!    mirror the whole cube, which no edge notices, the one nearest to the declared permutation is reported.
-//! 2. `flatness`: planar depth or distance, by the planes in one probe. Where `between_probes` confirms the declared kind, a
-//!    suspicion of this check becomes inconclusive: a dome around the probe looks planar.
-//! 3. `between_probes`: kind and scale of depth, positions and orientations. `hypotheses` lists common mistakes; up to three
-//!    are undone one after the other, the best first.
-//! 4. `values` and `light`: values without a meaning, an undeclared background, near and far, codes declared as light.
-//! 5. `duplicate_images`: images with equal pixels.
+//! 1. `seams` checks order and orientation of cube faces by comparing their edges, for depth and colour separately. Edges are
+//!    invariant under the 48 rotations and mirrorings of the whole cube; the one closest to the declared permutation is reported.
+//! 2. `flatness` distinguishes planar depth from distance by planes in the images of one probe. If `between_probes` confirms the
+//!    declared kind, a suspicion of this check becomes inconclusive, because a dome around the probe looks planar.
+//! 3. `between_probes` checks kind and scale of depth, positions and orientations. `hypotheses` lists common mistakes; up to
+//!    three are corrected one after the other, starting with the best fit.
+//! 4. `values` and `light` look for invalid values, an undeclared background, values outside near and far, and sRGB codes
+//!    declared as linear.
+//! 5. `duplicate_images` finds images with equal pixels.
 
 mod between_probes;
 mod borders;
@@ -39,20 +40,20 @@ use crate::monitor::Monitor;
 pub use finding::{Finding, Verdict};
 pub use read::Choice;
 
-/// Default limit of probes to check.
+/// Default limit of the number of probes to check.
 pub const MAX_PROBES: usize = 16;
 
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Report {
-    /// Probes checked.
+    /// Number of probes checked.
     pub probes: usize,
-    /// Probes of the dataset.
+    /// Number of probes of the dataset.
     pub all_probes: usize,
-    /// Face images read.
+    /// Number of face images read.
     pub images: u64,
     #[serde(rename = "checks")]
     pub findings: Vec<Finding>,
-    /// How distances are spread, by index of the probe.
+    /// Histogram of distances, by probe index.
     #[serde(skip)]
     pub spreads: BTreeMap<usize, Spread>,
 }
@@ -62,18 +63,18 @@ impl Report {
         self.suspected().next().is_some()
     }
 
-    /// Findings that suspect an error.
+    /// Findings with the verdict [`Verdict::Suspect`].
     pub fn suspected(&self) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(|finding| finding.verdict == Verdict::Suspect)
     }
 }
 
-/// Files that [`check`] reads: the steps of its monitor.
+/// Number of files that [`check`] reads, which is the number of steps of its monitor.
 pub fn steps(source: &Source, choice: &Choice) -> Result<u64> {
     Ok(read::jobs(source, choice)?.len() as u64)
 }
 
-/// Runs the checks of values alone: those of depth, and whether colour is light.
+/// Runs only the checks of values: depth, colour encoding, and equal positions of probes.
 pub fn check_values(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<Vec<Finding>> {
     let stated = stated(source);
     let footage = read::read_values(source, choice, &stated, monitor)?;
@@ -83,7 +84,7 @@ pub fn check_values(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> 
     Ok(findings)
 }
 
-/// What manifest and options state of depth values.
+/// Returns the depth rules of the source, and near and far of the manifest.
 fn stated(source: &Source) -> values::Stated {
     let depth = source.manifest.as_ref().and_then(|manifest| manifest.depth.as_ref());
     let near = depth.and_then(|depth| depth.near).unwrap_or(0.0);
@@ -125,7 +126,7 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
             if projection != Projection::Equirect {
                 let mut alone = flatness::check(&footage.views, kind);
                 let confirms = |found: &Finding| found.check == between_probes::KIND && found.verdict == Verdict::Fine;
-                // Curved surfaces may look straight.
+                // Curved surfaces may look planar, so a fit between probes overrides the suspicion.
                 if alone.verdict == Verdict::Suspect && between.iter().any(confirms) {
                     alone.verdict = Verdict::CannotTell;
                     alone.says += ", but reprojection between probes fits the declared kind";

@@ -1,11 +1,12 @@
-//! Whether two probes stand at one place, as where nobody has stated their positions.
+//! Detects probes with equal positions, as in a manifest without stated positions.
 
 use std::collections::HashMap;
 
 use super::finding::{Finding, Verdict};
 use crate::dataset::ProbeInfo;
 
-/// A suspicion where two probes begin in one frame with one position and orientation; views of one place in several directions are none.
+/// Returns a suspicion if two probes have the same first frame, position and orientation. Views from one position in several
+/// directions are valid.
 pub(super) fn check(probes: &[ProbeInfo]) -> Option<Finding> {
     let mut earlier: HashMap<_, &ProbeInfo> = HashMap::new();
     let mut pairs = probes.iter().filter_map(|probe| {

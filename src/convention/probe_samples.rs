@@ -1,4 +1,4 @@
-//! Subsampled depth of probes, as stored, with the directions of its samples.
+//! Subsampled stored depth of probes, with the directions of the samples.
 
 use glam::{DQuat, DVec3};
 
@@ -6,27 +6,27 @@ use crate::dataset::DepthKind;
 use crate::image::cube::{FacePoint, direction_to_face};
 use crate::image::{DepthPlane, Face, ImageProjection, Plane};
 
-/// Longest side of a face in samples.
+/// Max side of a face in samples.
 const MAX_SIDE: u32 = 256;
-/// A sample lies at an edge, and is not compared, where distances around it differ by this factor.
+/// A sample is at a depth edge, and is not compared, if distances in its neighbourhood differ by more than this factor.
 const EDGE_RATIO: f32 = 1.15;
 
-/// Depth of one face: every `step`th pixel of every `step`th row.
+/// Subsampled depth of one face: every `step`th pixel of every `step`th row.
 #[derive(Debug, Clone)]
 pub struct FaceSamples {
     pub face: Face,
     projection: ImageProjection,
     step: u32,
-    /// As stored, times the declared metres per unit: +inf for the background, NaN where unknown.
+    /// Stored depth times the declared metres per unit: +inf for the background, NaN if unknown.
     pub stored: DepthPlane,
-    /// Nearest and farthest distance around each sample, if the file holds distances.
+    /// Nearest and farthest distance in the 3x3 neighbourhood of each sample, if the file stores distance; NaN at edges.
     distance: Plane<[f32; 2]>,
-    /// The same if the file holds planar depth.
+    /// As `distance`, if the file stores planar depth.
     planar: Plane<[f32; 2]>,
 }
 
 impl FaceSamples {
-    /// Samples of an image whose pixels are `stored`.
+    /// Samples an image whose pixel values are given by `stored`.
     pub fn new(face: Face, stored: impl Fn(u32, u32) -> f32, projection: ImageProjection) -> FaceSamples {
         let size = projection.size();
         let step = size[0].max(size[1]).div_ceil(MAX_SIDE).max(1);
@@ -41,7 +41,7 @@ impl FaceSamples {
         samples
     }
 
-    /// (u, v) of a sample.
+    /// Returns (u, v) of a sample on the image plane at distance 1.
     pub fn plane_point(&self, x: u32, y: u32) -> [f64; 2] {
         self.projection.plane([x, y].map(|index| f64::from(self.step / 2 + index * self.step) + 0.5))
     }
@@ -52,7 +52,7 @@ impl FaceSamples {
         [next[0] - first[0], next[1] - first[1]]
     }
 
-    /// Factor from stored depth to distance at a sample.
+    /// Returns the factor from stored depth to distance at a sample.
     pub fn to_distance(&self, kind: DepthKind, x: u32, y: u32) -> f64 {
         let [u, v] = self.plane_point(x, y);
         match kind {
@@ -61,7 +61,7 @@ impl FaceSamples {
         }
     }
 
-    /// The surface point of a sample in the probe's axes; `None` where there is no surface.
+    /// Returns the surface point of a sample in the probe's axes; `None` if there is no surface.
     pub fn point(&self, kind: DepthKind, x: u32, y: u32) -> Option<DVec3> {
         let stored = self.stored.get(x, y);
         if !stored.is_finite() {
@@ -93,12 +93,12 @@ impl FaceSamples {
                     }
                 }
             }
-            // Two surfaces, or one and the background.
+            // Mark samples between two surfaces, or between a surface and the background.
             if range[0] < range[1] && range[1] > range[0] * EDGE_RATIO { [f32::NAN; 2] } else { range }
         })
     }
 
-    /// Nearest and farthest distance around a position; `None` where unknown, and at edges.
+    /// Returns the nearest and farthest distance around an image position in pixels; `None` if unknown, and at edges.
     fn range_at(&self, kind: DepthKind, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         let index = |at: f64, count: u32| {
             let index = (at - 0.5 - f64::from(self.step / 2)) / f64::from(self.step);
@@ -115,9 +115,9 @@ impl FaceSamples {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
-    /// Centre, metres.
+    /// Centre in metres.
     pub position: DVec3,
-    /// Turns the probe's axes into the world's.
+    /// Rotation from the probe's axes to the world's.
     pub turn: DQuat,
 }
 
@@ -130,7 +130,7 @@ pub struct ProbeSamples {
 }
 
 impl ProbeSamples {
-    /// Nearest and farthest distance around a direction along the probe's own axes.
+    /// Returns the nearest and farthest distance around a direction in the probe's axes.
     pub fn range_towards(&self, kind: DepthKind, direction: DVec3) -> Option<[f64; 2]> {
         if let [only] = self.faces.as_slice()
             && only.face == Face::View

@@ -1,4 +1,4 @@
-//! Reads one frame of each probe; keeps of each image subsampled depth, borders, statistics and a hash.
+//! Reads one frame of each probe, and keeps subsampled depth, borders, statistics and a hash of each image.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -18,34 +18,34 @@ use crate::image::{ColorPlane, DepthPlane, Face, ImageProjection, Plane};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
 
-/// Added to light, so that the ratio of two dark values is near 1.
+/// Offset added to linear colour, so that the ratio of two dark values is near 1.
 const DARK: f32 = 1e-3;
 
 #[derive(Debug, Clone, Default)]
 pub struct Choice {
-    /// Only these probes; all where empty.
+    /// Names of the probes to check; all if empty.
     pub probes: Vec<String>,
-    /// At most this many of them, evenly spaced.
+    /// Max number of probes to check, selected evenly.
     pub max_probes: usize,
-    /// Only this frame; where `None`, each probe's first.
+    /// Frame to check; if `None`, the first frame of each probe.
     pub frame: Option<u32>,
 }
 
-/// Content of an image by the depth of its face.
+/// Content of an image, determined by the depth of its face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shows {
     /// Surfaces at more than one depth.
     Surfaces,
-    /// Background, or surfaces at one depth, such as a sky dome, which looks the same from everywhere.
+    /// Background, or surfaces at one depth, such as a sky dome, which looks the same from every position.
     Background,
-    /// The face has no depth.
+    /// The face has no depth image.
     Unknown,
 }
 
-/// An image of more than one value, and a hash of its pixels.
+/// A non-constant image, and a hash of its pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HashedImage {
-    /// `color 00/px`.
+    /// Name of the image, such as `color 00/px`.
     pub name: String,
     pub probe: String,
     pub face: Face,
@@ -60,17 +60,17 @@ pub struct Footage {
     pub depth_borders: Vec<(String, CubeBorders)>,
     pub color_borders: Vec<(String, CubeBorders)>,
     pub depth: Option<DepthValues>,
-    /// How distances are spread, by index of the probe.
+    /// Histogram of distances, by probe index.
     pub spreads: BTreeMap<usize, Spread>,
     pub color: Option<ColorValues>,
-    /// Images of more than one value.
+    /// Images with more than one value.
     pub hashes: Vec<HashedImage>,
-    /// Colour images of one value, whose depth has more.
+    /// Constant colour images of faces whose depth is not constant.
     pub blank: Vec<String>,
     pub images: u64,
 }
 
-/// What is kept of an image.
+/// Data kept of an image.
 struct Kept {
     face: Face,
     borders: Borders,
@@ -83,7 +83,7 @@ enum Values {
     Color(ColorValues),
 }
 
-/// The probes to check, by index.
+/// Returns the indices of the probes to check.
 pub fn chosen_probes(source: &Source, choice: &Choice) -> Result<Vec<usize>> {
     let probes = source.probes();
     if let Some(name) = choice.probes.iter().find(|name| probes.iter().all(|probe| probe.name != **name)) {
@@ -113,14 +113,14 @@ pub fn jobs(source: &Source, choice: &Choice) -> Result<Vec<(SourceGroup, u32)>>
     Ok(jobs)
 }
 
-/// Statistics of values alone.
+/// Statistics of values.
 #[derive(Debug, Default)]
 pub struct FootageValues {
     pub depth: Option<DepthValues>,
     pub color: Option<ColorValues>,
 }
 
-/// Reads no more than statistics need. The monitor advances by one for each file.
+/// Reads only the value statistics. The monitor advances by one per file.
 pub fn read_values(source: &Source, choice: &Choice, stated: &Stated, monitor: &dyn Monitor) -> Result<FootageValues> {
     let counted = try_map_ordered(jobs(source, choice)?, |(group, frame)| {
         monitor.check()?;
@@ -142,7 +142,7 @@ pub fn read_values(source: &Source, choice: &Choice, stated: &Stated, monitor: &
     })
 }
 
-/// The monitor advances by one for each file.
+/// Reads all data that the checks need. The monitor advances by one per file.
 pub fn read(source: &Source, choice: &Choice, stated: &Stated, monitor: &dyn Monitor) -> Result<Footage> {
     let jobs = jobs(source, choice)?;
     let kept = try_map_ordered(jobs, |(group, frame)| {
@@ -164,7 +164,7 @@ pub fn read(source: &Source, choice: &Choice, stated: &Stated, monitor: &dyn Mon
 
 fn gather(source: &Source, kept: Vec<(usize, u32, Vec<Kept>)>) -> Footage {
     let mut footage = Footage::default();
-    // Faces whose depth has more than one value, their content, and colour images of one value.
+    // Faces with non-constant depth, the content of each face, and constant colour images.
     let (mut varied, mut shown, mut blank) = (HashSet::new(), HashMap::new(), Vec::new());
     for (index, frame, faces) in kept {
         let probe = &source.probes()[index];
@@ -266,7 +266,7 @@ fn depth_face(
 
 fn color_face(face: Face, plane: &ColorPlane) -> Kept {
     let light = |x, y| plane.get(x, y).map(f16::to_f32).iter().sum::<f32>() / 3.0;
-    // Means of 3×3 pixels: renderings are noisy.
+    // Average 3x3 pixels to reduce render noise.
     let (width, height) = (plane.width(), plane.height());
     let side = width.min(height);
     let smooth = |x: u32, y: u32| {
@@ -284,7 +284,7 @@ fn color_face(face: Face, plane: &ColorPlane) -> Kept {
     Kept { face, borders: Borders::new(side, smooth), hash, values: Values::Color(ColorValues::count(plane)) }
 }
 
-/// A hash of the pixels of an image, unless all are equal.
+/// Returns a hash of the pixels of an image, or `None` if all are equal.
 fn hash_of<T: Copy>(plane: &Plane<T>, bits: impl Fn(T) -> u64) -> Option<u64> {
     let first = bits(*plane.data().first()?);
     if plane.data().iter().all(|value| bits(*value) == first) {

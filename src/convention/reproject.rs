@@ -1,21 +1,22 @@
-//! Reprojects samples of one probe into another: no surface of one can lie in front of the surface that the other sees there.
+//! Reprojects samples of one probe into another. A surface of one probe cannot be in front of the surface that the other sees in
+//! that direction.
 
 use super::hypotheses::Hypothesis;
 use super::probe_samples::ProbeSamples;
 
 /// Relative tolerance of distances.
 const TOLERANCE: f64 = 0.01;
-/// Approximate number of samples of a probe that are looked up in another.
+/// Approximate number of samples of a probe that are reprojected into another.
 const SAMPLES: u64 = 3000;
 
-/// Samples of one probe compared with the surfaces that another sees in their direction.
+/// Counts of the samples of one probe, compared with the surfaces that another probe sees in their direction.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Tally {
-    /// Both see a surface at the same place.
+    /// Samples for which both probes see a surface at the same position.
     pub agree: u64,
-    /// The other probe sees through it: a contradiction.
+    /// Samples in front of the surface that the other probe sees: a contradiction.
     pub in_front: u64,
-    /// The other probe sees a nearer surface: no contradiction.
+    /// Samples behind the surface that the other probe sees: no contradiction.
     pub hidden: u64,
 }
 
@@ -24,12 +25,12 @@ impl Tally {
         self.agree + self.in_front + self.hidden
     }
 
-    /// Share of the samples compared that agree.
+    /// Share of the compared samples that agree.
     pub fn agreement(&self) -> f64 {
         self.agree as f64 / self.tested().max(1) as f64
     }
 
-    /// Share of the samples compared that the other probe sees through.
+    /// Share of the compared samples that contradict: the other probe sees through them.
     pub fn contradiction(&self) -> f64 {
         self.in_front as f64 / self.tested().max(1) as f64
     }
@@ -50,7 +51,7 @@ pub fn look_up(probes: &[ProbeSamples], [from, to]: [usize; 2], hypothesis: &Hyp
     let (here, there) = (hypothesis.poses[from], hypothesis.poses[to]);
     let back = there.turn.conjugate();
     let total: u64 = probes[from].faces.iter().map(|face| face.stored.data().len() as u64).sum();
-    // A grid of every nth sample, in both directions.
+    // A grid of every nth sample in both directions.
     let stride = ((total as f64 / SAMPLES as f64).sqrt().round() as u32).max(1);
     let mut tally = Tally::default();
     for samples in &probes[from].faces {

@@ -1,6 +1,6 @@
-//! Checks order and orientation of cube faces: neighbours show the same along their common edge.
+//! Checks order and orientation of cube faces: neighbouring faces must have the same content along their common edge.
 //!
-//! Edges tell neither planar depth from distance nor the world from one that is turned or mirrored as a whole.
+//! Edges distinguish neither planar depth from distance, nor a cube from the same cube rotated or mirrored as a whole.
 
 use super::borders::{Borders, Edge, FaceSide, Mismatch, edges, mismatch};
 use super::face_permutation::{self, CostTable, FacePermutation, Fit, PlacedFile, Turn};
@@ -9,28 +9,28 @@ use crate::image::Face;
 
 pub const DEPTH: Stream = Stream { check: "seams.depth", cap: 0.1 };
 pub const COLOR: Stream = Stream { check: "seams.color", cap: 0.7 };
-/// A permutation is preferred to the declared one where its cost is this many times lower.
+/// Min ratio of the cost of the declared permutation to that of a permutation that is preferred to it.
 const DECISIVE: f64 = 3.0;
-/// And its mismatch lower by this share of the samples.
+/// Min decrease of the mismatch of a preferred permutation, as a share of the samples.
 const MIN_GAIN: f64 = 0.1;
-/// Fewer samples are inconclusive.
+/// With fewer samples the check is inconclusive.
 const MIN_SAMPLES: u64 = 32;
-/// A face's orientation is certain where any other costs this many samples more.
+/// The orientation of a face is certain if every other orientation costs at least this many samples more.
 const SURE: f64 = 8.0;
-/// Permutations within this factor of the least cost are equally good.
+/// Permutations with a cost within this factor of the lowest are equally good.
 const AS_GOOD: f64 = 1.2;
 
-/// Borders of one probe's faces, by face.
+/// Borders of the faces of one probe, indexed by face.
 pub type CubeBorders = [Option<Borders>; 6];
 
 #[derive(Debug, Clone, Copy)]
 pub struct Stream {
     pub check: &'static str,
-    /// Values that differ by the factor e^`cap` are unlike.
+    /// Values whose ratio is e^`cap` or more have the maximum mismatch.
     pub cap: f64,
 }
 
-/// Checks the edges of all probes together, then each probe's.
+/// Checks the edges of all probes together, then of each probe separately.
 pub fn check(stream: Stream, probes: &[(String, CubeBorders)]) -> Vec<Finding> {
     let present: [bool; 6] = std::array::from_fn(|face| probes.iter().any(|(_, borders)| borders[face].is_some()));
     if present.iter().filter(|present| **present).count() < 2 {
@@ -40,7 +40,7 @@ pub fn check(stream: Stream, probes: &[(String, CubeBorders)]) -> Vec<Finding> {
     if all.verdict != Verdict::Fine || probes.len() == 1 {
         return vec![all];
     }
-    // An error of one probe among many is lost in the sum.
+    // An error of one of many probes is invisible in the sum.
     let mut findings: Vec<Finding> = probes
         .iter()
         .map(|probe| (probe, judge(stream, std::slice::from_ref(probe), present)))
@@ -84,7 +84,7 @@ fn judge(stream: Stream, probes: &[(String, CubeBorders)], present: [bool; 6]) -
     finding.with(&figures)
 }
 
-/// The finding where nothing fits much better than the declared permutation.
+/// Creates the finding if no permutation fits much better than the declared one.
 fn settle(stream: Stream, table: &CostTable, present: [bool; 6], least: f64) -> Finding {
     let declared = face_permutation::declared(present);
     let own = table.total(&declared);
@@ -111,7 +111,7 @@ fn settle(stream: Stream, table: &CostTable, present: [bool; 6], least: f64) -> 
     Finding::new(stream.check, verdict, says)
 }
 
-/// The simplest of the permutations that fit as well as the best one, in words.
+/// Describes the simplest permutation that fits as well as the best one.
 fn explain(table: &CostTable, best: &FacePermutation, least: f64, present: [bool; 6], mismatch: f64) -> String {
     let as_good = |permutation: &FacePermutation| table.total(permutation) <= least * AS_GOOD + 1e-6;
     let whole = present.iter().all(|present| *present);
@@ -137,7 +137,7 @@ fn explain(table: &CostTable, best: &FacePermutation, least: f64, present: [bool
     format!("faces do not match along their edges ({share} of the samples differ): {words}")
 }
 
-/// Permutations where one file is turned, or two are exchanged and turned.
+/// Returns the permutations with one file turned, or two files exchanged and turned.
 fn few_changes(present: [bool; 6]) -> Vec<FacePermutation> {
     let declared = face_permutation::declared(present);
     let there: Vec<usize> = (0..6).filter(|face| present[*face]).collect();
@@ -162,7 +162,7 @@ fn few_changes(present: [bool; 6]) -> Vec<FacePermutation> {
     found
 }
 
-/// `files of px and nx are exchanged, py is turned by 180 degrees`.
+/// Describes a permutation, such as `px and nx are exchanged and py is turned by 180 degrees`.
 fn in_words(permutation: &FacePermutation) -> String {
     let mut words = Vec::new();
     let mut left = face_permutation::changed(permutation);

@@ -1,4 +1,4 @@
-//! Chooses what images alone do not tell of a proposed manifest, by the checks.
+//! Uses the checks to decide properties of a proposed manifest that the images alone do not determine.
 
 use std::path::Path;
 
@@ -8,8 +8,8 @@ use crate::dataset::{DepthKind, Projection, Source, SourceOptions};
 use crate::error::Result;
 use crate::monitor::Monitor;
 
-/// The manifest with the kind of depth that raises fewer suspicions, and the report of its checks. `file` is where the manifest
-/// will be.
+/// Returns the manifest with the kind of depth that raises fewer suspicions, and the report of its checks. `file` is the future
+/// path of the manifest.
 pub fn settle(manifest: Manifest, file: &Path, monitor: &dyn Monitor) -> Result<(Manifest, Report)> {
     let checked = |manifest: &Manifest| {
         let source = Source::of_manifest(manifest.clone(), file, &SourceOptions::default())?;
@@ -30,7 +30,7 @@ pub fn settle(manifest: Manifest, file: &Path, monitor: &dyn Monitor) -> Result<
     Ok(if doubts(&other_report) < doubts(&report) { (other, other_report) } else { (manifest, report) })
 }
 
-/// All probes; the first where several stand at one place, as if nobody knew their positions.
+/// Selects all probes, or only the first if two consecutive probes have the same position, because positions are then unknown.
 fn choice(source: &Source) -> Choice {
     let probes = source.probes();
     let is_known = probes.windows(2).all(|pair| pair[0].position != pair[1].position);

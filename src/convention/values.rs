@@ -1,14 +1,14 @@
-//! Checks values of depth: invalid ones, an undeclared background, near and far.
+//! Checks depth values: invalid values, an undeclared background, near and far.
 
 use super::finding::{Finding, Verdict, listed, percent};
 use crate::dataset::{DepthRules, InvalidDepth};
 use crate::image::DepthPlane;
 
-/// The farthest value is a background where at least this share of all pixels has exactly it,
+/// Min share of all pixels that have exactly the largest value, for it to be an undeclared background.
 const BACKGROUND_SHARE: f64 = 0.002;
-/// and all others lie below this share of it,
+/// A frequent largest value is a background if all other values are below this fraction of it.
 const BACKGROUND_GAP: f32 = 0.1;
-/// or it is a common background value.
+/// A frequent largest value is also a background if it is one of these common background values.
 const USUAL_BACKGROUNDS: [f32; 18] = [
     100.0,
     1000.0,
@@ -31,48 +31,48 @@ const USUAL_BACKGROUNDS: [f32; 18] = [
 ];
 const MAX_F16: f32 = 65_504.0;
 const MAX_U32: f32 = u32::MAX as f32;
-/// No surface is so far away, in metres.
+/// Distance in metres from which no surface is plausible.
 const ABSURD_METRES: f64 = 1e7;
-/// A smaller share of invalid pixels is taken for single flaws, not for a background value.
+/// A smaller share of invalid pixels counts as isolated errors, not as a background value.
 const INVALID_SHARE: f64 = 1e-4;
-/// Share of surfaces outside near and far that is no accident.
+/// Min share of surfaces outside near and far that is not accidental.
 const OUTSIDE_SHARE: f64 = 0.001;
-/// Integer depths that reach this many metres are in a smaller unit.
+/// Integer depths that reach this many metres are probably in a smaller unit.
 const WHOLE_METRES: f64 = 100.0;
-/// Scales between the usual units.
+/// Ratios of common units.
 const SCALES: [f64; 6] = [0.001, 0.01, 0.1, 10.0, 100.0, 1000.0];
 
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DepthValues {
     pub pixels: u64,
-    /// Pixels of the declared background, of +inf, or of a value too far for a surface.
+    /// Number of pixels with the declared background, +inf, or a value too far for a surface.
     pub background: u64,
-    /// Such a value; 0 where there is none.
+    /// The value too far for a surface; 0 if there is none.
     pub too_far: f32,
     pub not_a_number: u64,
     pub zero: u64,
     pub negative: u64,
-    /// Surfaces: finite values above zero.
+    /// Number of surface pixels: finite values above zero.
     pub surfaces: u64,
-    /// Surfaces whose value is a whole number.
+    /// Number of surface pixels with an integer value.
     pub whole: u64,
-    /// `None` where there is no surface.
+    /// Smallest surface value; `None` if there is no surface.
     pub min: Option<f32>,
     pub max: f32,
-    /// Surfaces that have exactly the value `max`.
+    /// Number of surface pixels with exactly the value `max`.
     pub at_max: u64,
-    /// The farthest surface that is not at `max`; 0 where there is none.
+    /// Largest surface value below `max`; 0 if there is none.
     pub next_max: f32,
-    /// Surfaces outside the stated near and far.
+    /// Number of surface pixels outside the stated near and far.
     pub outside: u64,
 }
 
-/// What the manifest declares of depth values.
+/// Declared properties of depth values.
 #[derive(Debug, Clone, Copy)]
 pub struct Stated {
-    /// By which files are read.
+    /// Rules by which files are read.
     pub rules: DepthRules,
-    /// Near and far in metres; 0 and +inf where not declared.
+    /// Near and far in metres; 0 and +inf if not declared.
     pub range_m: [f64; 2],
 }
 
@@ -175,7 +175,7 @@ fn invalid(values: &DepthValues, rule: InvalidDepth) -> Finding {
     Finding::new("depth.values", verdict, says).with(&figures)
 }
 
-/// `is 1 NaN`, `are 2 NaN and 70 zero`.
+/// Formats counts with a verb: `is 1 NaN`, `are 2 NaN and 70 zero`.
 fn are(found: &[String]) -> String {
     let verb = if matches!(found, [only] if only.starts_with("1 ")) { "is" } else { "are" };
     format!("{verb} {}", listed(found, "and"))
@@ -310,7 +310,7 @@ mod tests {
             let declared = with_rules(|rules| rules.background = far);
             assert_eq!(verdicts(&bad, &declared)[1], Verdict::Fine, "{far}");
         }
-        // What is read as background is none of the surfaces.
+        // A value that is read as background is not counted as a surface.
         for far in [1e10, 1e30, f32::MAX] {
             let sky = plane(|at| if at < 400 { far } else { 1.25 + at as f32 * 0.001 });
             let found = check(&DepthValues::count(&sky, &stated()), &stated());
@@ -319,7 +319,7 @@ mod tests {
             let behind = with_rules(|rules| rules.scale = -1.0);
             assert_eq!(verdicts(&sky.map(|value| -value), &behind), [Verdict::Fine; 3], "{far}");
         }
-        // A wall at right angles to the view, the farthest of all, is no background.
+        // A wall perpendicular to the view, the farthest surface, is not a background.
         let wall = plane(|at| (1.25 + at as f32 * 0.01).min(7.5));
         assert_eq!(verdicts(&wall, &stated())[1], Verdict::Fine);
         let buffer = plane(|at| (0.9 + at as f32 * 0.0001).min(1.0));

@@ -1,4 +1,4 @@
-//! `cameras.json`: poses of probes to capture. Written by `place`, read by `capture`.
+//! `cameras.json`: poses of probes to capture. `place` writes it, `capture` reads it.
 //!
 //! ```json
 //! { "lightfold_cameras": 1, "cameras": [ { "name": "00", "position": [0, 1.5, 0] } ] }
@@ -16,13 +16,13 @@ use crate::json;
 
 pub const CAMERAS_VERSION: u32 = 1;
 
-/// The whole file. Unknown keys are errors, except inside `extra`.
+/// A camera set. Unknown keys are errors, except inside `extra`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraSet {
     pub lightfold_cameras: u32,
     pub cameras: Vec<PlacedCamera>,
-    /// Other data, such as the settings of the placement; kept, never read.
+    /// Other data, such as placement settings; preserved, never read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
@@ -30,31 +30,32 @@ pub struct CameraSet {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlacedCamera {
-    /// Name of the probe; its index in two digits or more when absent.
+    /// Name of the probe; if absent, its index with at least two digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Centre in metres.
     pub position: [f64; 3],
-    /// Unit quaternion x, y, z, w that turns the probe's axes into the world's; none when absent.
+    /// Unit quaternion x, y, z, w that rotates the probe's axes into the world's; identity if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation: Option<[f64; 4]>,
     /// Vertical field of view in degrees, for perspective captures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fov_y_deg: Option<f64>,
-    /// Width of its image over the height, for perspective captures; that of the images to capture when absent, and 1 where there are
-    /// none.
+    /// Aspect ratio width / height of the image, for perspective captures; if absent, that of the images to capture, or 1 without
+    /// images.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aspect: Option<f64>,
-    /// Middle of its image beside the viewing axis, in widths to the right and heights down, for perspective captures; none when absent.
+    /// Offset of the image centre from the viewing axis, in image widths to the right and image heights down, for perspective
+    /// captures; zero if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shift: Option<[f64; 2]>,
-    /// First and last frame to capture; all when absent.
+    /// First and last frame to capture, inclusive; all if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames: Option<[u32; 2]>,
-    /// Gain of the placement objective, as a fraction of the surfaces' area (times frames).
+    /// Gain of the placement objective, as a fraction of the surface area (times frames).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gain: Option<f64>,
-    /// Coverage by it and the cameras before it, 0..=1.
+    /// Coverage by this camera and all before it, 0..=1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coverage: Option<f64>,
 }
@@ -64,7 +65,7 @@ impl PlacedCamera {
         PlacedCamera { position, ..PlacedCamera::default() }
     }
 
-    /// fx, fy, cx, cy in pixels of an image with a vertical field of view in degrees.
+    /// Returns fx, fy, cx, cy in pixels of an image of `size` with a vertical field of view in degrees.
     pub fn intrinsics(&self, fov_y_deg: f64, size: [u32; 2]) -> [f64; 4] {
         let [fx, fy, cx, cy] = intrinsics_of(fov_y_deg, size);
         let [right, down] = self.shift.unwrap_or_default();
@@ -77,12 +78,12 @@ impl CameraSet {
         CameraSet { lightfold_cameras: CAMERAS_VERSION, cameras, extra: None }
     }
 
-    /// Reads a set, `-` for standard input. A `lightfield.json` is read as the set of its probes.
+    /// Reads a camera set; `-` reads standard input. The probes of a `lightfield.json` are accepted as a camera set.
     pub fn read(path: &Path) -> Result<CameraSet> {
         Self::from_json(&Self::read_text(path)?).map_err(|error| error.in_file(path))
     }
 
-    /// The bytes of a file of cameras of any kind, `-` for standard input.
+    /// Reads the bytes of a camera file of any format; `-` reads standard input.
     pub fn read_text(path: &Path) -> Result<Vec<u8>> {
         let source: Box<dyn Read> = match path == Path::new("-") {
             true => Box::new(std::io::stdin().lock()),
@@ -93,14 +94,14 @@ impl CameraSet {
         if text.len() as u64 > MAX_MANIFEST_BYTES {
             return Err(Error::invalid("a file of cameras has at most 16 MiB, this one has more").in_file(path));
         }
-        // Editors put a byte order mark before UTF-8.
+        // Editors may put a byte order mark before UTF-8.
         if text.starts_with(b"\xef\xbb\xbf") {
             text.drain(..3);
         }
         Ok(text)
     }
 
-    /// Parses and validates the text of a set, or of a manifest.
+    /// Parses and validates a camera set or a manifest.
     pub fn from_json(text: &[u8]) -> Result<CameraSet> {
         let value: serde_json::Value =
             serde_json::from_slice(text).map_err(|error| Error::invalid(format!("this is not JSON: {error}")))?;
@@ -147,7 +148,7 @@ impl CameraSet {
         json::pretty(self)
     }
 
-    /// The aspect of the cameras' images, if any states one; fails where they differ.
+    /// Returns the aspect ratio of the cameras' images, if any states one. Fails if they differ.
     pub fn aspect(&self) -> Result<Option<f64>> {
         let mut aspects = self.cameras.iter().filter_map(|camera| camera.aspect);
         let first = aspects.next();
@@ -199,7 +200,7 @@ impl CameraSet {
     }
 }
 
-/// Vertical field of view in degrees and shift of images with these fx, fy, cx, cy in pixels.
+/// Returns the vertical field of view in degrees and the shift of an image of `size` with fx, fy, cx, cy in pixels.
 fn lens_of([fx, fy, cx, cy]: [f64; 4], size: [u32; 2]) -> Result<(f64, [f64; 2])> {
     if (fx - fy).abs() > 1e-6 * fy {
         return Err(Error::invalid(

@@ -1,12 +1,12 @@
 //! Proposes a manifest for a folder of image sequences.
 //!
-//! Enters: a folder. Leaves: a manifest, and a sentence for each thing that images cannot tell.
+//! Input: a folder. Output: a manifest, and a sentence for each property that the images do not determine.
 //!
-//! 1. `sequences`: files with frame numbers, and the kinds of images that the first of each holds.
-//! 2. `names`: for each kind one pattern with `{probe}` and `{face}`.
-//! 3. `poses`: cameras, where EXR files state them.
-//! 4. `panoramas`: two eyes in one image.
-//! 5. Here: frames, projection by names and shape, values of depth by the first image.
+//! 1. `sequences` finds files with frame numbers, and the kinds of images that the first file of each sequence holds.
+//! 2. `names` derives for each kind one pattern with `{probe}` and `{face}`.
+//! 3. `poses` reads cameras, if EXR files state them.
+//! 4. `panoramas` detects two eyes in one image.
+//! 5. This module determines the frames, the projection from names and image shape, and depth properties from the first image.
 
 mod names;
 mod panoramas;
@@ -30,24 +30,24 @@ use crate::image::{
     StreamKind, exr, png,
 };
 
-/// Frames per second where no file states any.
+/// Frames per second if no file states a rate.
 const USUAL_FPS: f64 = 24.0;
-/// Depth from here on, in units of the file, means that nothing is there.
+/// Depth values from this one on, in units of the file, mark the background.
 const NOTHING_FROM: f32 = 1e10;
 
-/// A manifest that fits the files of a folder.
+/// A proposed manifest for the files of a folder.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proposal {
-    /// Valid, with patterns relative to the folder.
+    /// The manifest: valid, with patterns relative to the folder.
     pub manifest: Manifest,
-    /// What images cannot tell, or what was left out: a sentence each.
+    /// Properties that the images do not determine, and files that were left out; one sentence each.
     pub unsure: Vec<String>,
-    /// The same of cameras alone: where they stand, and their lenses.
+    /// Properties of cameras that the files do not state: positions and lenses; one sentence each.
     pub unsure_of_cameras: Vec<String>,
 }
 
 impl Proposal {
-    /// The same with absolute patterns, for a manifest in another folder.
+    /// Makes the patterns absolute, for a manifest in another folder.
     pub fn outside(mut self, folder: &Path) -> Result<Proposal> {
         let whole = folder.canonicalize().map_err(|error| Error::io(folder, error))?;
         let Some(whole) = whole.to_str().filter(|whole| !whole.contains(['{', '}'])) else {
@@ -94,7 +94,7 @@ pub fn propose(folder: &Path) -> Result<Proposal> {
     Draft { folder, found: &found, kinds, limits, unsure }.manifest()
 }
 
-/// Sequences of a kind. Files of depth alone win over those that hold it beside colour.
+/// Returns the sequences of a kind. Files with only depth take precedence over files with depth and colour.
 fn choose(found: &[Found], kind: StreamKind) -> Vec<&Found> {
     let of_kind: Vec<&Found> = found.iter().filter(|of| of.kinds.contains(&kind)).collect();
     let alone = |of: &&&Found| of.kinds.len() == 1;
@@ -102,7 +102,7 @@ fn choose(found: &[Found], kind: StreamKind) -> Vec<&Found> {
     of_kind.into_iter().filter(|of| kind != StreamKind::Depth || !some_alone || alone(&of)).collect()
 }
 
-/// Sequences of a kind, and their common pattern.
+/// The sequences of a kind, and their common pattern.
 type OfKind<'a> = (Vec<&'a Found>, Named);
 
 struct Draft<'a> {
@@ -197,7 +197,7 @@ impl Draft<'_> {
         if name.is_empty() || name.contains(char::is_control) { "footage".into() } else { name.into() }
     }
 
-    /// The one size of all images.
+    /// Returns the common size of all images. Fails if sizes differ.
     fn size(&self) -> Result<(u32, u32)> {
         let mut all = self.kinds.values().flat_map(|(files, _)| files);
         let first = all.next().map_or(&self.found[0], |of| *of);
@@ -211,7 +211,7 @@ impl Draft<'_> {
         }
     }
 
-    /// What files call the faces; empty where one image holds all, or there is one face only.
+    /// Returns the names of the faces in files; empty if one image holds all faces, or there is only one face.
     fn faces(&self) -> Result<BTreeMap<Face, String>> {
         let mut all = self.kinds.values().map(|(_, named)| &named.faces);
         let first = all.next().cloned().unwrap_or_default();
@@ -222,7 +222,7 @@ impl Draft<'_> {
         }
     }
 
-    /// Names of the probes that have files of each kind.
+    /// Returns the names of the probes that have files of every kind.
     fn probe_names(&mut self) -> Result<Vec<String>> {
         let of_kinds: Vec<BTreeSet<String>> = self.kinds.values().map(|(_, named)| named.probes()).collect();
         let all: BTreeSet<String> = of_kinds.iter().flatten().cloned().collect();
@@ -246,7 +246,7 @@ impl Draft<'_> {
         })
     }
 
-    /// First and last frame that all files of a probe have, by its name.
+    /// Returns the first and last frame common to all files of a probe, by probe name.
     fn frames(&mut self, names: &[String]) -> Result<BTreeMap<String, [u32; 2]>> {
         let mut frames = BTreeMap::new();
         for name in names {
@@ -320,7 +320,7 @@ impl Draft<'_> {
         })
     }
 
-    /// Whether the images have one value in each corner that no face of a cross covers.
+    /// Returns true if each cell of a cross that no face covers is constant, and the image as a whole is not.
     fn has_empty_corners(&self, (width, height): (u32, u32)) -> Result<bool> {
         let cells: &[[u32; 2]] = if width > height {
             &[[0, 0], [2, 0], [3, 0], [0, 2], [2, 2], [3, 2]]
@@ -336,7 +336,7 @@ impl Draft<'_> {
                 (0..side * side).all(|at| value(left + at % side, top + at / side) == value(left, top))
             })
         };
-        // An image of one value could be anything.
+        // A constant image proves nothing.
         let varies = |of: &[[u32; 3]]| of.iter().any(|value| *value != of[0]);
         let values = match kind {
             StreamKind::Color => self.read_color(file)?.map(|pixel| pixel.map(|value| u32::from(value.to_bits()))),
@@ -346,7 +346,8 @@ impl Draft<'_> {
         Ok(varies(values.data()) && corners(&|x, y| values.get(x, y)))
     }
 
-    /// The first image in gray, of colour or of inverse depth; black where nothing is, or of material alone.
+    /// Returns the first image in gray, from colour, or from inverse depth with a black background; black if there is only
+    /// material.
     fn shades(&self) -> Result<Plane<f32>> {
         let first = |kind| self.kinds.get(&kind).map(|(files, _)| files[0]);
         if let Some(file) = first(StreamKind::Color) {
@@ -374,7 +375,7 @@ impl Draft<'_> {
         }
     }
 
-    /// What the first image of depth tells.
+    /// Derives depth properties from the first depth image.
     fn depth(&mut self, projection: Projection, is_stereo: bool) -> Result<Option<DepthInfo>> {
         let Some((files, _)) = self.kinds.get(&StreamKind::Depth) else { return Ok(None) };
         let first = files[0];
@@ -416,7 +417,7 @@ impl Draft<'_> {
         })
     }
 
-    /// Encoding of colour, where it is not what files of their format usually have.
+    /// Returns the colour space, if it differs from the default of the file format.
     fn color_space(&mut self) -> Option<ColorSpace> {
         let (files, _) = self.kinds.get(&StreamKind::Color)?;
         if png::is_png(&files[0].first) {
@@ -437,7 +438,7 @@ impl Draft<'_> {
         space.filter(|space| *space != ColorSpace::LinearRec709)
     }
 
-    /// Pattern of files of normals of the same probes and faces.
+    /// Returns the pattern of normal maps that cover the same probes and faces.
     fn normals(&mut self, names: &[String]) -> Result<Option<String>> {
         let is_normal = |of: &&Found| {
             let header = of.header.as_ref();
@@ -472,7 +473,7 @@ fn unsure_of_cameras(probes: &[Probe], projection: Projection) -> Vec<String> {
     unsure
 }
 
-/// The 64-bit number with the digits that print a 32-bit one.
+/// Returns the 64-bit float with the shortest decimal form of a 32-bit one.
 fn shortest(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }

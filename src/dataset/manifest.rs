@@ -18,21 +18,21 @@ use crate::math::camera::rotation;
 pub const MANIFEST_NAME: &str = "lightfield.json";
 /// Version of the schema that this program reads and writes.
 pub const MANIFEST_VERSION: u32 = 1;
-/// Larger manifests are refused.
+/// Max size of a manifest in bytes.
 pub const MAX_MANIFEST_BYTES: u64 = 16 << 20;
-/// Longest side, in pixels, of the images that a manifest may declare.
+/// Max side in pixels of the images that a manifest may declare.
 pub const MAX_SIDE: u32 = 65_536;
 
-/// The whole file. Unknown keys are errors, except inside `extra`.
+/// The manifest. Unknown keys are errors, except inside `extra`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
-    /// Address of the schema, for editors; kept, never read.
+    /// URL of the schema, for editors; preserved, never read.
     #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
     pub schema: Option<String>,
     pub lightfield: u32,
     pub name: String,
-    /// Frames per second. In files also a ratio, such as "24000/1001".
+    /// Frames per second. Files may also state a ratio, such as "24000/1001".
     #[serde(deserialize_with = "frame_rate")]
     pub fps: f64,
     /// First and last frame, inclusive.
@@ -40,15 +40,15 @@ pub struct Manifest {
     pub projection: Projection,
     /// Width and height of each image file, in pixels.
     pub size: [u32; 2],
-    /// File layout of cube maps; six files when absent.
+    /// Arrangement of the faces of cube maps in files; six files if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub faces: Option<FaceFiles>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub faces_present: Option<Vec<String>>,
-    /// What `{face}` stands for, by the name of the face; the name itself where it is absent.
+    /// Text substituted for `{face}`, by face name; the face name itself if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub face_names: Option<BTreeMap<String, String>>,
-    /// Place of the two eyes' pictures in each image; each probe is one eye.
+    /// Position of the two eyes' pictures in each image; each probe is one eye.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stereo: Option<StereoLayout>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -59,26 +59,26 @@ pub struct Manifest {
     pub material: Option<MaterialInfo>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub alpha: Option<AlphaInfo>,
-    /// Treatment of frames whose file is missing; an error when absent.
+    /// Treatment of frames whose file is missing; an error if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub missing: Option<Missing>,
     pub files: Files,
     pub probes: Vec<Probe>,
-    /// Other data; kept, never read.
+    /// Other data; preserved, never read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FaceFiles {
-    /// Six files; the pattern holds `{face}`.
+    /// Six files per frame; the pattern contains `{face}`.
     #[default]
     #[serde(rename = "opengl-cube")]
     Six,
-    /// One file, an unfolded cube of 4:3 or 3:4 ([`crate::image::layout`]).
+    /// One file with an unfolded cube of aspect 4:3 or 3:4 ([`crate::image::layout`]).
     #[serde(rename = "opengl-cube-cross")]
     Cross,
-    /// One file, a strip of 6:1 or 1:6 ([`crate::image::layout`]).
+    /// One file with a strip of aspect 6:1 or 1:6 ([`crate::image::layout`]).
     #[serde(rename = "opengl-cube-strip")]
     Strip,
 }
@@ -107,23 +107,22 @@ impl Unit {
 pub struct DepthInfo {
     #[serde(default)]
     pub kind: DepthKind,
-    /// Channel, layer, part or stereo view of EXR files; found by its usual names when absent. `{probe}` and `{face}` stand
-    /// for names.
+    /// Channel, layer, part or stereo view of EXR files; if absent, found by common names. May contain `{probe}` and `{face}`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
-    /// Unit of the values. Metres when it and `scale` are absent, except in integer files, which need one of them.
+    /// Unit of the values. Metres if both this and `scale` are absent, except for integer files, which need one of them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unit: Option<Unit>,
-    /// Metres per unit instead of `unit`, not 0. Below 0 where values in front of the camera are negative.
+    /// Metres per unit, instead of `unit`; not 0. Negative if values in front of the camera are negative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
-    /// The value of the background in the files, before unit and scale. So is +inf.
+    /// Background value of the files, before unit and scale. +inf is always background.
     #[serde(default)]
     pub background: Background,
     /// Nearest depth in metres, above 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub near: Option<f64>,
-    /// Farthest depth in metres, above `near`.
+    /// Farthest depth in metres, at least `near`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub far: Option<f64>,
 }
@@ -143,7 +142,7 @@ impl Default for DepthInfo {
 }
 
 impl DepthInfo {
-    /// Metres per unit of the files, if stated.
+    /// Returns the metres per unit of the files, if stated.
     pub fn stated_scale(&self) -> Option<f64> {
         self.scale.or(self.unit.map(Unit::metres))
     }
@@ -154,7 +153,7 @@ impl DepthInfo {
 #[serde(untagged)]
 pub enum Background {
     Value(f64),
-    /// `inf`; any other word is refused.
+    /// The word `inf`; any other word is an error.
     Word(String),
 }
 
@@ -165,7 +164,7 @@ impl Default for Background {
 }
 
 impl Background {
-    /// The value, +inf for the word.
+    /// Returns the value; +inf for the word.
     pub fn value(&self) -> f32 {
         match self {
             Background::Value(value) => *value as f32,
@@ -177,11 +176,11 @@ impl Background {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ColorInfo {
-    /// When absent, linear light for EXR files and sRGB for PNG files.
+    /// Colour space; if absent, linear for EXR files and sRGB for PNG files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub space: Option<ColorSpace>,
-    /// Layer, part, stereo view or three channels of EXR files; found by its usual names when absent. `{probe}` and
-    /// `{face}` stand for names.
+    /// Layer, part, stereo view or three channels of EXR files; if absent, found by common names. May contain `{probe}` and
+    /// `{face}`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layer: Option<String>,
 }
@@ -189,7 +188,7 @@ pub struct ColorInfo {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AlphaInfo {
-    /// Channel of EXR files; that of the layer of colour when absent. `{probe}` and `{face}` stand for names.
+    /// Channel of EXR files; if absent, that of the colour layer. May contain `{probe}` and `{face}`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
 }
@@ -220,8 +219,8 @@ impl Default for MaterialChannels {
     }
 }
 
-/// File patterns, relative to the manifest: `{probe}` and `{face}` stand for names, `%04d`, `####`, `$F4` or `<frame04>` for
-/// the frame.
+/// File patterns, relative to the manifest. `{probe}` and `{face}` are replaced by names; `%04d`, `####`, `$F4` or `<frame04>` is
+/// the frame number.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Files {
@@ -231,15 +230,16 @@ pub struct Files {
     pub depth: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
-    /// The files of colour, where these have alpha. Colour of EXR files is multiplied by it, that of PNG files is not.
+    /// Pattern of the files with alpha, which may be the colour files. Colour in EXR files is premultiplied, colour in PNG files
+    /// is not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub alpha: Option<String>,
-    /// Normals are no stream of a container: simplification reads them.
+    /// Pattern of the normal maps. They are not stored in containers; simplification reads them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<String>,
 }
 
-/// Channels of files of normals.
+/// Channel names of normal maps.
 pub const NORMAL_CHANNELS: [&str; 3] = ["X", "Y", "Z"];
 
 impl Files {
@@ -253,7 +253,7 @@ impl Files {
     }
 }
 
-/// Pose of a moving probe in one frame.
+/// Pose of a moving probe at one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pose {
@@ -261,7 +261,7 @@ pub struct Pose {
     pub frame: u32,
     /// Centre in metres.
     pub position: [f64; 3],
-    /// Unit quaternion x, y, z, w that turns the probe's axes into the world's; none when absent.
+    /// Unit quaternion x, y, z, w that rotates the probe's axes into the world's; identity if absent.
     #[serde(default = "no_turn")]
     pub orientation: [f64; 4],
 }
@@ -270,29 +270,29 @@ fn no_turn() -> [f64; 4] {
     [0.0, 0.0, 0.0, 1.0]
 }
 
-/// A point of capture: a still one has a position, a moving one a pose in each of its frames.
+/// A capture position. A static probe has a position, a moving one a pose for each of its frames.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Probe {
-    /// Name, of letters, digits, `.`, `_` and `-`.
+    /// Name: letters, digits, `.`, `_` and `-`.
     pub name: String,
-    /// Centre in metres. A moving probe needs none; if it has one, it is that of its first pose.
+    /// Centre in metres. Optional for a moving probe, where it must equal the position of the first pose.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position: Option<[f64; 3]>,
-    /// First and last frame of this probe; those of the dataset when absent.
+    /// First and last frame of this probe, inclusive; those of the dataset if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames: Option<[u32; 2]>,
-    /// Unit quaternion x, y, z, w that turns the probe's axes into the world's; none when absent. Still probes only.
+    /// Unit quaternion x, y, z, w that rotates the probe's axes into the world's; identity if absent. Static probes only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation: Option<[f64; 4]>,
-    /// Poses of a moving probe, in any order: each of its frames once. Those of other frames are not used.
+    /// Poses of a moving probe, in any order, exactly one for each of its frames. Poses at other frames are ignored.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub poses: Vec<Pose>,
-    /// The eye whose picture is read, where `stereo` puts two into each image.
+    /// The eye whose picture is read, if `stereo` puts two pictures into each image.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub eye: Option<Eye>,
-    /// Vertical field of view in degrees, 0..180 exclusive; perspective only. Without it and without `intrinsics` the
-    /// camera is unknown, and planar depth stays planar.
+    /// Vertical field of view in degrees, 0..180 exclusive; perspective only. If neither this nor `intrinsics` is given, the
+    /// camera is unknown and planar depth is not converted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fov_y_deg: Option<f64>,
     /// fx, fy, cx, cy in pixels; perspective only.
@@ -303,14 +303,14 @@ pub struct Probe {
 }
 
 impl Probe {
-    /// Poses of a moving probe in the frames of a range, in order; none of a still one.
+    /// Returns the poses of a moving probe within a range of frames, sorted by frame; empty for a static probe.
     pub fn poses_in(&self, frames: FrameRange) -> Vec<Pose> {
         let mut poses: Vec<Pose> = self.poses.iter().copied().filter(|pose| frames.contains(pose.frame)).collect();
         poses.sort_unstable_by_key(|pose| pose.frame);
         poses
     }
 
-    /// Pose in the first frame of a range; that of all frames for a still probe.
+    /// Returns the pose at the first frame of a range; for a static probe, its only pose.
     pub fn first_pose(&self, frames: FrameRange) -> Pose {
         let still = Pose {
             frame: frames.first,
@@ -320,13 +320,13 @@ impl Probe {
         self.poses_in(frames).first().copied().unwrap_or(still)
     }
 
-    /// fx, fy, cx, cy for images of a size, from either key.
+    /// Returns fx, fy, cx, cy for images of `size`, from `intrinsics` or `fov_y_deg`.
     pub fn intrinsics_for(&self, size: [u32; 2]) -> Option<[f64; 4]> {
         self.intrinsics.or_else(|| Some(intrinsics_of(self.fov_y_deg?, size)))
     }
 }
 
-/// fx, fy, cx, cy in pixels of an image with this vertical field of view in degrees.
+/// Returns fx, fy, cx, cy in pixels of an image with a vertical field of view in degrees.
 pub fn intrinsics_of(fov_y_deg: f64, size: [u32; 2]) -> [f64; 4] {
     let [width, height] = size.map(f64::from);
     let focal = height / 2.0 / (fov_y_deg.to_radians() / 2.0).tan();
@@ -337,7 +337,8 @@ fn file_pattern(text: &str, probe: &str, face: &str) -> Result<Pattern> {
     Pattern::parse(&text.replace("{probe}", probe).replace("{face}", face))
 }
 
-/// A frame rate: a number, or a ratio such as `24000/1001`. `None` for anything else, and where it is not above 0.
+/// Parses a frame rate: a number, or a ratio such as `24000/1001`. Returns `None` for other text, and if the rate is not
+/// positive.
 pub fn parse_frame_rate(text: &str) -> Option<f64> {
     let number = |text: &str| text.trim().parse::<f64>().ok();
     let rate = match text.split_once('/') {
@@ -367,16 +368,16 @@ pub fn is_dataset(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "json") || path.join(MANIFEST_NAME).is_file()
 }
 
-/// The manifest's file, given itself or its folder.
+/// Returns the path of the manifest, given the file or its folder.
 pub fn manifest_path(path: &Path) -> PathBuf {
     if path.is_dir() { path.join(MANIFEST_NAME) } else { path.to_path_buf() }
 }
 
-/// The bytes of a manifest of any kind, at most [`MAX_MANIFEST_BYTES`].
+/// Reads the bytes of a manifest of any format, at most [`MAX_MANIFEST_BYTES`].
 pub(super) fn read_text(path: &Path) -> Result<Vec<u8>> {
     let file = crate::files::open_regular(path)?;
     let mut text = Vec::new();
-    // Reads one byte more than allowed instead of trusting the file's stated length.
+    // Read one byte more than allowed rather than trust the reported file size.
     file.take(MAX_MANIFEST_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
     if text.len() as u64 > MAX_MANIFEST_BYTES {
         return Err(Error::invalid("the manifest is larger than 16 MiB").in_file(path));
@@ -425,23 +426,23 @@ impl Manifest {
         self.projection == Projection::Cubemap && self.face_files() == FaceFiles::Six
     }
 
-    /// What `{face}` stands for.
+    /// Returns the text substituted for `{face}`.
     pub fn face_name(&self, face: Face) -> &str {
         let given = self.face_names.as_ref().and_then(|names| names.get(face.name()));
         given.map_or(face.name(), String::as_str)
     }
 
-    /// Width and height of a picture: of each image file, or of one eye's part of it.
+    /// Returns the width and height of a picture: of an image file, or of one eye's part of it.
     pub fn picture_size(&self) -> [u32; 2] {
         self.stereo.and_then(|layout| eye_size(layout, self.size)).unwrap_or(self.size)
     }
 
-    /// Frames of a probe.
+    /// Returns the frames of a probe.
     pub fn frames_of(&self, probe: &Probe) -> FrameRange {
         probe.frames.map_or(self.frame_range(), |[first, last]| FrameRange { first, last })
     }
 
-    /// Names of channels or layers of a kind, as given; each may hold `{probe}` and `{face}`.
+    /// Names of the channels or layers of a kind, as given; each may contain `{probe}` and `{face}`.
     fn channels(&self, kind: StreamKind) -> Vec<&str> {
         match kind {
             StreamKind::Color => self.color.iter().filter_map(|color| color.layer.as_deref()).collect(),
@@ -451,24 +452,24 @@ impl Manifest {
         }
     }
 
-    /// Pattern of the files of a stream, below the manifest's folder; `None` where the dataset has no such stream.
+    /// Returns the file pattern of a stream, relative to the manifest's folder; `None` if the dataset has no such stream.
     pub fn pattern(&self, kind: StreamKind, probe: &str, face: Face) -> Result<Option<Pattern>> {
         self.files.get(kind).map(|text| file_pattern(text, probe, self.face_name(face))).transpose()
     }
 
-    /// As [`Self::pattern`], of normals.
+    /// As [`Self::pattern`], for normal maps.
     pub fn normal_pattern(&self, probe: &str, face: Face) -> Result<Option<Pattern>> {
         self.files.normal.as_deref().map(|text| file_pattern(text, probe, self.face_name(face))).transpose()
     }
 }
 
-/// Whether a name is valid for a probe: file names contain it.
+/// Returns true if a name is valid for a probe. Names are parts of file names.
 pub fn is_probe_name(name: &str) -> bool {
     let allowed = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'_' | b'-');
     (1..=100).contains(&name.len()) && name.bytes().all(allowed) && !name.starts_with('.')
 }
 
-/// What is wrong with the name or pose of a probe or camera.
+/// Returns what is wrong with the name or pose of a probe or camera, if anything.
 pub(super) fn pose_fault(
     name: &str,
     position: [f64; 3],
@@ -484,7 +485,7 @@ pub(super) fn pose_fault(
     faults.into_iter().find(|(is_so, _)| *is_so).map(|(_, fault)| fault)
 }
 
-/// Checks fx, fy, cx, cy: all finite, focal lengths above 0.
+/// Checks that fx, fy, cx, cy are finite and the focal lengths positive.
 pub(crate) fn check_intrinsics(intrinsics: [f64; 4]) -> Result<()> {
     if intrinsics.iter().all(|value| value.is_finite()) && intrinsics[0] > 0.0 && intrinsics[1] > 0.0 {
         return Ok(());

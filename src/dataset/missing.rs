@@ -1,4 +1,4 @@
-//! Frames whose files are missing, and what stands in their place.
+//! Frames whose files are missing, and the frames that replace them.
 
 use std::path::PathBuf;
 
@@ -11,19 +11,19 @@ use crate::image::{FolderNames, FrameRange, Pattern, Sequence};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Missing {
-    /// An error that names the file.
+    /// Fails with an error that names the file.
     #[default]
     Error,
-    /// The last frame before it that is there, else the first one.
+    /// Replaced by the last earlier frame that has a file, or else by the first one.
     Hold,
-    /// At the start and end of a stream they are left out; within it they are an error, as streams have no gaps.
+    /// Dropped at the start and end of a stream; an error in between, because streams have no gaps.
     Skip,
-    /// Black light, background, no material, and an alpha of 0.
+    /// Replaced by black, background, no material and an alpha of 0.
     Black,
 }
 
 impl Missing {
-    /// As in manifests.
+    /// Returns the name used in manifests.
     pub fn name(self) -> &'static str {
         match self {
             Missing::Error => "error",
@@ -34,7 +34,7 @@ impl Missing {
     }
 }
 
-/// The files of a stream's frames. Memory and time are in proportion to the files that are there, not to the frames.
+/// Files of the frames of a stream. Memory and time are proportional to the number of existing files, not of frames.
 #[derive(Debug, Clone)]
 pub(super) struct FrameFiles {
     sequence: Sequence,
@@ -44,9 +44,9 @@ pub(super) struct FrameFiles {
 /// Frames without a file.
 #[derive(Debug, Clone)]
 struct Gaps {
-    /// Frames with a file, ascending and not empty.
+    /// Frames with a file, ascending; not empty.
     there: Vec<u32>,
-    /// Black stands in for the others; else the last frame before them that is there, or the first one.
+    /// True if missing frames are black; else the last earlier frame with a file replaces them, or the first one.
     are_black: bool,
 }
 
@@ -58,7 +58,7 @@ impl Gaps {
 }
 
 impl FrameFiles {
-    /// Those of a pattern whose range is known. Each folder is listed once for all calls with the same `folders`.
+    /// Finds the files of a pattern with a known range. Each folder is listed once for all calls with the same `folders`.
     pub fn known(
         pattern: Pattern,
         frames: FrameRange,
@@ -71,7 +71,7 @@ impl FrameFiles {
         }
     }
 
-    /// Those of a pattern, a folder or a file, as [`Sequence::find`].
+    /// Finds the files of a pattern, a folder or a file, as [`Sequence::find`].
     pub fn find(spec: &str, frames: Option<FrameRange>, missing: Missing) -> Result<FrameFiles> {
         match missing {
             Missing::Error => Sequence::find(spec, frames).map(FrameFiles::whole),
@@ -117,14 +117,14 @@ impl FrameFiles {
         self.sequence.frames
     }
 
-    /// The file of a frame, or of that in its place; none for black.
+    /// Returns the file of a frame, or of the frame that replaces it; `None` for black.
     pub fn path(&self, frame: u32) -> Option<PathBuf> {
         let is_missing = |gaps: &&Gaps| gaps.there.binary_search(&frame).is_err();
         let from = self.gaps.as_ref().filter(is_missing).map_or(Some(frame), |gaps| gaps.stand_in(frame));
         from.map(|frame| self.sequence.path(frame))
     }
 
-    /// The files that are there.
+    /// The existing files.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
         let sequence = &self.sequence;
         let all = self.gaps.is_none().then(|| sequence.files()).into_iter().flatten();
@@ -132,7 +132,7 @@ impl FrameFiles {
         all.chain(there)
     }
 
-    /// Frames without a file, and the frame in their place; none for black.
+    /// Frames without a file, each with the frame that replaces it; `None` for black.
     pub fn stand_ins(&self) -> impl Iterator<Item = (u32, Option<u32>)> {
         let FrameRange { first, last } = self.frames();
         self.gaps.iter().flat_map(move |gaps| {
@@ -191,7 +191,7 @@ mod tests {
             FrameFiles::known(pattern, range, missing, &mut folders)
         };
         for missing in [Missing::Hold, Missing::Black] {
-            // A pass over all frames would take minutes, and a row for each of them 32 GiB.
+            // Visiting every frame would take minutes, and an entry for each would take 32 GiB.
             let files = known("d.%04d.exr", missing).unwrap();
             assert_eq!((files.frames(), files.files().count()), (range, 2));
             let held = |frame| files.path(frame).map(|path| path.file_name().unwrap().to_string_lossy().into_owned());

@@ -1,5 +1,5 @@
-//! Datasets: manifests, and readers of EXR or PNG sequences as planes of metres and linear light; captures of Seurat manifests
-//! as rays.
+//! Datasets: manifests, and readers that convert EXR or PNG sequences to planes of depth in metres and linear RGB; Seurat
+//! captures, read as rays.
 
 pub mod cameras;
 pub mod discover;

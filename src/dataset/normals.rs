@@ -1,4 +1,4 @@
-//! Files of normals: X, Y, Z of an EXR file, unit vectors in world axes, zero for the background.
+//! Normal maps: channels X, Y, Z of EXR files, unit vectors in world axes, zero for the background.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,17 +8,18 @@ use super::pixels::pixel;
 use crate::error::{Error, Result};
 use crate::image::{Face, FrameRange, NormalPlane, ReadLimits, Sequence, exr, png};
 
-/// Files by probe and first face; empty where the dataset has no normals.
+/// Files by probe and first face; empty if the dataset has no normals.
 #[derive(Debug, Default)]
 pub struct NormalFiles(BTreeMap<(usize, Face), Sequence>);
 
 impl NormalFiles {
-    /// Files of all frames.
+    /// The files of all frames.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
         self.0.values().flat_map(Sequence::files)
     }
 
-    /// Those of the manifest in a folder. `first_faces` are of the files of a frame, `frames` of the probes.
+    /// Finds the normal files of a manifest in `folder`. `first_faces` holds the first face of each file of a frame, `frames` the
+    /// frames of each probe.
     pub fn of(manifest: &Manifest, folder: &Path, first_faces: &[Face], frames: &[FrameRange]) -> Result<NormalFiles> {
         let mut files = BTreeMap::new();
         for (at, (probe, &frames)) in manifest.probes.iter().zip(frames).enumerate() {
@@ -35,7 +36,7 @@ impl NormalFiles {
     }
 }
 
-/// Fails where a normal is not finite.
+/// Reads normals from an EXR file. Fails if a normal is not finite.
 pub fn read(path: &Path, limits: &ReadLimits) -> Result<NormalPlane> {
     if png::is_png(path) {
         return Err(Error::unsupported("normals are read from EXR files only"));

@@ -11,18 +11,18 @@ use crate::image::{
 /// given near and far.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum InvalidDepth {
-    /// An error that names file and pixel.
+    /// Fails with an error that names the file and the pixel.
     #[default]
     Refuse,
-    /// Nothing is there: the pixel becomes +inf.
+    /// The pixel becomes background, +inf.
     Far,
-    /// As near as can be: the pixel becomes 0.0, which encoders store as code 0, the probe's near plane.
+    /// The pixel becomes 0.0, which encoders store as code 0, the near plane of the probe.
     Near,
 }
 
 impl InvalidDepth {
-    /// Replaces surfaces nearer or farther than the ends that are given: by the end that they lie beyond, or by the background.
-    /// Returns their number, 0 where they are to be refused.
+    /// Replaces surfaces outside the given near and far: by the nearest given bound for `Near`, by the background for `Far`.
+    /// Returns the number of replaced pixels, 0 for `Refuse`, which changes nothing.
     pub fn replace_outside(self, plane: &mut DepthPlane, [near_m, far_m]: [Option<f32>; 2]) -> u64 {
         if self == InvalidDepth::Refuse {
             return 0;
@@ -38,7 +38,7 @@ impl InvalidDepth {
         count
     }
 
-    /// `refuse`, `far` or `near`, as options spell it.
+    /// Returns `refuse`, `far` or `near`, as in options.
     pub fn name(self) -> &'static str {
         match self {
             InvalidDepth::Refuse => "refuse",
@@ -48,10 +48,10 @@ impl InvalidDepth {
     }
 }
 
-/// Treatment of colour that is NaN, of alpha beyond 0 to 1, and of material values that are not finite.
+/// Treatment of NaN in colour, of alpha outside 0 to 1, and of material values that are not finite.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum InvalidColor {
-    /// An error that names file and pixel.
+    /// Fails with an error that names the file and the pixel.
     #[default]
     Refuse,
     /// The component becomes 0; alpha above 1 becomes 1.
@@ -64,22 +64,24 @@ impl InvalidColor {
     }
 }
 
-/// No surface is as far, in metres, unless a manifest states so: values such as 1e30 mean that nothing is there.
+/// Default of [`DepthRules::farthest_m`]: no surface is this far, so values such as 1e30 mark the background. A larger `far` in a
+/// manifest replaces it.
 pub(super) const FARTHEST_M: f64 = 1e10;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthRules {
-    /// Value in the file that means "nothing there", besides +inf.
+    /// Background value of the file, in addition to +inf.
     pub background: f32,
-    /// Metres per unit; below 0 where values in front of the camera are negative.
+    /// Metres per unit; negative if values in front of the camera are negative.
     pub scale: f64,
-    /// The one value of an image that is as far as this or farther is background where none but +inf is declared.
+    /// Distance in metres from which a value is too far for a surface. If only +inf is declared as background, the largest finite
+    /// value of an image is also background if it is at least this far.
     pub farthest_m: f64,
     pub invalid: InvalidDepth,
 }
 
 impl DepthRules {
-    /// Distance in units of the file, above 0 in front of the camera; +inf for the background.
+    /// Returns the distance in units of the file, positive in front of the camera; +inf for the background.
     pub fn units(&self, stored: f32) -> f32 {
         if stored == f32::INFINITY || stored == self.background {
             return f32::INFINITY;
@@ -87,8 +89,8 @@ impl DepthRules {
         if self.scale < 0.0 { -stored } else { stored }
     }
 
-    /// What an image has as its background where none but +inf is declared, in units of the file: its farthest value, if no
-    /// surface can be as far. +inf where there is none.
+    /// Returns the undeclared background value of an image, in units of the file: its largest finite value, if only +inf is
+    /// declared and no surface can be that far. Returns +inf if there is none.
     pub fn farthest(&self, plane: &DepthPlane) -> f32 {
         if self.background.is_finite() {
             return f32::INFINITY;
@@ -107,13 +109,14 @@ pub(super) fn pixel(index: usize, width: u32) -> String {
     format!("pixel ({}, {})", index as u64 % u64::from(width.max(1)), index as u64 / u64::from(width.max(1)))
 }
 
-/// A positive depth in metres times a factor, kept inside the positive finite floats: +inf and 0 have a meaning.
+/// Multiplies a positive depth by a factor and clamps to positive finite floats, because +inf and 0 are reserved.
 fn metres(value: f32, factor: f64) -> f32 {
     let product = (f64::from(value) * factor) as f32;
     product.clamp(f32::from_bits(1), f32::MAX)
 }
 
-/// Applies the rules: +inf where nothing is, 0.0 where [`InvalidDepth::Near`] put it, else a finite value above 0.
+/// Applies the rules to a plane. Values become +inf for the background, 0.0 for invalid depth with [`InvalidDepth::Near`], else
+/// finite and positive metres.
 pub(super) fn check_depth(plane: &mut DepthPlane, rules: &DepthRules) -> Result<()> {
     let width = plane.width();
     let farthest = rules.farthest(plane);
@@ -137,7 +140,7 @@ pub(super) fn check_depth(plane: &mut DepthPlane, rules: &DepthRules) -> Result<
     Ok(())
 }
 
-/// What is wrong with a stored depth, and what to do.
+/// Describes why a stored depth is invalid, and how to fix it.
 fn invalid_words(stored: f32, units: f32, background: f32) -> String {
     let say = "set `invalid_depth` to far or near";
     if units.is_nan() {
@@ -159,7 +162,7 @@ fn invalid_words(stored: f32, units: f32, background: f32) -> String {
     }
 }
 
-/// Turns planar depth into distance; +inf and 0.0 stay.
+/// Converts planar depth to distance from the centre; +inf and 0.0 are unchanged.
 pub(crate) fn planar_to_distance(plane: &mut DepthPlane, projection: &ImageProjection) {
     for row in 0..plane.height() {
         for (col, value) in plane.row_mut(row).iter_mut().enumerate() {
@@ -170,7 +173,7 @@ pub(crate) fn planar_to_distance(plane: &mut DepthPlane, projection: &ImageProje
     }
 }
 
-/// Clamps infinities to the largest half; NaN is an error or black.
+/// Clamps infinities to the largest finite half; NaN becomes 0 or is an error.
 pub(super) fn check_color(plane: &mut ColorPlane, invalid: InvalidColor) -> Result<()> {
     let width = plane.width();
     for (index, components) in plane.data_mut().iter_mut().enumerate() {
@@ -194,7 +197,7 @@ pub(super) fn check_color(plane: &mut ColorPlane, invalid: InvalidColor) -> Resu
     Ok(())
 }
 
-/// Every value must be a finite number, or becomes 0.
+/// Checks that every value is finite; others become 0 or are an error.
 pub(super) fn check_material(plane: &mut MaterialPlane, invalid: InvalidColor) -> Result<()> {
     let width = plane.width();
     for (index, components) in plane.data_mut().iter_mut().enumerate() {
@@ -211,13 +214,13 @@ pub(super) fn check_material(plane: &mut MaterialPlane, invalid: InvalidColor) -
     Ok(())
 }
 
-/// Every value must be within 0 to 1, or becomes the nearest that is, NaN 0.
+/// Checks that every value is within 0 to 1; others are clamped, NaN to 0, or are an error.
 pub(super) fn check_alpha(plane: &mut AlphaPlane, invalid: InvalidColor) -> Result<()> {
     let width = plane.width();
     for (index, alpha) in plane.data_mut().iter_mut().enumerate() {
         *alpha = match unit_alpha(*alpha) {
             Ok(alpha) => alpha,
-            // What is not a number is not above 0.
+            // NaN compares false and becomes 0.
             Err(_) if invalid == InvalidColor::Black => {
                 if *alpha > 0.0 {
                     1.0
@@ -234,14 +237,14 @@ pub(super) fn check_alpha(plane: &mut AlphaPlane, invalid: InvalidColor) -> Resu
     Ok(())
 }
 
-/// sRGB code values, 1.0 the brightest, to linear light.
+/// Converts sRGB values, 1.0 for white, to linear.
 pub(super) fn linear_from_srgb(plane: &mut ColorPlane) {
     for component in plane.data_mut().as_flattened_mut() {
         *component = f16::from_f64(Transfer::Srgb.decode(component.to_f64()));
     }
 }
 
-/// Keeps the planes of `wanted` out of all six cube faces.
+/// Selects the planes of the `wanted` faces; `all` has all six faces in cube order.
 pub(super) fn keep_faces<T>(all: Vec<Plane<T>>, wanted: &[Face]) -> Vec<Plane<T>> {
     Face::CUBE.into_iter().zip(all).filter(|(face, _)| wanted.contains(face)).map(|(_, plane)| plane).collect()
 }

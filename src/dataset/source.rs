@@ -1,4 +1,4 @@
-//! Reads a dataset or an image sequence as planes of metres and linear light.
+//! Reads a dataset or an image sequence as planes of depth in metres and linear RGB.
 //!
 //! Opening (`open`) checks that all files exist; reading checks their content.
 
@@ -25,39 +25,40 @@ use crate::image::{
     exr, png,
 };
 
-/// Settings of the caller; `None` takes the manifest's, else the default of the field.
+/// Options of the caller. `None` uses the manifest's value, or else the default of the field.
 #[derive(Debug, Clone, Default)]
 pub struct SourceOptions {
     /// Channel or layer of depth ([`ChannelSelect::Named`]).
     pub depth_channel: Option<String>,
     /// Layer or channels of colour ([`ChannelSelect::Named`]).
     pub color_channel: Option<String>,
-    /// Three channels of materials, with commas between them.
+    /// Three material channels, separated by commas.
     pub material_channel: Option<String>,
-    /// Channel of alpha.
+    /// Alpha channel.
     pub alpha_channel: Option<String>,
-    /// Metres per unit of depth, not 0; below 0 where values in front of the camera are negative. Default 1, except for
-    /// integer (PNG) depth, which has no default.
+    /// Metres per unit of depth, not 0; negative if values in front of the camera are negative. Default 1, except for integer
+    /// (PNG) depth, which has no default.
     pub depth_scale: Option<f64>,
-    /// The value of the background in the files, before scaling. Default +inf.
+    /// Background value of the files, before scaling. Default +inf.
     pub background: Option<f32>,
-    /// Default distance.
+    /// Quantity that depth files store. Default distance.
     pub depth_kind: Option<DepthKind>,
-    /// Default for EXR linear light of the primaries that files state, else of Rec. 709; sRGB for PNG.
+    /// Colour space of the files. Default for EXR: linear with the primaries that the file states, or else Rec. 709; for PNG:
+    /// sRGB.
     pub color_space: Option<ColorSpace>,
     pub invalid_depth: InvalidDepth,
     pub invalid_color: InvalidColor,
-    /// Default an error.
+    /// Treatment of frames whose file is missing. Default an error.
     pub missing: Option<Missing>,
     pub frames: Option<FrameRange>,
-    /// Side in pixels of cube faces that are resampled from equirectangular images, at most half the width. Default a
-    /// quarter of the width.
+    /// Side in pixels of cube faces resampled from equirectangular images, at most half their width. Default a quarter of the
+    /// width.
     pub face_size: Option<u32>,
     pub limits: ReadLimits,
 }
 
 impl SourceOptions {
-    /// Names the channel or layer of a kind.
+    /// Sets the channel or layer of a kind.
     pub fn set_channel(&mut self, kind: StreamKind, name: &str) {
         let channel = match kind {
             StreamKind::Depth => &mut self.depth_channel,
@@ -71,7 +72,7 @@ impl SourceOptions {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrangement {
-    /// One image, one face: a cube face, or [`Face::View`] for a perspective image.
+    /// One face per image: a cube face, or [`Face::View`] for a perspective image.
     Single(Face),
     /// All six faces in a cross ([`FaceLayout::Cross`]).
     Cross,
@@ -83,7 +84,7 @@ pub enum Arrangement {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SequenceLayout {
     pub arrangement: Arrangement,
-    /// Name of the probe, of letters, digits, `.`, `_` and `-`.
+    /// Name of the probe: letters, digits, `.`, `_` and `-`.
     pub probe: String,
     /// fx, fy, cx, cy in pixels, for a perspective image.
     pub intrinsics: Option<[f64; 4]>,
@@ -100,28 +101,28 @@ impl Default for SequenceLayout {
 pub struct ProbeInfo {
     /// Unique within the source.
     pub name: String,
-    /// Centre in metres; of a moving probe that of its first pose.
+    /// Centre in metres; for a moving probe, at its first pose.
     pub position: [f64; 3],
-    /// Unit quaternion x, y, z, w from the probe's axes to the world's; of a moving probe that of its first pose.
+    /// Unit quaternion x, y, z, w that rotates the probe's axes into the world's; for a moving probe, at its first pose.
     pub orientation: [f64; 4],
-    /// Poses of a moving probe, one for each of its `frames`, in order; empty for a still probe.
+    /// Poses of a moving probe, one for each of its `frames`, in order; empty for a static probe.
     pub poses: Vec<Pose>,
-    /// Frames of the probe within those of the caller. A probe without any keeps its own frames here and is absent from the
-    /// groups.
+    /// Frames of the probe within the caller's range. A probe without frames in that range keeps its own frames in this field and
+    /// has no groups.
     pub frames: FrameRange,
     /// fx, fy, cx, cy in pixels; perspective only.
     pub intrinsics: Option<[f64; 4]>,
 }
 
 impl ProbeInfo {
-    /// Pose in a frame; outside the probe's frames, and of a still probe, that of `position` and `orientation`.
+    /// Returns the pose at a frame. For a static probe, and outside the probe's frames, it is `position` and `orientation`.
     pub fn pose(&self, frame: u32) -> Pose {
         let found = self.poses.binary_search_by_key(&frame, |pose| pose.frame).ok();
         let still = Pose { frame, position: self.position, orientation: self.orientation };
         found.map_or(still, |at| self.poses[at])
     }
 
-    /// The projection of an image of a cube map, or of the perspective image where the camera is known.
+    /// Returns the projection of a cube face, or of the perspective image if its camera is known.
     pub fn projection(&self, face: Face, size: [u32; 2]) -> Option<ImageProjection> {
         match face {
             Face::View => Some(ImageProjection::Pinhole { size, intrinsics: self.intrinsics? }),
@@ -130,20 +131,20 @@ impl ProbeInfo {
     }
 }
 
-/// Streams of the same files: one face per file, or six in one image.
+/// Streams that are read from the same files: one face per file, or six faces in one image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceGroup {
-    /// Colour, depth, material or alpha.
+    /// Kind of the streams: colour, depth, material or alpha.
     pub kind: StreamKind,
     /// Index into the probes of the source.
     pub probe: usize,
-    /// The faces read, in the order of their numbers.
+    /// The faces, in the order of their numbers.
     pub faces: Vec<Face>,
     /// First and last frame, inclusive.
     pub frames: FrameRange,
-    /// Width of a face as read.
+    /// Width of a face in pixels, after cutting or resampling.
     pub width: u32,
-    /// Height of a face as read.
+    /// Height of a face in pixels, after cutting or resampling.
     pub height: u32,
 }
 
@@ -180,21 +181,21 @@ pub struct Source {
     /// Files of each group, by kind, probe and first face.
     sequences: BTreeMap<(StreamKind, usize, Face), FrameFiles>,
     normals: NormalFiles,
-    /// Where the source was opened by one.
+    /// The manifest, if the source was opened from one.
     pub manifest: Option<Manifest>,
     content: Content,
     stereo: Option<StereoLayout>,
     file_size: (u32, u32),
     delivered_size: (u32, u32),
     pub rules: DepthRules,
-    /// Whether the scale of depth is stated.
+    /// True if the depth scale is stated.
     scale_stated: bool,
-    /// What delivered depth measures: distance, or planar Z where the camera is not known well enough to convert.
+    /// Quantity that [`Self::read_depth`] returns: distance, or planar Z if the camera is not known well enough to convert.
     pub depth_stored: DepthKind,
-    /// The declared kind of stored depth.
+    /// Declared quantity of the depth in files.
     pub depth_in_files: DepthKind,
     pub color_space: Option<ColorSpace>,
-    /// Of delivered colour.
+    /// Primaries of the colour that is returned.
     primaries: Primaries,
     color_channel: ChannelSelect,
     depth_channel: ChannelSelect,
@@ -207,7 +208,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// Name of the dataset; for a single sequence, that of its files.
+    /// Name of the dataset; for a single sequence, the name of its files.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -216,7 +217,7 @@ impl Source {
         self.fps
     }
 
-    /// Projection of what is delivered: cube maps also from equirectangular images.
+    /// Projection of the returned images. Equirectangular images are returned as cube maps.
     pub fn projection(&self) -> Projection {
         self.projection
     }
@@ -225,8 +226,8 @@ impl Source {
         &self.probes
     }
 
-    /// Bytes that reading a frame of a group takes at most, with the planes that it delivers: the file, which is decoded as a whole, and
-    /// what is cut from it.
+    /// Upper bound in bytes of the memory for reading a frame of a group, including the returned planes: the file, which is
+    /// decoded as a whole, and the parts cut from it.
     pub fn reading_bytes(&self, group: &SourceGroup) -> u64 {
         let file_pixels = u64::from(self.file_size.0) * u64::from(self.file_size.1);
         let pixels = u64::from(group.width) * u64::from(group.height) * group.faces.len() as u64;
@@ -239,11 +240,11 @@ impl Source {
         let is_png = path.as_deref().is_some_and(png::is_png);
         let decoding = match (is_png, group.kind) {
             (false, _) => path.as_deref().map_or(0, |path| exr::reading_bytes(path, 0, &self.limits).unwrap_or(0)),
-            // Codes of the file, and as many channels of 16 bits as are wanted.
+            // The codes of the file, and 16 bits for each requested channel.
             (true, StreamKind::Depth) => 2 * file_pixels,
             (true, _) => (8 + 8) * file_pixels,
         };
-        // Codes of alpha or its values, and light before and after it is multiplied.
+        // Codes or values of alpha, and colour before and after multiplication.
         let is_multiplied = is_png && group.kind == StreamKind::Color && self.group_beside(group).is_some();
         let alpha = if is_multiplied { 16 * file_pixels } else { 0 };
         let is_cut = self.stereo.is_some() || self.content != Content::Face;
@@ -251,17 +252,17 @@ impl Source {
         file_pixels * value + decoding.max(alpha).max(cut)
     }
 
-    /// What can be read: colour, depth, material, alpha; within a kind by probe, then by face.
+    /// The groups, sorted by kind (colour, depth, material, alpha), probe and face.
     pub fn groups(&self) -> &[SourceGroup] {
         &self.groups
     }
 
-    /// Primaries of all colour: those of the stated color space, else of the first colour file.
+    /// Primaries of all colour: those of the stated colour space, or else of the first colour file.
     pub fn primaries(&self) -> Primaries {
         self.primaries
     }
 
-    /// Colour of a file: linear light, or sRGB codes of an EXR file.
+    /// Reads the colour of a file: linear, or for an EXR file declared as sRGB, sRGB values.
     fn color_file(&self, path: &Path, group: &SourceGroup) -> Result<ColorPlane> {
         if png::is_png(path) {
             let plane = png::read_color(path, self.color_space.unwrap_or(ColorSpace::Srgb), &self.limits)?;
@@ -286,14 +287,14 @@ impl Source {
         )))
     }
 
-    /// Linear colour of a frame, of [`Self::primaries`], one plane for each face of the group, every value finite. Where the source
-    /// has alpha, colour is multiplied by it: that of PNG files here, that of EXR files is so already.
+    /// Reads the linear colour of a frame in [`Self::primaries`], one plane per face of the group, with finite values. If the
+    /// source has alpha, colour is premultiplied: PNG colour is multiplied by this function, EXR colour is stored so.
     pub fn read_color(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>> {
         self.read_color_by(group, frame, resample_color)
     }
 
-    /// As [`Self::read_color`], but faces of panoramas have the nearest pixel in place of a mean: the filters for that take far longer
-    /// to make than an image to read.
+    /// As [`Self::read_color`], but faces of panoramas are sampled by nearest neighbour. Building the filter tables for
+    /// resampling takes far longer than reading an image.
     pub fn read_color_unfiltered(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>> {
         self.read_color_by(group, frame, resample_nearest)
     }
@@ -320,7 +321,7 @@ impl Source {
         })
     }
 
-    /// Alpha of a file of colour: 0 where its own file is missing and black stands in its place; `None` where the source has none.
+    /// Reads the alpha of a colour frame: 0 if its own file is missing and replaced by black; `None` if the source has no alpha.
     fn alpha_beside(&self, color: &SourceGroup, frame: u32) -> Result<Option<AlphaPlane>> {
         let Some(group) = self.group_beside(color) else { return Ok(None) };
         if !group.frames.contains(frame) {
@@ -335,7 +336,7 @@ impl Source {
         }
     }
 
-    /// The group of alpha that has the faces of one of colour.
+    /// Returns the alpha group with the same probe and faces as a colour group.
     fn group_beside(&self, color: &SourceGroup) -> Option<&SourceGroup> {
         let is_beside = |group: &&SourceGroup| {
             (group.kind, group.probe, &group.faces) == (StreamKind::Alpha, color.probe, &color.faces)
@@ -343,14 +344,15 @@ impl Source {
         self.groups.iter().find(is_beside)
     }
 
-    /// The first file of colour, and its pixels with an alpha below 1, where the dataset names no alpha. None where there are none.
+    /// Returns the first colour file and its number of pixels with an alpha below 1, if the dataset declares no alpha. `None` if
+    /// there are no such pixels.
     pub fn unnamed_alpha(&self) -> Option<(PathBuf, u64)> {
         if self.groups.iter().any(|group| group.kind == StreamKind::Alpha) {
             return None;
         }
         let color = self.groups.iter().find(|group| group.kind == StreamKind::Color)?;
         let path = self.path(StreamKind::Color, color, color.frames.first).ok()??;
-        // A gray file is colour here, and no matte.
+        // A gray file holds colour, not an alpha matte.
         if png::is_png(&path) && !png::has_alpha(&path, &self.limits).ok()? {
             return None;
         }
@@ -359,7 +361,7 @@ impl Source {
         (below > 0).then_some((path, below))
     }
 
-    /// Alpha of a frame, 0 to 1, one plane for each face of the group.
+    /// Reads the alpha of a frame, 0 to 1, one plane per face of the group.
     pub fn read_alpha(&self, group: &SourceGroup, frame: u32) -> Result<Vec<AlphaPlane>> {
         self.read((StreamKind::Alpha, group, frame), 0.0, |path| {
             self.faces_of(self.alpha_file(path, group)?, group, resample_alpha)
@@ -378,13 +380,13 @@ impl Source {
         Ok(plane)
     }
 
-    /// Depth of a frame in metres, one plane for each face of the group: +inf exactly where nothing is, 0.0 where
-    /// [`InvalidDepth::Near`] applied, every other value finite and above 0.
+    /// Reads the depth of a frame in metres, one plane per face of the group: +inf exactly for the background, 0.0 where
+    /// [`InvalidDepth::Near`] was applied, all other values finite and positive.
     pub fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
         self.read((StreamKind::Depth, group, frame), f32::INFINITY, |path| {
             let mut plane = self.depth_file(path, group)?;
             let mut planes = if let Content::Faces(_) = self.content {
-                // What lies beside the faces may be anything.
+                // Pixels outside the faces may have any value, so only the faces are checked.
                 let mut planes = self.faces_of(plane, group, resample_nearest)?;
                 for (face, plane) in group.faces.iter().zip(&mut planes) {
                     check_depth(plane, &self.rules).map_err(|error| error.context(format!("face {}", face.name())))?;
@@ -406,26 +408,26 @@ impl Source {
         })
     }
 
-    /// Whether planar depth of views becomes distance.
+    /// Returns true if planar depth of perspective views is converted to distance.
     pub fn converts_views(&self) -> bool {
         self.projection == Projection::Perspective && self.depth_in_files != self.depth_stored
     }
 
-    /// Delivers depth of views as it is stored, also where their cameras are known.
+    /// Disables the conversion of planar depth of perspective views to distance.
     pub fn keep_kind_of_views(&mut self) {
         if self.converts_views() {
             self.depth_stored = self.depth_in_files;
         }
     }
 
-    /// Depth of a frame as stored, before background, unit and kind are applied: a plane per face of the group. Values may be
-    /// anything, also NaN.
+    /// Reads the stored depth of a frame, before background, unit and kind are applied, one plane per face of the group. Values
+    /// may be arbitrary, including NaN.
     pub fn read_depth_as_stored(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
         let read = |path: &Path| self.faces_of(self.depth_file(path, group)?, group, resample_nearest);
         self.read((group.kind, group, frame), f32::INFINITY, read)
     }
 
-    /// Material of a frame, one plane for each face of the group, every value finite.
+    /// Reads the material of a frame, one plane per face of the group, with finite values.
     pub fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>> {
         self.read((StreamKind::Material, group, frame), [0.0, 0.0, 1.0], |path| {
             if png::is_png(path) {
@@ -437,12 +439,12 @@ impl Source {
             let mut plane = exr::read_material(path, names.each_ref().map(String::as_str), &self.limits)?;
             self.check_size(&plane)?;
             check_material(&mut plane, self.invalid_color)?;
-            // Weights belong to one surface, so they are never blended.
+            // A pixel's weights belong to one surface, so they are not blended.
             self.faces_of(plane, group, resample_nearest)
         })
     }
 
-    /// Normals of a frame, one plane for each face of a group of any kind; none where the dataset has none.
+    /// Reads the normals of a frame, one plane per face of a group of any kind; `None` if the dataset has no normals.
     pub fn read_normal(&self, group: &SourceGroup, frame: u32) -> Result<Option<Vec<NormalPlane>>> {
         let Some(path) = self.normals.path(group.probe, group.faces[0], frame) else { return Ok(None) };
         let read = |path: &Path| {
@@ -453,7 +455,7 @@ impl Source {
         read(&path).map(Some).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
     }
 
-    /// The planes of a frame; `blank` where nothing stands in for its file.
+    /// Reads the planes of a frame; they are filled with `blank` if its file is missing and no frame replaces it.
     fn read<T: Clone>(
         &self,
         (kind, group, frame): (StreamKind, &SourceGroup, u32),
@@ -466,18 +468,18 @@ impl Source {
         planes(&path).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
     }
 
-    /// The image files of all frames, of every kind.
+    /// The image files of all frames and kinds.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
         self.sequences.values().flat_map(FrameFiles::files).chain(self.normals.files())
     }
 
-    /// The file of a frame, or of that in its place; `None` where it is missing and black stands in its place.
+    /// Returns the file of a frame, or of the frame that replaces it; `None` if the frame is replaced by black.
     pub fn file(&self, group: &SourceGroup, frame: u32) -> Result<Option<PathBuf>> {
         self.path(group.kind, group, frame)
     }
 
-    /// The files that pixels of a frame follow from: its own, and that of the alpha by which colour of a PNG file is multiplied, which
-    /// may be the same.
+    /// Returns the files that the pixels of a frame are read from: its own file, and for PNG colour the file of the alpha that it
+    /// is multiplied by, which may be the same file.
     pub fn files_of(&self, group: &SourceGroup, frame: u32) -> Result<Vec<PathBuf>> {
         let own = self.file(group, frame)?;
         let is_multiplied = group.kind == StreamKind::Color && own.as_deref().is_some_and(png::is_png);
@@ -489,7 +491,7 @@ impl Source {
         Ok(own.into_iter().chain(beside).collect())
     }
 
-    /// Frames of a group whose file is missing, and the frame in their place; `None` for black.
+    /// Frames of a group whose file is missing, each with the frame that replaces it; `None` for black.
     pub fn missing_frames(&self, group: &SourceGroup) -> Vec<(u32, Option<u32>)> {
         let face = group.faces.first();
         let files = face.and_then(|face| self.sequences.get(&(group.kind, group.probe, *face)));
@@ -504,7 +506,7 @@ impl Source {
         }
     }
 
-    /// What `{probe}` and `{face}` stand for.
+    /// Returns the texts substituted for `{probe}` and `{face}`.
     fn names(&self, group: &SourceGroup) -> (&str, &str) {
         let face = group.faces[0];
         let probe = self.probes.get(group.probe).map_or("", |probe| probe.name.as_str());
@@ -524,7 +526,8 @@ impl Source {
                      millimetres) or the manifest's depth.scale",
                 ));
             }
-            // The scale comes after the background is told apart, in the file's own units.
+            // The scale is applied after background pixels are identified, because the background value is in the unit of the
+            // file.
             png::read_depth(path, 1.0, &self.limits)?
         } else {
             exr::read_depth(path, &self.select(&self.depth_channel, group), &self.limits)?
@@ -568,7 +571,7 @@ impl Source {
         ]
     }
 
-    /// Cuts or resamples a file, or an eye's part of it, into the faces of its group.
+    /// Cuts or resamples an image, or one eye's part of it, into the faces of its group.
     fn faces_of<T: Copy>(
         &self,
         plane: Plane<T>,

@@ -1,4 +1,4 @@
-//! Decodes one cell of colour: the two keyframes around a frame, blended.
+//! Decodes one colour cell by blending the two keyframes around a frame (color.md 3).
 
 use std::time::Instant;
 
@@ -8,15 +8,15 @@ use crate::container::ChunkEntry;
 use crate::decode::chunk_source::ChunkSource;
 use crate::error::{Error, Result};
 
-/// Samples of a cell, which are blended again only where a keyframe or the weight changes.
+/// Decoded samples of one cell. They are blended again only if a keyframe or the weight changes.
 #[derive(Debug)]
 pub(super) struct CellState<S> {
     format: CellFormat<S>,
     pub shown: Vec<S>,
     blended: Option<Blended>,
-    /// The chunk of the frame, with its index.
+    /// Index and chunk of the current frame.
     pub chunk: Option<(usize, CellChunk<S>)>,
-    /// The chunk after it, once its first keyframe was needed.
+    /// Index and chunk after `chunk`, loaded when its first keyframe is needed.
     next_chunk: Option<(usize, CellChunk<S>)>,
     keyframes: [Keyframe<S>; 2],
 }
@@ -24,7 +24,7 @@ pub(super) struct CellState<S> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Blended {
     keyframe: KeyframeId,
-    /// Of the next keyframe, in 255ths.
+    /// Weight of the next keyframe, in 255ths.
     weight: u8,
 }
 
@@ -116,7 +116,7 @@ impl<S: Sample> CellState<S> {
         source.fetch(entry, |payload| CellChunk::parse_at(payload, format, entry.key.frame_count, place))
     }
 
-    /// Brings a keyframe into a slot, from the other slot where it is there.
+    /// Loads a keyframe into a slot, by a swap if the other slot holds it.
     fn hold(&mut self, source: &mut ChunkSource<'_>, slot: usize, of: KeyframeId) -> Result<()> {
         if self.keyframes[slot].of == Some(of) {
             return Ok(());

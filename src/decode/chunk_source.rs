@@ -1,4 +1,4 @@
-//! The chunks of one unit: found by frame, read, checked and parsed, with what that cost.
+//! Finds, reads, checks and parses the chunks of one unit, and measures the cost.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -28,9 +28,9 @@ pub(super) struct ChunkSource<'a> {
     pub reader: &'a Reader,
     pub chunks: &'a [ChunkEntry],
     pub cost: DecodeCost,
-    /// Memory of the last chunk, reused for the next.
+    /// Buffer of the last chunk, reused for the next one.
     pub buffer: Vec<u8>,
-    /// Chunks that could not be used; they are not read again.
+    /// Damaged chunks, which are not read again.
     pub damaged: BTreeMap<ChunkKey, DamagedChunk>,
 }
 
@@ -47,13 +47,13 @@ impl<'a> ChunkSource<'a> {
             .ok_or_else(|| Error::invalid(format!("no chunk holds frame {frame}")).in_file(self.reader.path()))
     }
 
-    /// Lists a chunk as damaged.
+    /// Adds a chunk to `damaged`; returns the error with the names of the chunk and the file.
     pub fn damage(&mut self, chunk: &ChunkEntry, error: Error) -> Error {
         self.damaged.insert(chunk.key, DamagedChunk::new(chunk, &error));
         self.reader.blame(chunk, error)
     }
 
-    /// Reads and parses a chunk; one that fails is listed in `damaged`.
+    /// Reads and parses a chunk; adds it to `damaged` if that fails.
     pub fn fetch<T>(&mut self, chunk: &ChunkEntry, parse: impl FnOnce(Payload) -> Result<T>) -> Result<T> {
         if let Some(known) = self.damaged.get(&chunk.key) {
             return Err(self.reader.blame(chunk, Error::invalid(known.reason.clone())));

@@ -1,9 +1,9 @@
-//! Damaged chunks, and the images that need them.
+//! Damaged chunks and the images that depend on them.
 //!
-//! A CRC-32 guards each chunk, so damage costs the images whose tiles and cells need that chunk. With
-//! [`OnDamage::KeepGoing`] an image with a damaged unit is left out as a whole: a partly invented file would pass for footage.
-//! A cell of colour may need the next chunk's first keyframe, so that frames before a damaged chunk are lost back to the last
-//! keyframe before it. A container without a sound index is refused.
+//! Each chunk has a CRC-32, so damage affects only the images with a tile or cell that needs the damaged chunk. With
+//! [`OnDamage::KeepGoing`] an image with a damaged unit is omitted as a whole: a partly decoded image could be mistaken for
+//! footage. A colour cell may need the first keyframe of the next chunk, so the frames after the last keyframe before a damaged
+//! chunk are lost too. A container with a damaged index is rejected.
 
 use crate::container::ChunkEntry;
 use crate::error::Error;
@@ -13,14 +13,14 @@ use crate::image::sequence::FrameRange;
 pub enum OnDamage {
     #[default]
     Stop,
-    /// List them, and decode all images that need none of them.
+    /// Reports damaged chunks and decodes all images that need none of them.
     KeepGoing,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct DamagedChunk {
     pub chunk: ChunkEntry,
-    /// The error without the place.
+    /// Error message without the names of the chunk and the file.
     pub reason: String,
 }
 
@@ -40,17 +40,17 @@ impl DamagedChunk {
 
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FrameRanges {
-    /// In order; no two touch.
+    /// Ascending ranges, neither overlapping nor adjacent.
     ranges: Vec<FrameRange>,
 }
 
 impl FrameRanges {
-    /// Adds a frame behind all others.
+    /// Appends a frame that is above all others.
     pub fn push(&mut self, frame: u32) {
         self.append(FrameRange { first: frame, last: frame });
     }
 
-    /// Adds a range that begins no earlier than the last one does.
+    /// Appends a range whose first frame is at least that of the last range.
     fn append(&mut self, range: FrameRange) {
         match self.ranges.last_mut() {
             Some(last) if range.first <= last.last.saturating_add(1) => last.last = last.last.max(range.last),
@@ -77,7 +77,7 @@ impl FrameRanges {
 pub struct MissingImages {
     /// Index in the stream table.
     pub stream: u32,
-    /// The frames, in order; no two ranges touch.
+    /// Missing frames as ascending ranges, neither overlapping nor adjacent.
     pub frames: Vec<FrameRange>,
 }
 
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn sets_are_joined_in_any_order() {
-        // All pairs of sets of frames 0 to 5.
+        // All pairs of subsets of frames 0 to 5.
         let set = |bits: u32| (0..6).filter(|frame| bits >> frame & 1 == 1).collect::<Vec<u32>>();
         for (one, other) in (0..64).flat_map(|one| (0..64).map(move |other| (one, other))) {
             let mut joined = ranges(&set(one));

@@ -1,4 +1,4 @@
-//! An open container, from which units and images of streams are decoded.
+//! Opens a container and decodes units and images of its streams.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -36,17 +36,17 @@ use crate::streams::{self, FootageInfo, StreamInfo, StreamKind};
 pub struct Decoder {
     reader: Reader,
     streams: Vec<StreamInfo>,
-    /// Of each stream; neighbours with the same header share one, and its tables.
+    /// One per stream; consecutive streams with equal headers share one, with its tables.
     conversions: Vec<Arc<Conversion>>,
     footage: FootageInfo,
 }
 
 impl Decoder {
-    /// Opens a file, `-` for standard input.
+    /// Opens a file, or standard input for `-`.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::Invalid`] for a damaged head or index (container.md 3 to 7) or sizes that the file does not
-    /// justify; [`Error::Unsupported`] for an unknown codec or version.
+    /// [`Error::Io`] if reading fails; [`Error::Invalid`] for a damaged head or index (container.md 3 to 7), or for declared
+    /// sizes that exceed the limits for a file of this length; [`Error::Unsupported`] for an unknown codec or version.
     pub fn open(path: impl AsRef<Path>) -> Result<Decoder> {
         Self::new(Reader::open(path)?)
     }
@@ -59,7 +59,7 @@ impl Decoder {
         Self::new(Reader::from_memory(file)?)
     }
 
-    /// Opens a container in any source of byte ranges; errors call it `name`. Only head, foot and index are read.
+    /// Opens a container from any source of byte ranges, which error messages call `name`. Reads only head, foot and index.
     ///
     /// ```
     /// # fn main() -> lightfold::Result<()> {
@@ -72,7 +72,7 @@ impl Decoder {
     ///
     /// use lightfold::{ByteSource, Decoder};
     ///
-    /// /// An object of a store that answers requests for ranges.
+    /// /// An object of a store with range requests.
     /// #[derive(Debug)]
     /// struct Object(Vec<u8>);
     ///
@@ -114,23 +114,23 @@ impl Decoder {
         Ok(Decoder { reader, streams, conversions, footage })
     }
 
-    /// All streams, in the order of the stream table.
+    /// Returns all streams, in the order of the stream table.
     pub fn streams(&self) -> &[StreamInfo] {
         &self.streams
     }
 
-    /// Primaries and white of decoded colour, which is linear light of them (container.md 6.6).
+    /// Returns the primaries and white point of decoded linear RGB (container.md 6.6).
     pub fn primaries(&self) -> Primaries {
         self.footage.primaries
     }
 
-    /// How the footage was made.
+    /// Returns the footage attributes of the container (container.md 6.6).
     #[doc(hidden)]
     pub fn footage(&self) -> &FootageInfo {
         &self.footage
     }
 
-    /// The stream of a kind, probe and face.
+    /// Returns the stream of a kind, probe and face, if there is one.
     pub fn stream(&self, kind: StreamKind, probe: &str, face: Face) -> Option<&StreamInfo> {
         self.streams.iter().find(|s| s.kind == kind && s.face == face && self.probe(s).name == probe)
     }
@@ -145,27 +145,28 @@ impl Decoder {
         self.reader.load(limit_bytes)
     }
 
-    /// Name of the dataset.
+    /// Returns the name of the dataset.
     pub fn name(&self) -> &str {
         &self.reader.index().name
     }
 
-    /// Frames per second, above 0.
+    /// Returns the frame rate in frames per second, above 0.
     pub fn fps(&self) -> f64 {
         self.reader.index().fps
     }
 
-    /// All probes, in the order of the probe table.
+    /// Returns all probes, in the order of the probe table.
     pub fn probes(&self) -> &[ProbeEntry] {
         &self.reader.index().probes
     }
 
-    /// The probe of a stream: name, position in metres, orientation.
+    /// Returns the probe of a stream: name, position in metres, orientation.
     pub fn probe(&self, stream: &StreamInfo) -> &ProbeEntry {
         &self.reader.index().probes[stream.probe]
     }
 
-    /// The probe of a stream as it stands in a frame: position and orientation of probes that move are those of the frame.
+    /// Returns a probe, given by its index, with its position and orientation in `frame`. Only those of moving probes depend on
+    /// the frame.
     pub(crate) fn probe_at(&self, probe: usize, frame: u32) -> ProbeEntry {
         let entry = &self.reader.index().probes[probe];
         match self.footage.pose(&entry.name, frame) {
@@ -174,12 +175,12 @@ impl Decoder {
         }
     }
 
-    /// Whether the probe of a stream moves.
+    /// Returns true if the probe of a stream moves.
     pub(crate) fn moves(&self, stream: &StreamInfo) -> bool {
         !self.footage.poses_of(&self.probe(stream).name).is_empty()
     }
 
-    /// A decoder of one unit (tile or cell), numbered row by row from 0.
+    /// Returns a decoder of one unit (tile or cell). Units are numbered row by row from 0.
     ///
     /// # Panics
     /// If `unit` is not below [`StreamInfo::unit_count`].
@@ -187,13 +188,13 @@ impl Decoder {
         self.unit_with_buffer(stream, unit, Vec::new())
     }
 
-    /// As [`Self::unit`], with the chunk memory of another unit's [`UnitDecoder::into_buffer`].
+    /// As [`Self::unit`], but reuses the chunk buffer that [`UnitDecoder::into_buffer`] of another unit returned.
     #[doc(hidden)]
     pub fn unit_with_buffer<'a>(&'a self, stream: &'a StreamInfo, unit: u32, buffer: Vec<u8>) -> UnitDecoder<'a> {
         UnitDecoder::new((&self.reader, self.conversion(stream)), stream, unit, buffer)
     }
 
-    /// A decoder of whole images of a stream.
+    /// Returns a decoder of whole images of a stream.
     pub fn face<'a>(&'a self, stream: &'a StreamInfo) -> FaceDecoder<'a> {
         FaceDecoder::new((&self.reader, self.conversion(stream)), stream)
     }

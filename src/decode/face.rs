@@ -1,4 +1,4 @@
-//! Decodes whole images of one stream, units in parallel.
+//! Decodes whole images of one stream, with its units in parallel.
 
 use half::f16;
 
@@ -29,7 +29,7 @@ pub enum Picture {
 
 /// Decodes whole images of one stream: all tiles or cells of a face, in parallel.
 ///
-/// Frames may be asked for in any order; going forward is cheapest. Memory: one picture and one chunk for each unit.
+/// Frames may be decoded in any order; ascending order is fastest. Memory: one picture and one chunk per unit.
 #[derive(Debug)]
 pub struct FaceDecoder<'a> {
     stream: &'a StreamInfo,
@@ -47,8 +47,9 @@ impl<'a> FaceDecoder<'a> {
     /// Decodes a frame into a slice of width × height pixels.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a frame that the stream does not have, a slice of another length, or a kind of pixels that the
-    /// stream's cannot become; [`Error::Invalid`] for a damaged chunk, by name. Pixels may have been written then.
+    /// [`Error::Usage`] for a frame that the stream does not have, a slice of the wrong length, or a kind of pixels to which the
+    /// stream cannot be converted; [`Error::Invalid`] for a damaged chunk, which the message names. Some pixels may already have
+    /// been written.
     pub fn decode_into(&mut self, frame: u32, pixels: PixelsMut<'_>) -> Result<()> {
         let size @ [width, _] = self.stream.size();
         pixels.check_size(size)?;
@@ -56,13 +57,14 @@ impl<'a> FaceDecoder<'a> {
         let [columns, _] = entry.grid();
         let bands = pixels.bands(width as usize * entry.unit_height as usize);
         let bands: Vec<_> = self.units.chunks_mut(columns as usize).zip(bands).collect();
-        // Without a row of units for each thread, the units of a row are decoded in parallel, too.
+        // With fewer rows of units than threads, the units of a row are decoded in parallel too.
         let are_few = bands.len() < rayon::current_num_threads();
         try_map_ordered(bands, |(units, mut pixels): (&mut [UnitDecoder<'a>], PixelsMut<'_>)| {
             if are_few {
                 try_map_ordered(units.iter_mut().collect(), |unit: &mut UnitDecoder<'a>| unit.decode(frame))?;
             }
-            // A unit that shows the frame has nothing to decode; pixels are converted while they are in the cache.
+            // `decode` does nothing for a unit that already shows the frame. Pixels are converted right after decoding, while
+            // they are in the cache.
             units.iter_mut().try_for_each(|unit| {
                 unit.decode(frame)?;
                 let [left, _, columns, rows] = unit.rect();
@@ -77,8 +79,8 @@ impl<'a> FaceDecoder<'a> {
         self.decode_filtered(frame, &AllUnits)
     }
 
-    /// The image of a frame. Units that the filter leaves out are background in depth and 0 elsewhere, whatever other
-    /// frames were decoded before.
+    /// Decodes the image of a frame. Units rejected by the filter are background in depth and 0 in other kinds, regardless of the
+    /// frames decoded before.
     #[doc(hidden)]
     pub fn decode_filtered(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture> {
         let stream = self.stream;
@@ -90,11 +92,11 @@ impl<'a> FaceDecoder<'a> {
         picture(self.conversion, stream, &units)
     }
 
-    /// As [`Self::decode_filtered`]; `None` where a selected unit needs a damaged chunk, which [`Self::damaged`] then lists.
-    /// All units are tried.
+    /// As [`Self::decode_filtered`], but returns `None` if a selected unit needs a damaged chunk, which [`Self::damaged`] then
+    /// lists. All selected units are decoded, also after such a failure.
     ///
     /// # Errors
-    /// The stream does not have the frame.
+    /// Fails if the stream does not have the frame.
     #[doc(hidden)]
     pub fn decode_intact(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Option<Picture>> {
         let stream = self.stream;
@@ -115,7 +117,7 @@ impl<'a> FaceDecoder<'a> {
         damaged
     }
 
-    /// Cost of all calls so far.
+    /// Returns the total cost of all calls so far.
     pub fn cost(&self) -> DecodeCost {
         self.units.iter().map(UnitDecoder::cost).fold(DecodeCost::default(), |sum, cost| sum + cost)
     }

@@ -1,5 +1,5 @@
-//! Writes decoded images into EXR or PNG files, and the manifest that makes a folder of them a dataset again; or those of one stream
-//! into a pipe. Colour and alpha of a face go into one file: colour is multiplied by alpha in EXR files, and not in PNG files.
+//! Writes decoded images to EXR or PNG files, with a manifest that makes a folder of them a dataset; or writes the images of one
+//! stream to a pipe. Colour and alpha of a face share a file: colour is multiplied by alpha in EXR files, but not in PNG files.
 
 use std::collections::{HashMap, HashSet};
 use std::io::{ErrorKind, Write};
@@ -29,7 +29,7 @@ use crate::streams::StreamInfo;
 
 #[derive(Debug, Clone)]
 pub enum Destination {
-    /// A folder that becomes a dataset: `probe_NAME/face_FACE/KIND.0000.exr` and a manifest.
+    /// Folder that becomes a dataset: image files `probe_NAME/face_FACE/KIND.0000.exr` and a manifest.
     Dataset(PathBuf),
     Files(Pattern),
 }
@@ -47,12 +47,12 @@ impl Destination {
         }
     }
 
-    /// Removes older files under the names of missing images; returns their number.
+    /// Removes existing files with the names of missing images; returns the number of files removed.
     pub fn remove_missing(&self, decoder: &Decoder, missing: &[MissingImages], format: FileFormat) -> Result<u64> {
         let mut removed = 0;
         for missing in missing {
             let pattern = self.pattern(decoder, &decoder.streams()[missing.stream as usize], format)?;
-            // Where there is no folder there are no files; frames may be many.
+            // Without the folder there are no files. Trying to remove each of them would be slow for many frames.
             if pattern.path(0).parent().is_none_or(|folder| !folder.is_dir()) {
                 continue;
             }
@@ -69,7 +69,7 @@ impl Destination {
     }
 }
 
-/// Decodes into files. Missing images have no file, and the manifest's `extra` lists them.
+/// Decodes streams into files. Missing images get no file; `extra` of the manifest lists them.
 pub fn decode_to_files(
     source: &dyn ImageSource,
     decoder: &Decoder,
@@ -92,7 +92,7 @@ pub fn decode_to_files(
             monitor.check()?;
             let picture = face.decode_intact(frame, filter)?;
             let beside = alpha_face.as_mut().map(|face| face.decode_intact(frame, filter)).transpose()?;
-            // A file needs all of its channels.
+            // A file is written only if all of its channels are intact.
             let written_file = match (picture, &beside) {
                 (Some(picture), None) => Some(writer.write_new(&pattern.path(frame), picture, None)?),
                 (Some(picture), Some(Some(Picture::Alpha(alpha)))) => {
@@ -142,28 +142,28 @@ pub fn decode_to_files(
     Ok(decoded)
 }
 
-/// The streams of one file.
+/// Streams that are written to the same files.
 struct FileJob<'a> {
     of: StreamFrames<'a>,
-    /// Alpha beside colour.
+    /// Alpha stream that is written to the files of a colour stream.
     alpha: Option<&'a StreamInfo>,
 }
 
 impl FileJob<'_> {
     fn memory_bytes(&self, decoder: &Decoder) -> u64 {
         let of = |stream: &StreamInfo| memory::stream_bytes(decoder, stream) + memory::file_bytes(stream);
-        // Light while alpha is put beside it.
+        // Linear RGB, held while it is combined with alpha: 6 bytes per pixel.
         let beside = |alpha| of(alpha) + 6 * memory::stream_pixels(alpha);
         of(self.of.stream) + self.alpha.map_or(0, beside)
     }
 }
 
-/// Frames of each sequence of files that streams become: colour and alpha of a face share theirs.
+/// Returns the frames of each sequence of files that the streams are written to. Colour and alpha of a face share a sequence.
 pub fn file_sequences(streams: &[StreamFrames<'_>]) -> Vec<FrameRange> {
     file_jobs(streams).iter().map(|job| job.of.frames).collect()
 }
 
-/// Colour takes the alpha of its face along where it has the same frames.
+/// Groups streams by file. Colour is combined with the alpha of its face if both have the same frames.
 fn file_jobs<'a>(streams: &[StreamFrames<'a>]) -> Vec<FileJob<'a>> {
     let place = |part: &StreamFrames<'_>| (part.stream.probe, part.stream.face, part.frames.first, part.frames.last);
     let of_kind = |kind| streams.iter().filter(move |part| part.stream.kind == kind);
@@ -180,10 +180,10 @@ fn file_jobs<'a>(streams: &[StreamFrames<'a>]) -> Vec<FileJob<'a>> {
     streams.iter().filter_map(job).collect()
 }
 
-/// Decodes the only stream of a request into a pipe, frame by frame: codes as in PNG files.
+/// Decodes the only stream of a request to a pipe, frame by frame, as the codes that PNG files contain.
 ///
 /// # Errors
-/// [`Error::Usage`] where the request has several streams, or one that the format cannot hold.
+/// [`Error::Usage`] if the request has several streams, or one that the format cannot hold.
 pub fn decode_to_stream<W: Write>(
     source: &dyn ImageSource,
     decoder: &Decoder,
@@ -219,7 +219,7 @@ pub fn decode_to_stream<W: Write>(
     Ok(Decoded { summary, clipped_pixels, ..Decoded::default() })
 }
 
-/// Streams that an error lists at most.
+/// Maximum number of streams listed in an error.
 const MAX_LISTED: usize = 24;
 
 fn several_streams(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> Error {

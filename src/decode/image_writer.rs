@@ -1,4 +1,4 @@
-//! Writes a decoded image, or colour with its alpha, into an EXR or PNG file.
+//! Writes a decoded image, or colour with its alpha, to an EXR or PNG file.
 
 use std::io::BufWriter;
 use std::path::Path;
@@ -24,10 +24,10 @@ pub(super) struct WrittenFile {
     pub clipped_pixels: u64,
 }
 
-/// Between the domain of a codec and that of a file.
+/// Conversion table from the domain of a codec to that of a file.
 enum Table {
     Metres(CodeTable),
-    /// Of 8-bit codes.
+    /// Linear values of 8-bit codes.
     Light(Box<DecodeTable>),
     None,
 }
@@ -35,12 +35,12 @@ enum Table {
 pub(super) struct ImageWriter {
     format: FileFormat,
     table: Table,
-    /// Of the codes in PNG files.
+    /// Tone mapping of the codes in PNG files.
     tone: ToneMap,
     codes: OnceLock<EncodeTable>,
-    /// Of light in files.
+    /// Primaries of linear RGB in the files.
     primaries: Primaries,
-    /// To them.
+    /// Conversion from the container's primaries to `primaries`; `None` if they are the same.
     matrix: Option<LightMatrix>,
 }
 
@@ -62,7 +62,7 @@ impl ImageWriter {
         self.codes.get_or_init(|| EncodeTable::new(&self.tone))
     }
 
-    /// Writes a file, and its folder where there is none.
+    /// Writes a file; creates its folder if necessary.
     pub fn write_new(&self, path: &Path, picture: Picture, alpha: Option<&Plane<u8>>) -> Result<WrittenFile> {
         if let Some(parent) = path.parent() {
             create_folders(parent).map_err(|error| Error::io(parent, error))?;
@@ -72,7 +72,7 @@ impl ImageWriter {
         Ok(WrittenFile { bytes, clipped_pixels })
     }
 
-    /// Returns the number of clipped pixels.
+    /// Writes a file; returns the number of clipped pixels.
     fn write(&self, path: &Path, picture: Picture, alpha: Option<&Plane<u8>>) -> Result<u64> {
         if self.format == FileFormat::Png {
             let (codes, clipped) = match alpha {
@@ -105,12 +105,12 @@ impl ImageWriter {
         .map(|()| 0)
     }
 
-    /// Light of the primaries of files.
+    /// Converts a colour picture to linear RGB in the primaries of the files.
     fn light(&self, picture: Picture) -> Result<ColorPlane> {
         let light = match (picture, &self.table) {
             (Picture::Color8(codes), Table::Light(table)) => convert::color_light(&codes, table),
             (Picture::ColorHalf(light), _) => light,
-            // A stream's pictures and its table are of one kind.
+            // Cannot happen: the pictures of a stream are of the kind of its table.
             _ => return Err(Error::invalid("a picture of another kind than its stream")),
         };
         Ok(match self.matrix {
@@ -119,7 +119,7 @@ impl ImageWriter {
         })
     }
 
-    /// A picture in codes, and the number of clipped pixels.
+    /// Converts a picture to codes; returns them with the number of clipped pixels.
     pub fn codes(&self, picture: Picture) -> Result<(CodePicture, u64)> {
         match picture {
             Picture::Depth(codes) => Ok((CodePicture::Gray16(codes), 0)),
@@ -133,8 +133,9 @@ impl ImageWriter {
         }
     }
 
-    /// Colour that is not multiplied by alpha, with it; and the number of pixels that lose light: it does not fit the codes once it is
-    /// divided, also by half a code of alpha more, or there is no alpha to divide it by.
+    /// Divides colour by alpha; returns RGBA codes and the number of clipped pixels. A pixel counts as clipped if its colour
+    /// exceeds the largest code even after division by an alpha that is half a code larger. This includes pixels of alpha 0,
+    /// whose colour is lost.
     fn codes_and_alpha(&self, picture: Picture, alpha: &Plane<u8>) -> Result<(CodePicture, u64)> {
         let (light, table) = (self.light(picture)?, self.code_table());
         let is_lost = |(light, code): &(&[f16; 3], &u8)| {

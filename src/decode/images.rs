@@ -1,4 +1,4 @@
-//! Decoders of whole images behind a trait: the CPU's here, graphics devices' in `gpu`.
+//! Trait of decoders of whole images, and its implementation on the CPU; the one for graphics devices is in `gpu`.
 
 use crate::decode::chunk_source::DecodeCost;
 use crate::decode::damage::{DamagedChunk, OnDamage};
@@ -11,7 +11,7 @@ use crate::streams::StreamInfo;
 pub trait Images {
     fn decode_filtered(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture>;
 
-    /// As [`Self::decode_filtered`]; `None` where the image needs a chunk that [`Self::damaged`] lists.
+    /// As [`Self::decode_filtered`], but returns `None` if the image needs a damaged chunk, which [`Self::damaged`] lists.
     fn decode_intact(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Option<Picture>> {
         self.decode_filtered(frame, filter).map(Some)
     }

@@ -1,4 +1,4 @@
-//! The manifest of a decoded dataset.
+//! Builds the manifest of a decoded dataset.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -15,7 +15,7 @@ use crate::streams::{CodecHeader, ColorFormat, ColorHeader, FramePose, Projectio
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FileFormat {
-    /// OpenEXR: linear light, metres, weights.
+    /// OpenEXR: linear RGB, metres, weights.
     #[default]
     Exr,
     /// PNG: 8-bit colour codes, 16-bit depth codes, 8-bit weights.
@@ -23,7 +23,7 @@ pub enum FileFormat {
 }
 
 impl FileFormat {
-    /// The format that a file name's extension tells.
+    /// Returns the format for a file name's extension, `exr` or `png`.
     pub fn of(path: &Path) -> Option<FileFormat> {
         let extension = path.extension()?;
         [FileFormat::Exr, FileFormat::Png].into_iter().find(|format| extension == format.extension())
@@ -37,16 +37,17 @@ impl FileFormat {
     }
 }
 
-/// How images become files.
+/// Format and colour space of image files.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FileCoding {
     pub format: FileFormat,
-    /// Space of linear light in EXR files; `None` keeps the container's. PNG files have the primaries of Rec. 709.
+    /// Colour space of linear RGB in EXR files; `None` keeps that of the container. PNG files always have the primaries of Rec.
+    /// 709.
     pub space: Option<ColorSpace>,
 }
 
 impl FileCoding {
-    /// Primaries of files, of a container with its `own`.
+    /// Returns the primaries of the files; `own` are those of the container.
     pub(super) fn primaries(self, own: Primaries) -> Primaries {
         match (self.format, self.space) {
             (FileFormat::Png, _) => Primaries::REC709,
@@ -60,14 +61,14 @@ pub(super) fn file_pattern(decoder: &Decoder, kind: StreamKind, format: FileForm
     format!("probe_{{probe}}{face}/{}.%04d.{}", kind.name(), format.extension())
 }
 
-/// Whether a dataset was decoded from a container.
+/// Returns true if a dataset was decoded from a container.
 pub fn has_decoded(manifest: &Manifest) -> bool {
     manifest.extra.as_ref().is_some_and(|extra| extra.get("lightfold").is_some())
 }
 
-/// Its `extra` holds the streams' coding, so that a later comparison can use the same codes. An error says why there is
-/// none: PNG files hold codes that a manifest cannot describe, streams differ in size, cube faces are not square, or some faces have
-/// kinds or frames that others do not.
+/// Builds the manifest of decoded files. Its `extra` contains the coding of the streams, so that a later comparison can use the
+/// same codes. Fails with the reason if there can be no manifest: PNG files hold codes that a manifest cannot describe, streams
+/// differ in size, cube faces are not square, or some faces have kinds or frames that others do not.
 pub(super) fn manifest_of(
     decoder: &Decoder,
     streams: &[StreamFrames<'_>],
@@ -109,7 +110,7 @@ pub(super) fn manifest_of(
             }
             CodecHeader::Color(_) => {
                 let space = match format {
-                    // Where it has no name, the files' chromaticities tell.
+                    // Primaries without a name are read from the chromaticities in the files.
                     FileFormat::Exr => ColorSpace::of_light(files_coding.primaries(decoder.primaries())),
                     FileFormat::Png => Some(ColorSpace::Srgb),
                 };
@@ -151,7 +152,8 @@ pub(super) fn manifest_of(
     })
 }
 
-/// Streams whose files a manifest describes: of PNG files colour in sRGB codes, which are those of half floats, too, and its alpha.
+/// Returns the streams whose files a manifest can describe. In PNG files these are colour in sRGB codes, as which half-float
+/// colour is also written, and its alpha.
 fn listed<'a>(streams: &[StreamFrames<'a>], format: FileFormat) -> Vec<StreamFrames<'a>> {
     let is_other = |header: &CodecHeader| match header {
         CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }) => *tone != ToneMap::default(),
@@ -166,7 +168,8 @@ fn listed<'a>(streams: &[StreamFrames<'a>], format: FileFormat) -> Vec<StreamFra
     streams.iter().filter(is_listed).copied().collect()
 }
 
-/// Whether all faces of all probes have the same kinds, and those of a probe the same frames, as a manifest's do.
+/// Returns true if all faces of all probes have the same kinds, and all streams of a probe the same frames, as a manifest
+/// requires.
 fn is_complete(listed: &[StreamFrames<'_>]) -> bool {
     let kinds: BTreeSet<_> = listed.iter().map(|part| part.stream.kind).collect();
     let faces: BTreeSet<_> = listed.iter().map(|part| part.stream.face).collect();
@@ -181,7 +184,7 @@ fn is_complete(listed: &[StreamFrames<'_>]) -> bool {
     of_probes.values().all(|(_, places)| places.len() == kinds.len() * faces.len())
 }
 
-/// The probes of streams, which have the frames `all` unless they say otherwise.
+/// Returns the probes of the streams. A probe states its frames only if they differ from `all`.
 fn probes_of(decoder: &Decoder, listed: &[StreamFrames<'_>], all: FrameRange) -> Vec<manifest::Probe> {
     let frames_of: BTreeMap<usize, FrameRange> = listed.iter().map(|part| (part.stream.probe, part.frames)).collect();
     let probe_of = |(at, frames): (usize, FrameRange)| {
@@ -206,7 +209,7 @@ fn probes_of(decoder: &Decoder, listed: &[StreamFrames<'_>], all: FrameRange) ->
     frames_of.into_iter().map(probe_of).collect()
 }
 
-/// Format of colour, and near and far of depth, of all streams.
+/// Returns the colour format, and near and far of each depth stream.
 fn coding_of(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> serde_json::Map<String, serde_json::Value> {
     let mut coding = serde_json::Map::new();
     let mut ranges = serde_json::Map::new();

@@ -1,7 +1,7 @@
-//! Upper bounds of the memory that work on a container takes, from its index alone.
+//! Upper bounds of the memory for operations on a container, computed from its index or from payload sizes alone.
 //!
-//! A decoder holds [`CodecHeader::held_pixel_bytes`] and [`CodecHeader::parsed_chunk_bytes`]; decompression, parsing, threads and files
-//! come on top here.
+//! A decoder holds [`CodecHeader::held_pixel_bytes`] and [`CodecHeader::parsed_chunk_bytes`]. This module adds the memory of
+//! decompression, parsing, threads and files.
 
 #[cfg(feature = "encode")]
 use crate::container::Compression;
@@ -9,30 +9,30 @@ use crate::container::{ChunkEntry, Reader, Storage, StreamEntry, lzma2};
 use crate::decode::decoder::Decoder;
 use crate::streams::{CodecHeader, StreamInfo};
 
-/// Bytes of memory for each byte of the dictionary when LZMA2 compresses: a tree of two positions of 4 bytes for each byte
-/// (8), a table of hashes with half as many positions (2), the window and half of it again (1.5), and tables of fixed size.
+/// Bytes of memory per byte of the dictionary in LZMA2 compression: a binary tree with two 4-byte positions per byte (8), a hash
+/// table with half a position per byte (2), 1.5 times the window (1.5), and tables of fixed size.
 #[cfg(feature = "encode")]
 const LZMA2_ENCODER_RATIO: u64 = 12;
-/// The same for Zstandard: a table of hashes with twice as many positions of 4 bytes (8), a tree of two positions for each
-/// byte (8). Each level bounds them (see [`zstd_level_bytes`]).
+/// Bytes of memory per byte of the window in Zstandard compression: a hash table with two 4-byte positions per byte (8), a binary
+/// tree with two positions per byte (8). Each level also limits these tables (see [`zstd_level_bytes`]).
 #[cfg(feature = "encode")]
 const ZSTD_ENCODER_RATIO: u64 = 16;
-/// Tables of fixed size: prices, sequences, literals.
+/// Bytes of the Zstandard encoder's tables of fixed size: prices, sequences, literals.
 #[cfg(feature = "encode")]
 const ZSTD_ENCODER_BYTES: u64 = 3 << 20;
 const ZSTD_DECODER_BYTES: u64 = 256 << 10;
 
-/// Bytes for reading, decompressing and parsing a chunk.
+/// Returns the bytes needed to read, decompress and parse a chunk.
 pub fn chunk_bytes(header: &CodecHeader, stream: &StreamEntry, chunk: &ChunkEntry) -> u64 {
     header.parsed_chunk_bytes(stream, chunk) + reading_bytes(chunk).max(header.parsing_bytes(stream, chunk))
 }
 
-/// Bytes that are freed once a chunk is decompressed.
+/// Returns the bytes that are freed once a chunk is decompressed.
 pub fn reading_bytes(chunk: &ChunkEntry) -> u64 {
     match chunk.storage {
         Storage::Raw => 0,
         Storage::Lzma2 => u64::from(chunk.stored_bytes) + u64::from(lzma2::dictionary_bytes(chunk.raw_bytes)),
-        // The payload is the window.
+        // The decoder uses the decompressed payload as its window.
         Storage::Zstd => u64::from(chunk.stored_bytes) + ZSTD_DECODER_BYTES,
     }
 }
@@ -46,14 +46,14 @@ pub fn compressing_bytes(compression: Compression, raw_bytes: u64) -> u64 {
         Compression::Lzma2(_) => LZMA2_ENCODER_RATIO * window + raw_bytes,
         Compression::Zstd(level) => {
             let tables = (ZSTD_ENCODER_RATIO * window + ZSTD_ENCODER_BYTES).min(zstd_level_bytes(level));
-            // The output has room for what cannot be compressed.
+            // The output buffer has space for incompressible data.
             tables + raw_bytes + raw_bytes / 256
         }
     }
 }
 
-/// Most bytes that a level of Zstandard allocates for an input of any size: those of its window, hashes and chains, as libzstd 1.5.7
-/// allocates them, in whole MiB.
+/// Returns the maximum bytes that a Zstandard level allocates for input of any size, in whole MiB: window, hash and chain tables
+/// as allocated by libzstd 1.5.7.
 #[cfg(feature = "encode")]
 fn zstd_level_bytes(level: u32) -> u64 {
     let mib = match level {
@@ -71,7 +71,7 @@ fn zstd_level_bytes(level: u32) -> u64 {
     mib << 20
 }
 
-/// Bytes for decoding one unit: its picture and its largest chunk.
+/// Returns the bytes needed to decode one unit: its picture and its largest chunk.
 pub fn unit_bytes(decoder: &Decoder, stream: &StreamInfo, unit: u32) -> u64 {
     let [_, _, width, height] = stream.entry.unit_rect(unit);
     let chunks = decoder.reader().index().unit_chunks(stream.index, unit);
@@ -93,12 +93,13 @@ pub fn stream_bytes(decoder: &Decoder, stream: &StreamInfo) -> u64 {
     stream.parsed_bytes(index).saturating_add(reading)
 }
 
-/// Pixels of an image.
+/// Returns the number of pixels of an image.
 pub fn stream_pixels(stream: &StreamInfo) -> u64 {
     u64::from(stream.entry.width) * u64::from(stream.entry.height)
 }
 
-/// Bytes for writing an image into a file: its values, and the same by channel in the writer; of colour also light of other primaries.
+/// Returns the bytes needed to write an image to a file: its values, and the writer's copy of them by channel. For colour the
+/// second term also covers the conversion to other primaries, which precedes the copy.
 pub fn file_bytes(stream: &StreamInfo) -> u64 {
     let converted = match &stream.header {
         CodecHeader::Depth(_) => 4 + 4,
@@ -109,9 +110,10 @@ pub fn file_bytes(stream: &StreamInfo) -> u64 {
     stream_pixels(stream) * converted
 }
 
-/// Bytes of an open container: its index, and the whole file where it came through a pipe.
+/// Returns the bytes of an open container: its index, and the whole file if it is in memory, for example after reading from a
+/// pipe.
 pub fn container_bytes(reader: &Reader) -> u64 {
-    // As it is read the index is there twice.
+    // The index is in memory twice while it is read.
     3 * reader.overhead_bytes() + reader.bytes_in_memory()
 }
 
@@ -124,7 +126,7 @@ mod tests {
 
     #[test]
     fn levels_of_zstandard_allocate_no_more_than_is_counted() {
-        // Past the window of every level but the last ones, whose tables are as large from 8 MiB on.
+        // 16 MiB exceed the window of every level but the last ones, whose tables reach their maximum at 8 MiB.
         let noise: Vec<u8> =
             (0..16u64 << 17).flat_map(|at| at.wrapping_mul(0x9E37_79B9_7F4A_7C15).to_le_bytes()).collect();
         let mut out = vec![0; compress_bound(noise.len())];

@@ -1,7 +1,7 @@
 //! Decodes any (stream, unit, frame) of a container, reading only the chunks that it needs.
 //!
-//! Enters: an open container. Leaves: pixels of a unit ([`UnitDecoder`]) or of an image ([`FaceDecoder`]), in the caller's
-//! slices ([`PixelsMut`]) or in files ([`decode_to_files`]).
+//! Input: an open container. Output: pixels of a unit ([`UnitDecoder`]) or of an image ([`FaceDecoder`]), in slices of the caller
+//! ([`PixelsMut`]) or in files ([`decode_to_files`]).
 
 #![doc(hidden)]
 

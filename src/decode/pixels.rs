@@ -1,4 +1,4 @@
-//! Decoded pixels in the caller's slices: codes, metres, 8-bit or half-float colour, material weights, alpha.
+//! Converts decoded pixels into slices of the caller: codes, metres, 8-bit or floating-point colour, material weights, alpha.
 
 use std::sync::OnceLock;
 
@@ -11,20 +11,20 @@ use crate::error::{Error, Result};
 use crate::image::transfer::DecodeTable;
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader, convert};
 
-/// The pixels of a unit in the domain of its codec, row by row.
+/// Pixels of a unit in the domain of its codec, row by row.
 #[derive(Debug, Clone, Copy)]
 pub enum UnitPixels<'u> {
     /// 16-bit log codes.
     Depth(&'u [u16]),
     Material(&'u [[u8; 3]]),
     Color8(&'u [[u8; 3]]),
-    /// Half floats as keys.
+    /// Half floats as keys (arithmetic.md 4).
     ColorHalf(&'u [[HalfKey; 3]]),
     /// Codes of 0 to 255.
     Alpha(&'u [u16]),
 }
 
-/// A caller's slice for decoded pixels: one element a pixel, row by row from the top left.
+/// Slice of the caller for decoded pixels: one element per pixel, row by row from the top left.
 #[derive(Debug)]
 pub enum PixelsMut<'p> {
     /// Depth as 16-bit log codes: 0 at near, 65534 at far, 65535 background (depth.md 2).
@@ -33,22 +33,23 @@ pub enum PixelsMut<'p> {
     DepthMetres(&'p mut [f32]),
     /// Colour of an 8-bit stream as codes of its transfer function, red first (color.md 2).
     Color8(&'p mut [[u8; 3]]),
-    /// Colour as linear Rec. 709 light, from 8-bit and half-float streams alike.
+    /// Colour as linear RGB in the primaries of [`Decoder::primaries`](crate::Decoder::primaries), from 8-bit and half-float
+    /// streams.
     ColorHalf(&'p mut [[f16; 3]]),
-    /// The same in single precision.
+    /// As [`PixelsMut::ColorHalf`], in single precision.
     ColorFloat(&'p mut [[f32; 3]]),
     /// Material as bytes: reflection weight, refraction weight, index of refraction (depth.md 5).
     Material8(&'p mut [[u8; 3]]),
     /// Material as weights of 0 to 1 and an index of refraction of 1 to 3.
     Material(&'p mut [[f32; 3]]),
-    /// Alpha as bytes: 255 where surfaces cover all of a pixel (depth.md 16).
+    /// Alpha as bytes: 255 if surfaces cover the whole pixel (depth.md 16).
     Alpha8(&'p mut [u8]),
     /// Alpha of 0 to 1.
     Alpha(&'p mut [f32]),
 }
 
 impl<'p> PixelsMut<'p> {
-    /// Parts of `length` pixels, the last with what is left.
+    /// Splits the slice into parts of `length` pixels; the last part may be shorter.
     pub(super) fn bands(self, length: usize) -> Vec<PixelsMut<'p>> {
         fn split<'a, T>(
             pixels: &'a mut [T],
@@ -86,7 +87,7 @@ impl<'p> PixelsMut<'p> {
     }
 }
 
-/// Converts pixels of one stream; tables are made when they are first used.
+/// Pixel conversion of one stream. Tables are built on first use.
 #[derive(Debug)]
 pub(super) struct Conversion {
     pub header: CodecHeader,
@@ -170,7 +171,7 @@ fn each<S: Copy, T>(row: &[S], out: &mut [T], convert: impl Fn(S) -> T) {
     }
 }
 
-/// All samples as one row, which compiles to vector instructions; pixel by pixel it does not.
+/// Converts all samples as one flat row, which compiles to vector instructions; a loop over pixels does not.
 fn samples<S: Copy, T>(row: &[[S; 3]], out: &mut [[T; 3]], convert: impl Fn(S) -> T) {
     each(row.as_flattened(), out.as_flattened_mut(), convert);
 }

@@ -1,4 +1,4 @@
-//! A decoding as a report in JSON.
+//! JSON report of a decoding run.
 
 use serde::Serialize;
 
@@ -10,9 +10,9 @@ use crate::decode::units::{DecodeSummary, Decoded};
 pub struct DecodeTimes {
     /// Seconds of one run, or the median of `runs_seconds`.
     pub seconds: f64,
-    /// Seconds for reading the file before the runs.
+    /// Seconds for reading the file into memory before the runs.
     pub reading_seconds: f64,
-    /// Whether the runs read the container from memory.
+    /// True if the runs read the container from memory.
     pub container_in_memory: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub runs_seconds: Option<Vec<f64>>,
@@ -27,7 +27,7 @@ pub struct DecodeReport<'a> {
     updated_pixels: u64,
     bytes_read: u64,
     bytes_out: u64,
-    /// Pixels of half floats that PNG files clipped.
+    /// Number of half-float pixels clipped in PNG files.
     clipped_pixels: u64,
     fetching_thread_seconds: f64,
     applying_thread_seconds: f64,
@@ -53,7 +53,7 @@ pub struct DamagedChunkReport<'a> {
     reason: &'a str,
 }
 
-/// Missing images of one stream, here and in manifests.
+/// Missing images of one stream, in this report and in manifests.
 #[derive(Debug, Serialize)]
 pub struct MissingImagesReport<'a> {
     kind: &'static str,

@@ -8,7 +8,7 @@ use crate::image::sequence::FrameRange;
 use crate::memory::Budget;
 use crate::streams::{StreamInfo, StreamKind};
 
-/// Streams and frames by name. Empty lists and `None` mean all.
+/// Selection of streams and frames. An empty list or `None` selects all.
 #[derive(Debug, Clone, Default)]
 pub struct Selection {
     pub probes: Vec<String>,
@@ -69,7 +69,7 @@ impl Selection {
 pub struct Request<'a> {
     pub streams: &'a [StreamFrames<'a>],
     pub filter: &'a dyn UnitFilter,
-    /// Memory that the CPU's decoders may take.
+    /// Memory budget of the CPU decoders.
     pub memory: Budget,
 }
 

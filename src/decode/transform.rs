@@ -1,4 +1,4 @@
-//! Decodes one cell of the transform codec: each frame from its own chunk.
+//! Decodes one cell of the transform codec. A frame needs only its own chunk.
 
 use std::time::Instant;
 
@@ -7,15 +7,16 @@ use crate::color::{ChunkFormat, ColorChunk};
 use crate::decode::chunk_source::ChunkSource;
 use crate::error::Result;
 
-/// Samples of a cell. The symbols of a chunk are decoded once; a frame writes the blocks that differ from the frame shown.
+/// Decoded samples of one cell. The symbols of a chunk are decoded once; showing a frame rewrites only the blocks that differ
+/// from the frame shown before.
 #[derive(Debug)]
 pub(super) struct TransformState<S> {
     format: ChunkFormat<S>,
     pub picture: Vec<S>,
     pub chunk: Option<(usize, ColorChunk<S>)>,
-    /// Frame of the chunk that the picture shows.
+    /// Frame shown by `picture`, counted from the chunk's first.
     at: Option<u32>,
-    /// A keyframe, where the chunk has keyframes.
+    /// Scratch buffer for a keyframe, used by chunks with keyframes.
     keyframe: Vec<S>,
 }
 

@@ -1,7 +1,7 @@
-//! Decodes one tile or cell, in any order of frames.
+//! Decodes one tile or cell, with frames in any order.
 //!
-//! A tile that shows an earlier frame of the chunk applies only the records in between, in steps of up to W frames; else it
-//! starts at the chunk's keyframe (depth.md 4). A cell is [`crate::decode::cell`] or [`crate::decode::transform`].
+//! A tile that shows an earlier frame of the chunk applies only the records in between, in steps of up to W frames; otherwise it
+//! starts at the chunk's keyframe (depth.md 4). Cells are decoded by [`crate::decode::cell`] or [`crate::decode::transform`].
 
 use std::time::Instant;
 
@@ -20,8 +20,8 @@ use crate::streams::{CodecHeader, ColorCoding, ColorFormat, DepthChunk, PictureC
 
 /// Decodes one unit: a tile of depth, material or alpha, or a cell of colour.
 ///
-/// The next frames of a chunk cost what changes in them; any other frame costs reading and decoding its chunk from the
-/// keyframe.
+/// Decoding a later frame of the current chunk processes only the changes up to it. For any other frame the chunk is read if
+/// necessary and decoded from its keyframe.
 #[derive(Debug)]
 pub struct UnitDecoder<'a> {
     source: ChunkSource<'a>,
@@ -104,7 +104,8 @@ impl<'a> UnitDecoder<'a> {
     /// Decodes `frame` into a slice of width × height pixels of the unit.
     ///
     /// # Errors
-    /// As for [`Self::decode`]; [`Error::Usage`] for a slice of another length or another kind than the stream.
+    /// As for [`Self::decode`]; [`Error::Usage`] for a slice of the wrong length, or of a kind to which the stream cannot be
+    /// converted.
     pub fn decode_into(&mut self, frame: u32, mut pixels: PixelsMut<'_>) -> Result<()> {
         let [_, _, width, height] = self.rect;
         pixels.check_size([width, height])?;
@@ -112,12 +113,12 @@ impl<'a> UnitDecoder<'a> {
         self.conversion.write(self.pixels(), [0, 0, width, height], &mut pixels, width)
     }
 
-    /// Cost of all calls so far.
+    /// Returns the total cost of all calls so far.
     pub fn cost(&self) -> DecodeCost {
         self.source.cost
     }
 
-    /// Chunks that were needed and are damaged, by frame. Frames that need none of them are decoded all the same.
+    /// Returns the damaged chunks found so far, in the order of their frames. Frames that need none of them can still be decoded.
     #[doc(hidden)]
     pub fn damaged(&self) -> impl ExactSizeIterator<Item = &DamagedChunk> {
         self.source.damaged.values()
@@ -128,7 +129,7 @@ impl<'a> UnitDecoder<'a> {
         with_state!(self.state, state => state.chunk.map(|(_, chunk)| chunk.into_spare())).unwrap_or(self.source.buffer)
     }
 
-    /// Drops what decoding would go on from. The pixels stay; the next frame is decoded from the keyframe of its chunk.
+    /// Drops the decoding state but keeps the pixels. The next frame is decoded from the keyframe of its chunk.
     #[doc(hidden)]
     pub fn forget(&mut self) {
         with_state!(&mut self.state, state => state.forget());
@@ -140,12 +141,12 @@ impl<'a> UnitDecoder<'a> {
         u64::from(self.rect[2]) * u64::from(self.rect[3])
     }
 
-    /// Left, top, width and height in the image.
+    /// Returns left, top, width and height of the unit in the image, in pixels.
     pub fn rect(&self) -> [u32; 4] {
         self.rect
     }
 
-    /// The pixels of the frame that was decoded last, row by row; empty before the first.
+    /// Returns the pixels of the last decoded frame, row by row; empty before the first.
     #[doc(hidden)]
     pub fn pixels(&self) -> UnitPixels<'_> {
         match &self.state {
@@ -159,7 +160,7 @@ impl<'a> UnitDecoder<'a> {
         }
     }
 
-    /// Whether [`Self::pixels`] are known to be those of a frame, without reading a chunk.
+    /// Returns true if [`Self::pixels`] are known to show `frame`; reads no chunk.
     #[doc(hidden)]
     pub fn shows(&self, frame: u32) -> bool {
         let Ok((index, entry)) = self.source.find(frame) else { return false };
@@ -167,7 +168,8 @@ impl<'a> UnitDecoder<'a> {
         with_state!(&self.state, state => state.shows(index, target))
     }
 
-    /// Index and stored bytes of the chunk that holds a frame. Colour between two keyframes may need the next chunk, too.
+    /// Returns index and stored bytes of the chunk that holds a frame. A colour frame between two keyframes may need the next
+    /// chunk too.
     #[doc(hidden)]
     pub fn chunk_of(&self, frame: u32) -> Result<(usize, u32)> {
         self.source.find(frame).map(|(index, chunk)| (index, chunk.stored_bytes))
@@ -181,7 +183,7 @@ struct TemporalState<C: PictureChunk> {
     header: C::Header,
     picture: Vec<C::Pixel>,
     chunk: Option<(usize, C)>,
-    /// Frame of the chunk that the picture shows.
+    /// Frame shown by `picture`, counted from the chunk's first; `None` if unknown.
     at: Option<u32>,
 }
 
@@ -216,7 +218,7 @@ impl<C: PictureChunk> TemporalState<C> {
             self.picture.resize(width as usize * height as usize, C::Pixel::default());
         }
         let target = frame - entry.key.first_frame;
-        // After a failure it is unknown which frame the picture shows.
+        // If `advance` fails, the frame shown by the picture is unknown.
         let at = self.at.take();
         let updated = chunk.advance(&mut self.picture, at, target, self.window);
         let updated = updated.map_err(|error| source.damage(&entry, error))?;

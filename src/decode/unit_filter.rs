@@ -1,4 +1,4 @@
-//! Selection of tiles and cells by frame (CALF 6.2).
+//! Selects the tiles and cells to decode, frame by frame (CALF 6.2).
 
 use crate::streams::StreamInfo;
 

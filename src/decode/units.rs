@@ -1,4 +1,4 @@
-//! Decodes units of many streams and drops the pixels: for timing and for checks.
+//! Decodes units of many streams and discards the pixels, for timing and for checks.
 
 use std::collections::BTreeMap;
 
@@ -18,9 +18,9 @@ use crate::streams::{CodecHeader, StreamInfo};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct DecodeSummary {
     pub frames: u64,
-    /// Pixels of the selected units of these images.
+    /// Number of pixels of the selected units of these images.
     pub pixels: u64,
-    /// Bytes of the pixels that were written, in the codec's domain; of files, their bytes.
+    /// Bytes of the pixels written, in the codec's domain; for file output, bytes of the files.
     pub bytes_out: u64,
     pub cost: DecodeCost,
 }
@@ -36,8 +36,8 @@ pub fn decoded_pixel_bytes(header: &CodecHeader) -> u64 {
     }
 }
 
-/// Stored bytes of all chunks of these frames: what decoding all units reads, except chunks after the last frame that hold
-/// the second keyframe of a cell.
+/// Returns the stored bytes of all chunks that contain these frames. Decoding all units reads these bytes, and chunks after the
+/// last frame that hold the second keyframe of a cell.
 pub fn stored_bytes(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> u64 {
     let of_stream = |StreamFrames { stream, frames }: &StreamFrames<'_>| {
         let chunks = (0..stream.entry.unit_count())
@@ -51,12 +51,12 @@ pub fn stored_bytes(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> u64 {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Decoded {
     pub summary: DecodeSummary,
-    /// Damaged chunks, by stream, unit and frame.
+    /// Damaged chunks in the order of stream, unit and frame.
     pub damaged: Vec<DamagedChunk>,
     pub missing: Vec<MissingImages>,
-    /// Pixels of half floats that files of 8 bits clipped.
+    /// Number of half-float pixels clipped in 8-bit files.
     pub clipped_pixels: u64,
-    /// Why a folder of images has no manifest, where it has none.
+    /// Reason why a folder of images has no manifest.
     pub no_manifest: Option<&'static str>,
 }
 
@@ -87,7 +87,7 @@ impl Decoded {
     }
 }
 
-/// Bytes of memory that decoding units one after the other takes, with the container as it is open.
+/// Returns the bytes of memory needed to decode the units one at a time, including the open container.
 pub fn least_bytes(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> u64 {
     let units = |stream: &StreamInfo| {
         (0..stream.entry.unit_count()).map(|unit| memory::unit_bytes(decoder, stream, unit)).max().unwrap_or(0)
@@ -96,7 +96,7 @@ pub fn least_bytes(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> u64 {
     memory::container_bytes(decoder.reader()) + largest
 }
 
-/// Decodes the selected units frame by frame. The monitor advances by one for every image.
+/// Decodes the selected units frame by frame. The monitor advances by one per image.
 pub fn decode_units(
     decoder: &Decoder,
     Request { streams, filter, memory }: Request<'_>,
@@ -127,7 +127,7 @@ pub fn decode_units(
                 Err(error) => return Err(error),
             }
         }
-        // Images are counted with their first unit.
+        // Each image is counted once, with its first unit.
         let images = if unit == 0 { frames.count() } else { 0 };
         monitor.advance(images);
         let cost = decoder.cost();

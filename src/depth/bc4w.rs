@@ -1,9 +1,9 @@
 //! BC4w: 8×8 codes in 32 bytes (depth.md 8).
 //!
-//! In: 32 bytes. Out: the codes of a block of level 1.
+//! Decodes 32 bytes into the codes of a block of level 1.
 //!
-//! Based on: GDC 3.3, figure 3, algorithm 1. A line parts the pixels; each side has a palette of eight codes between
-//! two endpoints, as BC4 has; each pixel has an index into its side's palette.
+//! Based on: GDC 3.3, figure 3, algorithm 1. A line divides the pixels into two sides. Each side has a palette of eight codes
+//! between two endpoints, as in BC4, and each pixel has an index into the palette of its side.
 
 #[cfg(feature = "encode")]
 pub mod bipartitions;
@@ -29,7 +29,7 @@ use crate::depth::quantise::BACKGROUND_CODE;
 use line::Line;
 
 pub const BYTES: usize = 32;
-/// Where the four bytes are that a marker would fill with ones (depth.md 7).
+/// Byte range that is all ones in the markers of other functions, and never in a BC4w block (depth.md 7).
 const MARKER_BYTES: RangeInclusive<usize> = 28..=31;
 pub const MAX_ENDPOINT: u16 = 8191;
 
@@ -37,7 +37,7 @@ pub const MAX_ENDPOINT: u16 = 8191;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bc4w([u8; BYTES]);
 
-/// Two endpoints of 13 bits; their order chooses the mode.
+/// Two endpoints of 13 bits; their order selects the mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pair {
     pub e0: u16,
@@ -45,13 +45,13 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// The code that an endpoint of 13 bits stands for: 0 is 0, 8191 is 65535.
+    /// Expands a 13-bit endpoint to a 16-bit code: 0 to 0, 8191 to 65535.
     pub const fn code(endpoint: u16) -> u16 {
         endpoint << 3 | endpoint >> 10
     }
 
-    /// The codes of indices 0 to 7. With e0 > e1 they are evenly spaced; otherwise six are, and 6 is code 0 and 7 the
-    /// background.
+    /// Returns the codes of indices 0 to 7. With e0 > e1 all eight are evenly spaced; otherwise six are, index 6 is code 0, and
+    /// index 7 is the background.
     pub fn palette(self) -> [u16; 8] {
         let endpoints = [self.e0, self.e1];
         if self.e0 > self.e1 { Pair::eight(endpoints) } else { Pair::six(endpoints) }
@@ -71,7 +71,7 @@ impl Pair {
 }
 
 impl Bc4w {
-    /// The block of 32 bytes; none where their last four mark another function.
+    /// Returns the block of 32 bytes; `None` if the last four bytes are the marker of another function.
     pub fn from_bytes(bytes: [u8; BYTES]) -> Option<Bc4w> {
         (bytes[MARKER_BYTES] != [0xff; 4]).then_some(Bc4w(bytes))
     }

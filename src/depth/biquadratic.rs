@@ -1,6 +1,6 @@
 //! Biquadratic functions: six coefficients for a node (arithmetic.md 6).
 //!
-//! In: integer coefficients. Out: codes. Based on: GDC 3.2, equation 5.
+//! Decodes integer coefficients into codes. Based on: GDC 3.2, equation 5.
 
 #[cfg(feature = "encode")]
 pub(crate) mod fit;
@@ -10,7 +10,7 @@ use crate::depth::domain::{Domain, DomainKind, log_code};
 
 pub(crate) const LANES: usize = 8;
 
-/// a0 x + a1 y + a2 xy + a3 x² + a4 y² + a5 over the pixels of a node, x and y from 0 at its top left.
+/// The surface a0 x + a1 y + a2 xy + a3 x² + a4 y² + a5 over the pixels of a node, with x and y from 0 at its top left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Biquadratic {
     /// a0 to a5: a0, a1 and a5 in Q14, a2 (xy), a3 (x²) and a4 (y²) in Q22.
@@ -22,7 +22,7 @@ impl Biquadratic {
         Biquadratic { coefficients: [0, 0, 0, 0, 0, value] }
     }
 
-    /// The function at a pixel in Q14, wrapping.
+    /// Evaluates the function at a pixel in Q14, with wrapping arithmetic.
     pub fn value(&self, x: i32, y: i32) -> i32 {
         let [a0, a1, a2, a3, a4, a5] = self.coefficients;
         let u = a0.wrapping_add(a2.wrapping_mul(y).wrapping_add(a3.wrapping_mul(x)).wrapping_add(128) >> 8);
@@ -49,7 +49,8 @@ impl Biquadratic {
         }
     }
 
-    /// One row. What does not depend on x is done once; without x² the row is a straight line, which only adds.
+    /// Fills one row. Terms that do not depend on x are computed once; without an x² term the row is linear and needs only
+    /// additions.
     #[inline]
     fn fill_row(&self, y: i32, row: &mut [u16], code: impl Fn(i32) -> u16) {
         let [a0, a1, a2, a3, a4, a5] = self.coefficients;

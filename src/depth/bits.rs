@@ -6,7 +6,7 @@ use crate::error::Result;
 #[derive(Debug, Default)]
 pub struct BitWriter {
     bytes: Vec<u8>,
-    /// Bits of the last byte that are taken; 0 means all.
+    /// Number of bits used in the last byte; 0 if it is full.
     taken: u32,
 }
 
@@ -52,7 +52,7 @@ impl<'f, 'a> BitReader<'f, 'a> {
         Ok(bit)
     }
 
-    /// Ends at a byte's end; the bits that are left must be 0.
+    /// Ends at a byte boundary. Fails if the remaining bits of the byte are not 0.
     pub fn finish(self) -> Result<()> {
         if self.current != 0 {
             return Err(self.fields.error("the bits after the last one are not zero"));

@@ -1,11 +1,11 @@
-//! Square blocks of codes: what modelling functions are fitted to and decoded into (depth.md 7).
+//! Square blocks of codes, to which modelling functions are fitted and into which they are decoded (depth.md 7).
 //!
-//! A block is a node of the quadtree laid over a picture. Where it reaches beyond the picture's right or bottom edge,
-//! only the part inside counts: nothing outside is read, written or measured.
+//! A block is a quadtree node over a picture. Pixels of the node beyond the right or bottom edge of the picture are not read,
+//! written or measured.
 
-/// Sides of blocks are 4 · 2^level; the largest covers a tile of 1024×1024 pixels.
+/// Maximum level. The side of a block is 4 · 2^level pixels; the largest block covers a tile of 1024×1024 pixels.
 pub const MAX_LEVEL: u8 = 8;
-/// Largest width and height of a tile that is coded as a quadtree.
+/// Maximum width and height of a tile that is coded as a quadtree, in pixels.
 pub const MAX_TILE: u32 = 1024;
 
 pub const fn side_of(level: u8) -> usize {
@@ -16,7 +16,7 @@ fn inside(size: [usize; 2], level: u8, [x, y]: [usize; 2]) -> [usize; 2] {
     [side_of(level).min(size[0] - x), side_of(level).min(size[1] - y)]
 }
 
-/// Codes of a block, seen where they lie in a picture.
+/// View of the codes of a block in a picture.
 #[derive(Debug, Clone, Copy)]
 pub struct Block<'a> {
     pixels: &'a [u16],
@@ -26,7 +26,7 @@ pub struct Block<'a> {
     pub level: u8,
 }
 
-/// Room for the codes of a block in a picture.
+/// Mutable view of the codes of a block in a picture.
 #[derive(Debug)]
 pub struct BlockMut<'a> {
     pixels: &'a mut [u16],
@@ -36,17 +36,17 @@ pub struct BlockMut<'a> {
     pub level: u8,
 }
 
-/// There is none where the background is taken for a surface or the reverse.
+/// Error of decoded codes. There is none (`None`) if background is decoded as a surface or the reverse.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Accuracy {
-    /// Largest difference in codes (GDC, equation 1).
+    /// Maximum difference in codes (GDC, equation 1).
     pub max_error: u16,
-    /// Sum of squared differences (equation 2, before the division by the number of pixels).
+    /// Sum of squared differences (GDC, equation 2, before the division by the number of pixels).
     pub squared_error: u64,
 }
 
 impl<'a> Block<'a> {
-    /// The block of `level` at pixel (`x`, `y`) of a picture of `width` columns. The pixel lies inside.
+    /// Returns the block of `level` at pixel (`x`, `y`) of a picture of `width` columns. The pixel must lie in the picture.
     pub fn of(picture: &'a [u16], width: usize, level: u8, [x, y]: [usize; 2]) -> Block<'a> {
         let [inside, height] = inside([width, picture.len() / width], level, [x, y]);
         Block { pixels: &picture[y * width + x..], stride: width, width: inside, height, level }

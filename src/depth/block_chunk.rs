@@ -1,7 +1,6 @@
-//! The payload of a chunk of plain BC4w blocks: each frame whole, at a fixed 4:1 (depth.md 12).
+//! Payload of a chunk of plain BC4w blocks: complete frames at a fixed ratio of 4:1 (depth.md 12).
 //!
-//! Any frame and any block is found by its number alone. There is no bound on the error of a surface; the background
-//! is exact.
+//! A frame and a block are located by their numbers alone. The error of surfaces is not bounded; the background is exact.
 
 #[cfg(feature = "encode")]
 pub mod encoder;
@@ -29,7 +28,7 @@ fn corners(grid: Grid) -> impl Iterator<Item = [usize; 2]> {
     (0..grid.height.div_ceil(8) as usize).flat_map(move |y| (0..columns).map(move |x| [8 * x, 8 * y]))
 }
 
-/// The blocks of a unit, at most 1024 by 1024 pixels, row by row.
+/// Returns the blocks of a unit of at most 1024×1024 pixels, row by row.
 pub fn places(grid: Grid) -> impl Iterator<Item = Place> {
     corners(grid).map(|[x, y]| Place { level: LEVEL, x: (x / 8) as u8, y: (y / 8) as u8 })
 }
@@ -78,13 +77,13 @@ impl BlockChunk {
         runtime
     }
 
-    /// Shows frame `target` of the chunk; answers how many pixels were written.
+    /// Decodes frame `target` of the chunk; returns the number of pixels written.
     pub fn show(&self, picture: &mut [u16], target: u32) -> u64 {
         let bytes = picture_bytes(self.grid);
         let blocks = self.payload[target as usize * bytes..][..bytes].as_chunks().0;
         for (block, place) in blocks.iter().zip(corners(self.grid)) {
             let mut target = BlockMut::of(picture, self.grid.width as usize, LEVEL, place);
-            // Markers were refused when the payload was checked.
+            // `parse` rejects markers.
             Bc4w::from_bytes(*block).iter().for_each(|block| block.decode(&mut target));
         }
         self.grid.pixel_count()

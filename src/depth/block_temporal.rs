@@ -1,8 +1,8 @@
-//! Boxes in blocks: the decoder's picture in whole blocks of 4x4 pixels (CALF 5.2, 5.3; depth.md 14).
+//! Encodes boxes in texture blocks: tracks the decoder's picture in blocks of 4x4 pixels (CALF 5.2, 5.3; depth.md 14).
 //!
-//! A block within epsilon of the source is left alone. Another is encoded from the source, or held as values where a pixel
-//! of the encoded block is not within epsilon. It is sent as it is held in this frame and the W - 1 after it, which keeps
-//! the window rule. Memory: one picture, one block of the format for each 4x4 pixels, and the open chunk.
+//! A block within epsilon of the source is left unchanged. Any other block is encoded from the source, or stored as values if a
+//! pixel of the encoded block is not within epsilon. It is sent unchanged in this frame and the W - 1 frames after it, which
+//! satisfies the window rule. Memory: one picture, one block of the format per 4x4 pixels, and the open chunk.
 
 use crate::block::{self, BlockFormat, SIDE, TEXELS};
 use crate::depth::block_tiles::encode::{self, EncodeTexel};
@@ -13,7 +13,7 @@ use crate::depth::settings::TemporalSettings;
 use crate::depth::temporal::{Held, TemporalEncoder};
 use crate::effort::Effort;
 
-/// Bytes of a box before its block tiles, rounded up for their map.
+/// Bytes of a box before its block tiles: 8, and an allowance for the map.
 const BOX_BYTES: usize = 10;
 
 #[derive(Debug)]
@@ -24,15 +24,15 @@ struct HeldBlocks<T> {
     columns: usize,
     picture: Vec<T>,
     blocks: Vec<HeldBlock>,
-    /// The block of the format of each, where it is held in blocks.
+    /// Encoded block of each 4x4 pixels; valid if the block is held in encoded form.
     stored: Vec<u8>,
-    /// One byte a block: 1 where the last frame must send it.
+    /// One byte per block: 1 if the current frame must send it.
     mask: Vec<u8>,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct HeldBlock {
-    /// Frames since it changed, saturating; `u8::MAX` also for "not since the keyframe".
+    /// Frames since the block changed, saturating; also `u8::MAX` if it has not changed since the keyframe.
     age: u8,
     in_block: bool,
 }
@@ -59,7 +59,7 @@ impl<T: EncodeTexel> HeldBlocks<T> {
         }
     }
 
-    /// The pixels of a block that exist: their places in the picture and in the block.
+    /// Returns the pixels of a block that lie in the unit: their indices in the picture and in the block.
     fn pixels(&self, at: usize) -> impl Iterator<Item = (usize, usize)> + use<T> {
         let [width, height] = self.size;
         let (x, y) = (at % self.columns * SIDE, at / self.columns * SIDE);
@@ -68,7 +68,7 @@ impl<T: EncodeTexel> HeldBlocks<T> {
             .flat_map(move |row| (0..columns).map(move |column| ((y + row) * width + x + column, row * SIDE + column)))
     }
 
-    /// The values of a block; beyond the edge the last column and row are repeated.
+    /// Returns the values of a block; beyond the edge the last column and row are repeated.
     fn cut(&self, at: usize, source: &[T]) -> [T; TEXELS] {
         let [width, height] = self.size;
         let (x, y) = (at % self.columns * SIDE, at / self.columns * SIDE);
@@ -79,7 +79,7 @@ impl<T: EncodeTexel> HeldBlocks<T> {
         self.pixels(at).all(|(pixel, _)| T::within(self.picture[pixel], source[pixel], epsilon))
     }
 
-    /// Holds the source, in blocks where these are within `epsilon` of it.
+    /// Replaces the wanted blocks by the source: in encoded form if that is within `epsilon`, otherwise as values.
     fn replace(&mut self, wanted: &[usize], source: &[T], epsilon: u16) {
         let values: Vec<_> = wanted.iter().map(|&at| self.cut(at, source)).collect();
         let encoded = T::encode(&values, self.effort);
@@ -94,7 +94,7 @@ impl<T: EncodeTexel> HeldBlocks<T> {
         }
     }
 
-    /// Appends a rectangle as it is held; left, top, width and height in pixels.
+    /// Appends a rectangle (left, top, width, height in pixels) in the form in which its blocks are held.
     fn put(&self, [left, top, width, height]: [usize; 4], out: &mut Vec<u8>) {
         let block = |x: usize, y: usize| {
             let at = (top + y) / SIDE * self.columns + (left + x) / SIDE;
@@ -105,7 +105,7 @@ impl<T: EncodeTexel> HeldBlocks<T> {
     }
 
     fn boxes(&self) -> Vec<PixelBox> {
-        // One more box must save more blocks than it costs.
+        // An additional box must save more bytes of blocks than it takes.
         let min_saving = (BOX_BYTES / T::Format::BYTES) as u32;
         let budget = BoxBudget { max_boxes: self.settings.max_aabbs, min_saving };
         let covers = cover(Mask { pixels: &self.mask, width: self.columns }, budget);
@@ -126,7 +126,7 @@ impl<T: EncodeTexel> Held<T> for HeldBlocks<T> {
         self.picture.clear();
         self.picture.extend_from_slice(source);
         let all: Vec<usize> = (0..self.blocks.len()).collect();
-        // One value for all pixels is stored as such, and later boxes must repeat it exactly.
+        // A constant keyframe is stored as one exact value, which later boxes must repeat exactly.
         let constant = source.iter().all(|value| *value == source[0]);
         self.replace(&all, source, if constant { 0 } else { self.settings.epsilon });
         self.blocks.iter_mut().for_each(|block| block.age = u8::MAX);
@@ -174,7 +174,7 @@ mod tests {
         count
     }
 
-    /// A slope in which pixels jump, creep, vanish and come back.
+    /// Returns frames of a slope in which pixels jump, creep, become background and return.
     fn moving_codes([width, height]: [u32; 2], count: usize, random: &mut Random) -> Vec<Vec<u16>> {
         let pixels = width * height;
         let mut frame: Vec<u16> = (0..pixels).map(|at| (20_000 + at % width * 9 + at / width * 3) as u16).collect();
@@ -235,7 +235,7 @@ mod tests {
         check(&frames, [12, 12], settings);
         let chunks = paths::encode(TemporalEncoder::in_blocks([12, 12], settings, Effort::Fast), &frames);
         let parsed = TemporalChunk::<u16>::parse(Layout::BlockTiles, chunks[0].payload.clone(), [12, 12], 600).unwrap();
-        // At most every frame, at least as often as values would need.
+        // At most one record per frame, and at least as many as values would need.
         assert!(parsed.records.len() > 599 / 21, "{}", parsed.records.len());
     }
 

@@ -1,5 +1,5 @@
-//! Rectangles of pixels: as values, or cut into block tiles of 16x16, each in blocks of a texture format or as values (CALF
-//! 5.3; depth.md 14).
+//! Storage of rectangles of pixels: as values, or divided into block tiles of 16x16 pixels, each in blocks of a texture format or
+//! as values (CALF 5.3; depth.md 14).
 
 #[cfg(feature = "encode")]
 pub mod encode;
@@ -11,11 +11,11 @@ use crate::error::Result;
 
 pub const TILE_SIDE: usize = 16;
 
-/// How the pixels of a rectangle, which is a unit or a box, are stored.
+/// Storage of the pixels of a rectangle, which is a unit or a box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layout {
     Values,
-    /// Block tiles after a map of those in blocks.
+    /// A bit map of the block tiles that are in blocks, then the block tiles.
     BlockTiles,
 }
 
@@ -42,7 +42,7 @@ fn tile_count([width, height]: [usize; 2]) -> usize {
     width.div_ceil(TILE_SIDE) * height.div_ceil(TILE_SIDE)
 }
 
-/// Left, top, width and height of the block tiles of a rectangle, in the order of the format.
+/// Returns left, top, width and height of the block tiles of a rectangle, in the order of the format.
 pub fn tiles_of([width, height]: [usize; 2]) -> impl Iterator<Item = [usize; 4]> {
     (0..height).step_by(TILE_SIDE).flat_map(move |top| {
         let height = TILE_SIDE.min(height - top);
@@ -61,14 +61,14 @@ fn tile_bytes<T: Texel>([_, _, width, height]: [usize; 4], in_blocks: bool) -> u
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StoredTile {
-    /// Left, top, width and height in its rectangle.
+    /// Left, top, width and height in the rectangle, in pixels.
     pub rect: [usize; 4],
     pub in_blocks: bool,
     pub start: usize,
     pub bytes: usize,
 }
 
-/// The block tiles of a rectangle, whose stored bytes these start with.
+/// Returns the block tiles of a rectangle, whose stored bytes are at the start of `bytes`.
 fn stored_tiles<T: Texel>(bytes: &[u8], size: [usize; 2]) -> impl Iterator<Item = StoredTile> {
     let mut start = tile_count(size).div_ceil(8);
     tiles_of(size).enumerate().map(move |(at, rect)| {
@@ -80,7 +80,7 @@ fn stored_tiles<T: Texel>(bytes: &[u8], size: [usize; 2]) -> impl Iterator<Item 
 }
 
 impl Layout {
-    /// Boxes start at multiples of this, in pixels, and end at multiples of it or at the unit's edge.
+    /// Returns the alignment of boxes in pixels: a box starts at a multiple of it, and ends at a multiple or at the unit's edge.
     pub fn grid(self) -> u32 {
         match self {
             Layout::Values => 1,
@@ -101,7 +101,7 @@ impl Layout {
         fields.bytes(bytes).map(drop)
     }
 
-    /// The parts of a rectangle, whose stored bytes these start with.
+    /// Returns the parts of a rectangle, whose stored bytes are at the start of `bytes`.
     pub fn parts<T: Texel>(self, bytes: &[u8], size: [usize; 2]) -> Vec<StoredTile> {
         if self == Layout::Values {
             let rect = [0, 0, size[0], size[1]];
@@ -139,7 +139,7 @@ fn draw_values<T: Texel>(bytes: &[u8], [left, top, width, height]: [usize; 4], p
     }
 }
 
-/// Decodes the blocks of a block tile to the top left of a picture of `stride` columns.
+/// Decodes the blocks of a block tile into the top left of a picture of `stride` columns.
 fn draw_blocks<T: Texel>(blocks: &[u8], [width, height]: [usize; 2], picture: &mut [T], stride: usize) {
     let columns = width.div_ceil(SIDE);
     for (at, block) in blocks.chunks_exact(T::Format::BYTES).enumerate() {

@@ -18,7 +18,7 @@ impl PixelBox {
         u32::from(self.width) * u32::from(self.height)
     }
 
-    /// Left, top, width and height.
+    /// Returns left, top, width and height.
     pub fn rect(self) -> [usize; 4] {
         [self.x, self.y, self.width, self.height].map(usize::from)
     }

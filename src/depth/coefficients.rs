@@ -1,4 +1,4 @@
-//! Functions as the bytes of a node (depth.md 7).
+//! Conversion of modelling functions to and from the bytes of a node (depth.md 7).
 
 use byteorder::{ByteOrder, LittleEndian};
 
@@ -13,7 +13,7 @@ pub(super) fn put(integers: [i32; 6], tail: [u8; 8]) -> [u8; COEFFICIENT_BYTES] 
     out
 }
 
-/// The six 32-bit numbers at the start of a node's coefficients.
+/// Returns the six 32-bit numbers at the start of a node's coefficients.
 pub(super) fn integers(coefficients: &[u8; COEFFICIENT_BYTES]) -> [i32; 6] {
     let mut out = [0; 6];
     LittleEndian::read_i32_into(&coefficients[..24], &mut out);

@@ -1,7 +1,7 @@
-//! From the value of a modelling function to a code: as it is, or through a logarithm in integers (arithmetic.md 7).
+//! Converts the value of a modelling function to a code: directly, or by an integer logarithm (arithmetic.md 7).
 //!
-//! Functions may be fitted to codes, to depth or to its inverse. The domain is a property of the stream; what leaves
-//! it is always a code. Based on: GDC 3.2 (linear depth) and 3.1 (codes).
+//! Functions are fitted to log codes, to depth or to inverse depth. The domain is a property of the stream; the result is always
+//! a code. Based on: GDC 3.2 (linear depth) and 3.1 (codes).
 
 #[cfg(feature = "encode")]
 mod fit;
@@ -11,29 +11,29 @@ use std::sync::OnceLock;
 use crate::depth::quantise::{BACKGROUND_CODE, FAR_CODE};
 use crate::error::{Error, Result};
 
-/// In which quantity modelling functions are linear or biquadratic. The values are those of a stream's header.
+/// Quantity in which modelling functions are linear or biquadratic. The discriminants are the values of a stream's header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum DomainKind {
-    /// Codes, which are even in the logarithm of depth.
+    /// Codes, which are uniform in the logarithm of depth.
     #[default]
     Log = 0,
-    /// Depth: 65535 at far.
+    /// Depth, scaled to 65535 at far.
     Linear = 1,
-    /// Inverse depth, in which planes in space are planes: 65535 at near.
+    /// Inverse depth, scaled to 65535 at near. Planes in space are planes in this domain.
     Inverse = 2,
 }
 
 impl DomainKind {
-    /// All domains, in the order of their values.
+    /// All domains, in the order of their header values.
     pub const ALL: [DomainKind; 3] = [DomainKind::Log, DomainKind::Linear, DomainKind::Inverse];
 
-    /// The domain of that value, if there is one.
+    /// Returns the domain with this header value, if there is one.
     pub fn from_byte(byte: u8) -> Option<DomainKind> {
         Self::ALL.get(usize::from(byte)).copied()
     }
 
-    /// `log`, `linear` or `inverse`.
+    /// Returns `log`, `linear` or `inverse`.
     pub fn name(self) -> &'static str {
         match self {
             DomainKind::Log => "log",
@@ -48,7 +48,7 @@ pub struct DomainParts {
     pub kind: DomainKind,
     /// Logarithm (Q24) of the value at near; 0 in the log domain.
     pub base: u32,
-    /// Codes for each unit of the logarithm (Q32); 0 in the log domain.
+    /// Codes per unit of the logarithm (Q32); 0 in the log domain.
     pub scale: u32,
 }
 
@@ -67,20 +67,20 @@ impl DomainParts {
     }
 }
 
-/// Fraction bits of what Horner evaluation yields (Q14).
+/// Fraction bits of the result of Horner evaluation (Q14).
 pub(crate) const VALUE_BITS: u32 = 14;
-/// What Horner evaluation yields for the first value beyond 65535.
+/// Result of Horner evaluation for the first value beyond 65535.
 const BEYOND: i32 = 1 << (16 + VALUE_BITS);
 const LOG_VALUE_BITS: u32 = 8;
 const LOG_VALUE_END: i32 = 1 << (16 + LOG_VALUE_BITS);
 const LOG_BITS: u32 = 24;
-/// Logarithms of Q8 values of 24 bits lie below this.
+/// Exclusive upper bound of the logarithms of 24-bit values in Q8.
 const MAX_LOG: u32 = 24 << LOG_BITS;
 
 #[derive(Debug, Clone)]
 pub struct Domain {
     pub parts: DomainParts,
-    /// What functions are fitted to, for each code; made when an encoder first asks.
+    /// Value that functions are fitted to, for each code; computed when an encoder first needs it.
     values: OnceLock<Box<[f64]>>,
 }
 
@@ -93,7 +93,7 @@ impl Domain {
         self.parts.kind
     }
 
-    /// The code of `r`, the result of a function in Q14.
+    /// Returns the code of `r`, the result of a function in Q14.
     #[inline]
     pub fn code_of(&self, r: i32) -> u16 {
         match self.parts.kind {
@@ -127,7 +127,7 @@ impl Domain {
         code.min(u64::from(FAR_CODE)) as u16
     }
 
-    /// The constant function, in Q14, that is background everywhere.
+    /// Returns the constant function, in Q14, that is background everywhere.
     pub fn background(&self) -> i32 {
         match self.parts.kind {
             DomainKind::Log | DomainKind::Linear => BEYOND,
@@ -136,7 +136,7 @@ impl Domain {
     }
 }
 
-/// The code of a result in Q14 in the log domain, written so that it becomes saturating arithmetic of 16 bits.
+/// Returns the code of a result in Q14 in the log domain. This form compiles to saturating 16-bit arithmetic.
 #[inline]
 pub(crate) fn log_code(r: i32) -> u16 {
     let code = r.wrapping_add(1 << (VALUE_BITS - 1)) >> VALUE_BITS;
@@ -149,8 +149,8 @@ fn q8(r: i32) -> i32 {
     r.wrapping_add(1 << (shift - 1)) >> shift
 }
 
-/// log2 of `value` in Q24: the place of the leading one, and a line between two entries of the table for what follows
-/// it. `value` is at least 1.
+/// Returns log2 of `value` in Q24: the position of the leading one, plus linear interpolation between two table entries for the
+/// bits below it. `value` is at least 1.
 #[inline]
 pub fn integer_log2(value: u32) -> u32 {
     let exponent = 31 - (value | 1).leading_zeros();
@@ -160,7 +160,7 @@ pub fn integer_log2(value: u32) -> u32 {
     (exponent << LOG_BITS) + low + (((high - low) * rest + 0x4000) >> 15)
 }
 
-/// log2(1 + i/256) in Q24, to nearest. Part of the format: never computed anew.
+/// log2(1 + i/256) in Q24, rounded to nearest. The table is part of the format and never recomputed.
 #[rustfmt::skip]
 pub const LOG2_TABLE: [u32; 257] = [
     0, 94364, 188362, 281996, 375270, 468185, 560745, 652952, 744810, 836320,

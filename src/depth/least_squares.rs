@@ -1,7 +1,7 @@
-//! Least squares and least maxima over pixels, centred and scaled to [−1, 1] (errata.md 2).
+//! Least-squares and minimax fits over pixels, with coordinates centred and scaled to [−1, 1] (errata.md 2).
 //!
-//! Enters: what a function should yield in some pixels. Leaves: coefficients in a basis that is orthogonal over a
-//! rectangle, in binary64, and rounded. Based on: GDC 3.2, equations 6 and 7, whose sums of fourth powers are avoided;
+//! Input: the values that a function should have in some pixels. Output: coefficients in a basis that is orthogonal over a
+//! rectangle, in binary64 or rounded to integers. Based on: GDC 3.2, equations 6 and 7, without their sums of fourth powers;
 //! Lawson's reweighting.
 
 use crate::depth::domain::{Domain, VALUE_BITS};
@@ -12,12 +12,12 @@ pub(crate) type Terms = [f64; 6];
 
 const QUADRATIC_BITS: u32 = 22;
 const ROUNDS: usize = 10;
-/// What rounding to codes and in Horner's scheme may add to an error, in codes.
+/// Margin, in codes, for rounding to codes and in Horner's scheme.
 const ROUNDING: f64 = 0.6;
-/// A term is left out where other terms explain all of it but this part.
+/// A term is dropped if other terms explain all but this part of it.
 const DEPENDENT: f64 = 1e-10;
 
-/// The rectangle of pixels that coordinates are centred on and scaled by.
+/// Rectangle of pixels that coordinates are centred on and scaled by.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Frame {
     centre: [f64; 2],
@@ -28,9 +28,9 @@ pub(crate) struct Frame {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sample {
     pub at: [f64; 2],
-    /// The value wanted, 65535 for the whole range.
+    /// Target value, scaled so that 65535 is the whole range.
     pub value: f64,
-    /// Codes for each unit of it; positive.
+    /// Codes per unit of `value`; positive.
     pub slope: f64,
 }
 
@@ -54,12 +54,13 @@ impl Frame {
         [1.0, x, y, x * y, x * x - self.mean_square[0], y * y - self.mean_square[1]]
     }
 
-    /// Least squares over the whole rectangle, and the sum of squared residuals. Products of the basis vanish in sum.
+    /// Returns the least-squares fit of the first `terms` terms over the whole rectangle, and the sum of squared residuals. Each
+    /// term is computed independently, because the basis is orthogonal.
     pub fn project<'a>(&self, rows: impl Iterator<Item = &'a [u16]>, terms: usize) -> (Terms, f64) {
         let (mut products, mut squares, mut count, mut energy) = ([0.0; 6], [0.0; 3], [0.0; 2], 0.0);
         let mut offset = None;
         for (y, row) in rows.enumerate() {
-            // Values are taken relative to one of them, which keeps the sum of squares small and so its residue exact.
+            // Values are relative to the first one: the sum of squares stays small, so the residual is precise.
             let offset = *offset.get_or_insert(f64::from(row[0]));
             let [_, y] = self.at(0, y);
             let (mut sum, mut across, mut bent, mut square) = (0.0, 0.0, 0.0, 0.0);
@@ -97,7 +98,7 @@ impl Frame {
         ];
         let mut found = [0.0; 6];
         for term in 0..terms {
-            // A single row or column knows nothing of its slope, two nothing of their bend.
+            // One row or column does not determine its slope, two do not determine their curvature.
             if norms[term] > DEPENDENT {
                 found[term] = products[term] / norms[term];
                 energy -= found[term] * products[term];
@@ -107,8 +108,8 @@ impl Frame {
         (found, energy.max(0.0))
     }
 
-    /// Coefficients a0 to a5 rounded to multiples of the shifts, quadratic ones first: the orthogonal basis lets
-    /// simpler terms make up for rounding. `None` where one is beyond its format.
+    /// Returns the coefficients a0 to a5, rounded to multiples of 2^shift. Quadratic ones are rounded first: in the orthogonal
+    /// basis lower-order terms compensate for the rounding. Returns `None` if a coefficient exceeds its format.
     pub fn quantise(&self, terms: &Terms, shifts: Shifts) -> Option<[i32; 6]> {
         let ([cx, cy], [sx, sy]) = (self.centre, self.scale);
         let round = |value: f64, bits: u32, shift: u32| {
@@ -123,7 +124,7 @@ impl Frame {
         let (a4, yy) = quadratic(terms[5] * sy * sy)?;
         let (a0, x) = linear(terms[1] * sx - xy * cy - 2.0 * xx * cx)?;
         let (a1, y) = linear(terms[2] * sy - xy * cx - 2.0 * yy * cy)?;
-        // The mean over the rectangle stays what it was.
+        // Keeps the mean over the rectangle.
         let mean_x = cx * cx + self.mean_square[0] / (sx * sx);
         let mean_y = cy * cy + self.mean_square[1] / (sy * sy);
         let constant = terms[0] - x * cx - y * cy - xy * cx * cy - xx * mean_x - yy * mean_y;
@@ -148,8 +149,9 @@ impl Frame {
         ]
     }
 
-    /// Fits the first `N` terms within `bound` codes, by least squares and then reweighting in proportion to errors
-    /// (Lawson). `accept` judges by the decoder. Terms that the pixels cannot tell from simpler ones are left out.
+    /// Fits the first `N` terms within `bound` codes, by least squares and then by reweighting in proportion to the errors
+    /// (Lawson). `accept` verifies a fit with the decoder. Terms that are linearly dependent on lower-order ones over the samples
+    /// are dropped.
     pub fn minimax<const N: usize, T>(
         &self,
         samples: &[Sample],
@@ -176,7 +178,8 @@ impl Frame {
                 weighted += weight * *error * *error;
                 weight_sum += weight;
             }
-            // No function of this kind has a largest error below its weighted mean at the weights' own best fit.
+            // For any weights, the weighted RMS error of the weighted least-squares fit is a lower bound of the maximum error of
+            // every function of this kind.
             if weighted > bound * bound * weight_sum {
                 return None;
             }
@@ -224,7 +227,7 @@ impl Frame {
     }
 }
 
-/// Solves a symmetric system (lower half given) by LDLᵀ; unknowns that depend on earlier ones are 0.
+/// Solves a symmetric system, given by its lower half, with LDLᵀ. Unknowns that depend on earlier ones are 0.
 pub(crate) fn solve<const N: usize>(matrix: &[[f64; N]; N], right: &[f64; N]) -> [f64; N] {
     let (mut lower, mut pivots, mut solution) = ([[0.0; N]; N], [0.0; N], [0.0; N]);
     for row in 0..N {
@@ -261,7 +264,7 @@ pub(crate) struct Constants {
 impl Constants {
     pub const ANY: Constants = Constants { low: f64::NEG_INFINITY, high: f64::INFINITY, sum: 0.0, weight: 0.0 };
 
-    /// A pixel of `code` where the function without a constant is `value` (Q14), and may miss it by `max_error` codes.
+    /// Adds a pixel of `code` where the function without a constant is `value` (Q14). The error may be up to `max_error` codes.
     #[inline]
     pub fn add_pixel(&mut self, domain: &Domain, code: u16, value: i32, max_error: u16) {
         let wanted_value = domain.value_of(code);
@@ -278,7 +281,7 @@ impl Constants {
         self.low > self.high
     }
 
-    /// The multiple of 1 << `shift` that is nearest to the mean and within the bound.
+    /// Returns the multiple of 1 << `shift` within the bound that is nearest to the mean.
     pub fn choose(&self, shift: u32) -> Option<i32> {
         let step = f64::from(1u32 << shift);
         let (first, last) = ((self.low / step).ceil(), (self.high / step).floor());

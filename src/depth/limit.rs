@@ -1,4 +1,4 @@
-//! How wrong an approximation may be, and whether it is: by the decoder, in every pixel.
+//! Error limits of approximations, verified with the decoder in every pixel.
 
 use crate::depth::block::{Accuracy, Block, MAX_TILE};
 use crate::depth::domain::Domain;
@@ -22,21 +22,22 @@ impl Limit {
     }
 }
 
-/// A modelling function whose coefficients can be rounded, so that they take fewer bytes.
+/// A modelling function whose coefficients can be rounded to take fewer bytes.
 pub trait NodeFunction: Copy {
     fn to_bytes(self) -> [u8; COEFFICIENT_BYTES];
 
-    /// The function with these low bits zero; `None` where that breaks the limit.
+    /// Returns the function with these low bits set to zero; `None` if that exceeds the limit.
     fn rounded(&self, shifts: Shifts, block: &Block, domain: &Domain, limit: Limit) -> Option<(Self, Accuracy)>;
 
-    /// How close the function is, by the decoder; `None` where it breaks the limit or would wrap inside the picture.
+    /// Measures the error of the function with the decoder. Returns `None` if it exceeds the limit or the function would wrap
+    /// inside the picture.
     fn measure(&self, block: &Block, domain: &Domain, limit: Limit) -> Option<Accuracy>;
 
-    /// The same function with as few low bits as `limit` allows.
+    /// Returns the function with as many low bits set to zero as `limit` allows.
     fn trim(&self, block: &Block, domain: &Domain, limit: Limit) -> (Self, Accuracy) {
         let mut shifts = Precision::from_coarsest().map(|precision| precision.shifts(block.level));
         shifts.find_map(|shifts| self.rounded(shifts, block, domain, limit)).unwrap_or_else(|| {
-            // A function that takes a surface for the background is as wrong as can be.
+            // A function that decodes a surface as background gets the largest possible error.
             let worst = Accuracy { max_error: u16::MAX, squared_error: u64::MAX };
             (*self, self.measure(block, domain, Limit::on_max(u16::MAX)).unwrap_or(worst))
         })
@@ -50,8 +51,8 @@ impl Block<'_> {
     }
 }
 
-/// Decodes a block row by row and compares it; `None` as soon as a pixel or the sum breaks the limit, or a surface is
-/// taken for the background or the reverse.
+/// Decodes a block row by row and measures its error. Returns `None` as soon as a pixel or the sum exceeds the limit, or a
+/// surface is decoded as background or the reverse.
 pub(crate) fn measure(block: &Block, limit: Limit, mut decode_row: impl FnMut(usize, &mut [u16])) -> Option<Accuracy> {
     let mut decoded = [0u16; MAX_TILE as usize];
     let decoded = &mut decoded[..block.width];

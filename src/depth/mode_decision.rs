@@ -1,4 +1,4 @@
-//! Which modelling function a node gets (GDC 3.1; depth.md 7).
+//! Selects the modelling function of a node (GDC 3.1; depth.md 7).
 
 use crate::depth::bc4w::search;
 use crate::depth::biquadratic::Biquadratic;
@@ -12,28 +12,28 @@ use crate::depth::runtime::decode_node;
 use crate::depth::storage::stored_bytes;
 use crate::effort::Effort;
 
-/// From this PSNR on, in dB of 16-bit codes, BC4w is not tried: it would hardly be closer (GDC 6.4).
+/// PSNR, in dB of 16-bit codes, above which no further function is tried by `Decide::Mse`: BC4w would hardly be closer (GDC 6.4).
 pub const GOOD_PSNR_DB: f64 = 85.0;
-/// A platelet takes at least a head, two numbers and a line.
+/// Minimum bytes of a platelet: a head, two numbers and a line.
 const MIN_PLATELET_BYTES: usize = 7;
 const BC4W_BYTES: usize = 1 + COEFFICIENT_BYTES;
 
-/// Choice among the ways to code pixels within the error bound.
+/// Criterion for choosing among the ways to code pixels within the error bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Decide {
-    /// The least squared error.
+    /// Lowest squared error.
     #[default]
     Mse,
-    /// The fewest bytes.
+    /// Fewest bytes.
     Size,
 }
 
-/// How far the coefficients of planes and surfaces are rounded, so that they take fewer bytes.
+/// Rounding of the coefficients of planes and surfaces, which makes them take fewer bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rounding {
-    /// Not at all: for trees that are to serve any smaller bound.
+    /// No rounding, for trees from which streams are made at any smaller bound.
     Exact,
-    /// Until the squared error has grown by a tenth, and by what the rounding of codes itself adds.
+    /// Rounding that increases the squared error by at most a tenth and the error of rounding to codes, 1/12 per pixel.
     Slight,
     ToBound,
 }
@@ -53,7 +53,7 @@ pub struct Approximation {
     pub accuracy: Accuracy,
 }
 
-/// The best function for the block at `place`, whose level is at least 1; `None` where none is within the bound.
+/// Returns the best function for the block at `place`, whose level is at least 1; `None` if no function is within the bound.
 pub fn decide(block: &Block<'_>, place: Place, modelling: &Modelling<'_>) -> Option<Approximation> {
     let mut best = Best { place, modelling, found: None };
     match modelling.decide {
@@ -67,7 +67,8 @@ pub fn decide(block: &Block<'_>, place: Place, modelling: &Modelling<'_>) -> Opt
             }
         }
         Decide::Size => {
-            // What is tried later has more numbers; it is left out where it cannot be smaller.
+            // Functions are tried in ascending number of coefficients; those that cannot be smaller than the best one are
+            // skipped.
             for order in [Order::Constant, Order::Plane, Order::Full] {
                 best.biquadratic(block, order);
             }
@@ -82,7 +83,7 @@ pub fn decide(block: &Block<'_>, place: Place, modelling: &Modelling<'_>) -> Opt
     best.found
 }
 
-/// The PSNR of a squared error, summed over `pixels`, in dB of 16-bit codes; infinite for no error.
+/// Returns the PSNR, in dB of 16-bit codes, of a squared error summed over `pixels`; infinite for no error.
 pub fn psnr_db(squared_error: u64, pixels: usize) -> f64 {
     let peak = f64::from(u16::MAX);
     10.0 * libm::log10(peak * peak * pixels as f64 / squared_error as f64)
@@ -156,8 +157,8 @@ impl Modelling<'_> {
 }
 
 impl Approximation {
-    /// This approximation of `block`, rounded as far as `modelling` allows; `None` where it is beyond the bound. Its
-    /// accuracy need not be right: only what the decoder makes of it counts.
+    /// Rounds this approximation of `block` as far as `modelling` allows; returns `None` if it exceeds the bound. The error is
+    /// measured with the decoder, so the squared error in `self` need not be correct.
     pub fn rounded(&self, block: &Block<'_>, modelling: &Modelling<'_>) -> Option<Approximation> {
         if self.accuracy.max_error > modelling.bound {
             return None;

@@ -8,7 +8,7 @@ use crate::depth::storage::stored_bytes;
 pub struct Share {
     pub nodes: u64,
     pub pixels: u64,
-    /// Bytes of their functions in the storage form; the walk, which they share, is not counted.
+    /// Bytes of the functions in the storage form, without the walk, which all nodes share.
     pub bytes: u64,
 }
 
@@ -51,7 +51,7 @@ impl ModeStatistics {
         sum
     }
 
-    /// The levels that have nodes, the finest first.
+    /// Returns the levels that have nodes, finest first.
     pub fn levels(&self) -> impl Iterator<Item = u8> {
         (0..LEVELS as u8).filter(|&level| self.shares[usize::from(level)].iter().any(|share| share.nodes > 0))
     }

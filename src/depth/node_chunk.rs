@@ -1,6 +1,6 @@
-//! The payload of a chunk of packed nodes: a keyframe and the nodes that change after it (depth.md 9).
+//! Payload of a chunk of packed nodes: a keyframe and the nodes that change after it (depth.md 9).
 //!
-//! [`NodeChunk`] checks a payload and brings it into the runtime form, which is then decoded.
+//! [`NodeChunk`] checks a payload and converts it to the runtime form, from which frames are decoded.
 
 use crate::container::Payload;
 use crate::container::fields::Fields;
@@ -16,16 +16,16 @@ use crate::error::Result;
 pub struct NodeRecord {
     pub frame: u32,
     pub updated_pixels: u64,
-    /// Payload bytes that it takes, its row of the table included.
+    /// Bytes of the record in the payload, including its row of the record table.
     pub bytes: u64,
-    /// Nodes, and of a tree its coarser functions.
+    /// Number of nodes; for a tree including the functions of coarser places.
     pub nodes: u64,
     pub complete: bool,
 }
 
 pub(super) struct RecordNodes {
     pub nodes: Vec<Node>,
-    /// Functions besides the nodes.
+    /// Number of functions besides the nodes.
     pub functions: usize,
     pub complete: bool,
 }
@@ -39,8 +39,8 @@ pub struct NodeChunk {
 }
 
 impl NodeChunk {
-    /// Afterwards all nodes lie in the unit, those of a record do not overlap, frames ascend, and the first record
-    /// covers the unit.
+    /// Parses and checks a payload. On success all nodes lie in the unit, nodes of a record do not overlap, frames ascend, and
+    /// the first record covers the unit.
     pub fn parse(payload: impl Into<Payload>, grid: Grid, frame_count: u32, domain: Domain) -> Result<NodeChunk> {
         Self::parse_records(payload.into(), (grid, SECTION), frame_count, domain, |at, fields| {
             let coverage = match fields.u8()? {
@@ -53,7 +53,7 @@ impl NodeChunk {
         })
     }
 
-    /// Reads the record table, and each record, given its number, by `read`.
+    /// Reads the record table, and then each record with `read`, which gets the record's number.
     pub(super) fn parse_records(
         payload: Payload,
         (grid, section): (Grid, &'static str),
@@ -80,7 +80,7 @@ impl NodeChunk {
         Ok(NodeChunk { runtime, records, domain, spare: payload })
     }
 
-    /// Whether every record fills the unit with one code.
+    /// Returns true if every record fills the unit with one code.
     pub fn is_constant(&self) -> bool {
         let is_root = |place: Place| place == self.runtime.grid.root();
         let constant = |(place, c): (Place, &[u8; COEFFICIENT_BYTES])| {
@@ -99,8 +99,8 @@ impl NodeChunk {
         statistics
     }
 
-    /// Brings `picture` from frame `at` of this chunk (`None`: nothing yet) to `target` in steps of at most `window`
-    /// frames; answers how many pixels were written.
+    /// Advances `picture` from frame `at` of this chunk (`None`: no frame shown yet) to `target` in steps of at most `window`
+    /// frames; returns the number of pixels written.
     pub fn advance(&self, picture: &mut [u16], at: Option<u32>, target: u32, window: u8) -> u64 {
         let frames = &self.runtime.frames;
         record_table::steps(frames, |frame| frame.frame, at, target, window)

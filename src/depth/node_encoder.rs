@@ -1,11 +1,11 @@
-//! Encodes the frames of one unit as packed nodes: a keyframe, then the nodes over what changes (GDC 2.1, 3, 4).
+//! Encodes the frames of one unit as packed nodes: a keyframe, then nodes over the changes (GDC 2.1, 3, 4).
 //!
-//! In: the unit's codes, frame by frame. Out: payloads of [`crate::depth::node_chunk`].
+//! Input: the unit's codes, frame by frame. Output: payloads of [`crate::depth::node_chunk`].
 //!
-//! The loop is closed: a leaf is dirty once a pixel of the source is farther from the decoder's picture than bound and
-//! epsilon together. For the window rule (depth.md 4) a node is sent again, bit for bit, in the W − 1 frames after its
-//! first: an approximation of the decoder's picture would be another picture. Where one of its leaves becomes dirty within
-//! that time, all of it is modelled anew.
+//! The loop is closed: a leaf is dirty if a pixel of the source differs from the decoder's picture by more than the sum of bound
+//! and epsilon. For the window rule (depth.md 4) a node is sent again, bit for bit, in the W − 1 frames after its first, because
+//! an approximation of the decoder's picture would be a different picture. If one of its leaves becomes dirty within that time,
+//! the whole node is modelled again.
 
 use crate::container::EncodedChunk;
 use crate::depth::block::BlockMut;
@@ -22,15 +22,16 @@ use crate::error::{Error, Result};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NodeSettings {
-    /// W: a decoder may step over up to W − 1 frames. 1 to 255.
+    /// W, 1 to 255: a decoder may step over up to W − 1 frames.
     pub window: u8,
-    /// How far the source may move away from what is held, in codes, on top of the bound, before it is sent again.
+    /// Difference in codes, in addition to the bound, up to which the source may differ from the decoder's picture without an
+    /// update.
     pub epsilon: u16,
     pub keyframe_interval: u32,
     pub bound: u16,
     pub decide: Decide,
     pub effort: Effort,
-    /// Children of a place that must have changed before a function is tried for all of it, 1 to 4.
+    /// Minimum number of changed children, 1 to 4, for which a function is tried for their parent.
     pub min_children: u8,
 }
 
@@ -73,7 +74,7 @@ impl NodeSettings {
 #[derive(Debug, Clone, Copy)]
 struct Recent {
     node: Node,
-    /// From the keyframe on.
+    /// Frame in which the node was first sent, counted from the keyframe.
     first_sent: u32,
 }
 
@@ -102,7 +103,8 @@ impl NodeEncoder {
         }
     }
 
-    /// `known` is what was found for this frame at a larger bound. Answers the chunk that is closed, if any.
+    /// Encodes a frame. `known` is the search result for this frame at a larger bound. Returns the previous chunk if this frame
+    /// starts a new one.
     pub fn push(&mut self, source: &[u16], known: Option<&Known>) -> Result<Option<EncodedChunk>> {
         let finished = self.chunk.count_frame(source.len())?;
         let frame = self.chunk.frame();
@@ -123,7 +125,7 @@ impl NodeEncoder {
         }
         let mut sent: Vec<Node> = self.recent.iter().map(|recent| recent.node).chain(nodes.iter().copied()).collect();
         sent.sort_by_key(|node| node.place.walk_key());
-        // The keyframe needs no repetition: no path enters a chunk elsewhere.
+        // The nodes of the keyframe are not repeated, because decoders enter a chunk only at its keyframe.
         if frame > 0 {
             self.recent.extend(nodes.into_iter().map(|node| Recent { node, first_sent: frame }));
         }
@@ -151,7 +153,7 @@ impl NodeEncoder {
         }
     }
 
-    /// Sends the leaves of recent nodes anew where one of them must change, and keeps the others from being covered.
+    /// Marks all leaves of a recent node as dirty if one of them is, and otherwise as held, so that no other node covers them.
     fn settle_recent(&mut self) {
         let (grid, leaves) = (self.grid, &mut self.leaves);
         self.recent.retain(|recent| {
@@ -197,7 +199,7 @@ mod tests {
         chunks
     }
 
-    /// Walks the canonical path and random legal ones; all must show the same pictures within the bound.
+    /// Decodes along the canonical path and along random legal ones; all must show the same pictures, within the bound.
     fn check_all_paths(frames: &[Vec<u16>], settings: NodeSettings) {
         let mut seed = 7u32;
         let domain = domain();
@@ -223,7 +225,7 @@ mod tests {
                     seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                     let step = 1 + (seed >> 16) % u32::from(settings.window);
                     let next = (frame + step).min(chunk.frame_count - 1);
-                    // One step, whatever its length: a window as long as the step is.
+                    // This is a single step, because it is no longer than the window.
                     parsed.advance(&mut picture, Some(frame), next, settings.window);
                     frame = next;
                     assert_eq!(picture, canonical[frame as usize], "frame {frame}");
@@ -254,7 +256,7 @@ mod tests {
                 };
             }
             if next(5) == 0 {
-                // A block of another depth passes.
+                // Writes a block of another depth.
                 let (left, top) = (next(20) as usize, next(10) as usize);
                 for y in top..top + 8 {
                     frame[y * width + left..][..9].fill(9000 + next(50) as u16);

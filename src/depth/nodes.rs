@@ -1,13 +1,13 @@
-//! Nodes of the quadtree: where they lie, and the 32 bytes that say what they hold (depth.md 7, GDC 4).
+//! Nodes of the quadtree: their places and their 32 bytes of coefficients (depth.md 7, GDC 4).
 
 use crate::depth::block::{BlockMut, side_of};
 
-/// Bytes of a node's coefficients in the runtime form, whatever its function.
+/// Bytes of a node's coefficients in the runtime form, for every function.
 pub const COEFFICIENT_BYTES: usize = 32;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Function {
-    /// 16 codes as they are; level 0 only.
+    /// 16 unmodified codes; level 0 only.
     Raw,
     /// Two planes and a line; level 1 and above.
     Platelet,
@@ -29,7 +29,7 @@ impl Function {
     }
 }
 
-/// Where a node lies: its level, and its column and row counted in nodes of that level.
+/// Place of a node: its level, and its column and row, counted in nodes of that level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Place {
     /// 0 to 8: the side is 4 · 2^level pixels.
@@ -44,7 +44,7 @@ impl Place {
         [usize::from(self.x) * side, usize::from(self.y) * side]
     }
 
-    /// The four places of the next finer level, in the order of the walk: along rows, from the top.
+    /// Returns the four places of the next finer level, in the order of the walk: row by row from the top.
     pub fn children(self) -> [Place; 4] {
         let at = |x, y| Place { level: self.level.saturating_sub(1), x: 2 * self.x + x, y: 2 * self.y + y };
         [at(0, 0), at(1, 0), at(0, 1), at(1, 1)]
@@ -52,11 +52,11 @@ impl Place {
 
     pub fn holds(self, other: Place) -> bool {
         let Some(up) = self.level.checked_sub(other.level) else { return false };
-        // The root of the largest tiles is eight levels up, as many as a byte has bits.
+        // Shifted as u32, because the root of the largest tiles is eight levels up and a u8 cannot be shifted by eight.
         (u32::from(other.x) >> up, u32::from(other.y) >> up) == (u32::from(self.x), u32::from(self.y))
     }
 
-    /// The rank of its top left leaf in the walk; nodes that do not overlap come in this order.
+    /// Returns the rank of the place's top left leaf in the walk. Nodes that do not overlap are stored in this order.
     pub fn walk_key(self) -> u32 {
         let spread = |value: u8| {
             let value = u32::from(value) << self.level;
@@ -66,7 +66,7 @@ impl Place {
     }
 }
 
-/// The picture that a quadtree covers: a unit of at most 1024×1024 pixels.
+/// Size of the picture that a quadtree covers: a unit of at most 1024×1024 pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Grid {
     pub width: u32,
@@ -74,7 +74,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The place that covers the picture: the finest level whose one node does.
+    /// Returns the place that covers the picture, at the finest level where one node does.
     pub fn root(self) -> Place {
         let longer = self.width.max(self.height);
         let level = (0..).find(|&level| side_of(level) as u64 >= u64::from(longer)).unwrap_or(0);
@@ -92,7 +92,7 @@ impl Grid {
         inside(x, self.width) * inside(y, self.height)
     }
 
-    /// Left, top, width and height of the pixels of a place that lie in the picture; the place has some.
+    /// Returns left, top, width and height of the part of a place that lies in the picture. The place must overlap the picture.
     pub fn rect_of(self, place: Place) -> [u32; 4] {
         let ([x, y], side) = (place.pixel().map(|at| at as u32), side_of(place.level) as u32);
         [x, y, side.min(self.width.saturating_sub(x)), side.min(self.height.saturating_sub(y))]
@@ -146,7 +146,7 @@ pub mod raw {
         }
     }
 
-    /// The codes of a leaf; those outside of the picture repeat the last one inside.
+    /// Returns the codes of a leaf; pixels outside the picture repeat the nearest pixel inside.
     pub fn encode(block: &Block<'_>) -> [u8; COEFFICIENT_BYTES] {
         let mut out = [0; COEFFICIENT_BYTES];
         for (at, bytes) in out.as_chunks_mut::<2>().0.iter_mut().enumerate() {

@@ -1,11 +1,11 @@
-//! Cuts the frames of a unit into chunks, each with a keyframe first.
+//! Divides the frames of a unit into chunks, each of which starts with a keyframe.
 
 use crate::container::EncodedChunk;
 use crate::depth::record_table::builder::TableBuilder;
 use crate::error::Result;
 
-/// Bytes at which the chunk of a unit is closed early. A keyframe is a small part of them, and no keyframe interval takes much
-/// memory.
+/// Returns the size in bytes at which the chunk of a unit is closed early. A keyframe is a small part of it, and memory is
+/// limited for every keyframe interval.
 pub fn close_at_bytes(pixels: usize) -> usize {
     (16 * pixels).max(256 << 10)
 }
@@ -23,7 +23,7 @@ impl OpenChunk {
         OpenChunk { keyframe_interval, records: TableBuilder::default(), first_frame: 0, next_frame: 0 }
     }
 
-    /// Counts the next frame, of so many pixels; the chunk before it, if it begins another.
+    /// Counts the next frame, of `pixels` pixels. Returns the previous chunk if this frame starts a new one.
     pub fn count_frame(&mut self, pixels: usize) -> Result<Option<EncodedChunk>> {
         let is_full = self.frame_count() >= self.keyframe_interval || self.records.bytes() >= close_at_bytes(pixels);
         let finished = if is_full { self.finish()? } else { None };
@@ -35,7 +35,7 @@ impl OpenChunk {
         self.next_frame - self.first_frame
     }
 
-    /// The frame that was counted last, from the keyframe on, which is 0.
+    /// Returns the number of the last counted frame, from 0 at the keyframe.
     pub fn frame(&self) -> u32 {
         self.frame_count() - 1
     }

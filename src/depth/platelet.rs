@@ -1,6 +1,6 @@
 //! Platelets: two planes with a line between them (arithmetic.md 6).
 //!
-//! In: integer coefficients and a line. Out: codes. Based on: GDC 3.2, equation 4, after Morvan et al. 2006.
+//! Decodes integer coefficients and a line into codes. Based on: GDC 3.2, equation 4, after Morvan et al. 2006.
 
 #[cfg(feature = "encode")]
 mod fit;
@@ -11,7 +11,7 @@ use crate::depth::biquadratic::{LANES, ramp, straight};
 use crate::depth::block::{BlockMut, side_of};
 use crate::depth::domain::{Domain, DomainKind, log_code};
 
-/// a0 x + a1 y + a5, in Q14, x and y from 0 at the node's top left.
+/// The plane a0 x + a1 y + a5, in Q14, with x and y from 0 at the node's top left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Plane {
     pub a0: i32,
@@ -26,7 +26,7 @@ pub struct Platelet {
     pub line: [u8; 4],
 }
 
-/// The line's side test for the pixels of a node: B where the value is positive.
+/// Side test of a line for the pixels of a node: a positive value is side B.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SideTest {
     pub start: i32,
@@ -35,10 +35,10 @@ pub(crate) struct SideTest {
 }
 
 impl SideTest {
-    /// The test of a line in a node of `level`; below 2^24 in every pixel.
+    /// Returns the side test of a line in a node of `level`. Its magnitude is below 2^24 in every pixel.
     pub fn new([x0, y0, x1, y1]: [u8; 4], level: u8) -> SideTest {
-        // Pixel centres are (2x + 1) / (2 side), the line's points x0 / 256: both times the lesser denominator's
-        // multiple that makes them whole.
+        // Pixel centres are (2x + 1) / (2 side), points of the line x0 / 256. Both are multiplied by the least common multiple of
+        // the denominators.
         let units = 2 * side_of(level) as i32;
         let common = units.min(256);
         let (of_pixels, of_points) = (256 / common, units / common);
@@ -61,14 +61,14 @@ impl Plane {
         Plane { a0: 0, a1: 0, a5: value }
     }
 
-    /// The plane at a pixel in Q14, wrapping.
+    /// Evaluates the plane at a pixel in Q14, with wrapping arithmetic.
     pub fn value(self, x: i32, y: i32) -> i32 {
         self.a5.wrapping_add(self.a0.wrapping_mul(x)).wrapping_add(self.a1.wrapping_mul(y))
     }
 }
 
 impl Platelet {
-    /// The function at a pixel of a node of `level` in Q14, wrapping.
+    /// Evaluates the function at a pixel of a node of `level` in Q14, with wrapping arithmetic.
     pub fn value(&self, level: u8, x: i32, y: i32) -> i32 {
         let side = usize::from(SideTest::new(self.line, level).at(x, y) > 0);
         self.sides[side].value(x, y)
@@ -89,7 +89,7 @@ impl Platelet {
         }
     }
 
-    /// The line crosses a row once at most: whole groups of pixels before and behind the crossing are straight lines.
+    /// Fills one row. The line crosses a row at most once, so the groups of pixels before and after the crossing are linear.
     #[inline]
     fn fill_row(&self, test: SideTest, y: i32, row: &mut [u16], code: impl Fn(i32) -> u16) {
         let [a, b] = self.sides;
@@ -100,7 +100,7 @@ impl Platelet {
             straight(first.value(0, y), first.a0, row, code);
             return;
         }
-        // The first pixel on the other side.
+        // First pixel on the other side.
         let crossing = if begin > 0 { (begin - test.across - 1) / -test.across } else { -begin / test.across + 1 };
         let before = crossing as usize / LANES * LANES;
         let (left, rest) = row.split_at_mut(before.min(row.len()));

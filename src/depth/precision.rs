@@ -1,10 +1,10 @@
-//! How many low bits of a node's coefficients are zero and need not be stored (formats/depth.md).
+//! Precision of a node's coefficients: the number of low bits that are zero and not stored (depth.md 9).
 
-/// 0 to 15; coarser the larger it is. 0 keeps all bits.
+/// Precision from 0 to 15: 0 keeps all bits, larger values are coarser.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct Precision(u8);
 
-/// Low bits that are zero, by kind of coefficient.
+/// Number of low bits that are zero, by kind of coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shifts {
     pub constant: u32,
@@ -27,8 +27,8 @@ impl Precision {
         (1..=Self::COARSEST).rev().map(Precision)
     }
 
-    /// The bits that are zero in a node of `level`. Terms that grow across the node are kept finer in proportion, so
-    /// that rounding each of them moves the far corner about as much as rounding the constant.
+    /// Returns the number of zero bits in a node of `level`. Terms that grow across the node have finer precision in proportion,
+    /// so that rounding any of them changes the far corner about as much as rounding the constant.
     pub fn shifts(self, level: u8) -> Shifts {
         if self.0 == 0 {
             return Shifts { constant: 0, linear: 0, quadratic: 0 };

@@ -1,8 +1,8 @@
 //! Builds the partial quadtree over the leaves that a frame must send, bottom up (GDC 3, 6.4; depth.md 7).
 //!
-//! In: a picture of codes and its dirty leaves. Out: for each place with dirty leaves the best function within the bound,
-//! if any. A place is tried only where enough of its children are dirty and each has one function: what no function
-//! follows in a part is hardly followed as a whole, and large nodes cost the most time.
+//! Input: a picture of codes and its dirty leaves. Output: for each place with dirty leaves the best function within the bound,
+//! if any. A place is tried only if enough of its children are dirty and each of these has one function: if no function fits a
+//! part of a surface, one rarely fits the whole, and large nodes take the most time.
 
 use std::collections::HashMap;
 
@@ -12,11 +12,11 @@ use crate::depth::nodes::{Grid, Node, Place, raw};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Leaf {
-    /// Need not be sent; a coarser node may cover it, with codes within the bound.
+    /// Need not be sent. A coarser node may cover the leaf, with codes within the bound.
     #[default]
     Free,
     Dirty,
-    /// Must not be covered: another node holds it.
+    /// Must not be covered, because another node holds the leaf.
     Held,
 }
 
@@ -24,35 +24,35 @@ pub enum Leaf {
 pub struct DirtyLeaves<'a> {
     pub picture: &'a [u16],
     pub grid: Grid,
-    /// Row-major; [`Grid::leaves`] tells columns and rows.
+    /// Leaves row by row; [`Grid::leaves`] returns the number of columns and rows.
     pub leaves: &'a [Leaf],
 }
 
-/// The approximations of a frame by their places: the intermediate form. Raw leaves are not among them: their codes
-/// are the picture's.
+/// Approximations of a frame by place: the intermediate form. Raw leaves are not included, because their codes are those of the
+/// picture.
 pub type Tree = HashMap<Place, Approximation>;
 
 #[derive(Debug, Clone, Default)]
 pub struct Known {
     pub tree: Tree,
-    /// Which leaves were dirty then, row-major. A place all of whose dirty leaves are among them needs no other search:
-    /// where the tree has nothing for it, nothing was found.
+    /// True for leaves that were dirty when the tree was built, row by row. A place whose dirty leaves are all among them is not
+    /// searched again: if the tree has no entry for it, no function was found.
     pub leaves: Vec<bool>,
 }
 
 #[derive(Debug, Clone, Copy)]
 pub struct Build<'a> {
     pub modelling: Modelling<'a>,
-    /// Children that must be dirty before their parent is tried, 1 to 4.
+    /// Minimum number of dirty children, 1 to 4, for which their parent is tried.
     pub min_children: u8,
     pub known: Option<&'a Known>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Visited {
-    /// No leaf in it is dirty, and a node may cover it.
+    /// No leaf of the place is dirty, and a node may cover it.
     Free,
-    /// No leaf in it is dirty, and one is held by another node.
+    /// No leaf of the place is dirty, and one is held by another node.
     Held,
     One,
     Many,
@@ -86,8 +86,8 @@ pub fn build(dirty: &DirtyLeaves<'_>, settings: &Build<'_>) -> Tree {
     builder.tree
 }
 
-/// The flat form: the coarsest nodes of the tree that cover all dirty leaves, raw leaves where there is none. In the
-/// order of the walk; they do not overlap (GDC 4).
+/// Returns the flat form: the coarsest nodes of the tree that cover all dirty leaves, and raw leaves where the tree has no node.
+/// Nodes are in the order of the walk and do not overlap (GDC 4).
 pub fn flatten(dirty: &DirtyLeaves<'_>, tree: &Tree) -> Vec<Node> {
     let mut nodes = Vec::new();
     flatten_place(dirty, tree, dirty.grid.root(), &mut nodes);
@@ -132,7 +132,7 @@ impl Builder<'_> {
         if dirty == 0 {
             return if children.contains(&Visited::Held) { Visited::Held } else { Visited::Free };
         }
-        // A surface that no single function follows in a part is not followed as a whole.
+        // If no single function fits a part of a surface, none is tried for the whole.
         let possible = children.iter().all(|child| matches!(child, Visited::One | Visited::Free));
         if possible && dirty >= children.len().min(usize::from(self.settings.min_children)) {
             let block = self.dirty.block(place);

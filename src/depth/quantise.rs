@@ -1,8 +1,8 @@
-//! Metres to 16-bit log codes and back (depth.md 2).
+//! Conversion between metres and 16-bit log codes (depth.md 2).
 //!
-//! Based on: CALF 5.3, equation 13. The paper spends all codes on surfaces, so that the sky becomes one at far. Here code
-//! 65535 is the background, exactly, and 65,534 steps of 0.0015% of the span are left. Near and far are those of the
-//! probe, as close to its surfaces as the footage allows; its six faces share them, so that no seam shows.
+//! Based on: CALF 5.3, equation 13. The paper uses all codes for surfaces, so the sky becomes a surface at far. Here code 65535
+//! is exactly the background, which leaves 65,534 steps of 0.0015% of the span. Near and far are those of the probe, as close to
+//! its surfaces as the footage allows; its six faces share them, so that there is no seam between faces.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 
 pub use crate::metrics::codes::BACKGROUND_CODE;
 
-/// The code of the far distance, and the number of steps from near to far.
+/// Code of the far distance, and number of steps from near to far.
 pub const FAR_CODE: u16 = u16::MAX - 1;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,19 +19,19 @@ pub struct DepthRange {
     far_m: f32,
 }
 
-/// A distance in metres, with a power of ten where it has many digits: `0.25`, `1e30`.
+/// Formats a distance in metres, in scientific notation if it has many digits: `0.25`, `1e30`.
 pub fn metres_in_words(distance_m: f32) -> String {
     let is_plain = distance_m == 0.0 || !distance_m.is_finite() || (1e-4..1e7).contains(&distance_m.abs());
     if is_plain { distance_m.to_string() } else { format!("{distance_m:e}") }
 }
 
-/// The smallest number of two digits that is no smaller, for bounds in messages.
+/// Rounds up to two significant digits, for bounds in messages.
 pub fn rounded_up(value: f64) -> f64 {
     if value <= 0.0 || !value.is_finite() {
         return value;
     }
     let digits = 1 - value.log10().floor() as i32;
-    // The tolerance covers the rounding of these operations; a quotient has the shortest digits.
+    // The tolerance covers the rounding of these operations. A quotient by a power of ten prints with the fewest digits.
     let scale = 10f64.powi(digits.abs());
     if digits >= 0 { (value * scale - 1e-9).ceil() / scale } else { (value / scale - 1e-9).ceil() * scale }
 }
@@ -43,7 +43,7 @@ impl fmt::Display for DepthRange {
 }
 
 impl DepthRange {
-    /// A range with 0 < `near_m` ≤ `far_m` < ∞. They may be equal; then there is one code for all surfaces.
+    /// Creates a range with 0 < `near_m` ≤ `far_m` < ∞. If both are equal, all surfaces have the same code.
     ///
     /// # Errors
     /// [`Error::Invalid`] for any other range.
@@ -55,7 +55,7 @@ impl DepthRange {
         }
     }
 
-    /// The range of a probe that sees no surface at all.
+    /// Returns the range of a probe without any surface.
     pub fn empty() -> DepthRange {
         DepthRange { near_m: 1.0, far_m: 1.0 }
     }
@@ -68,15 +68,15 @@ impl DepthRange {
         self.far_m
     }
 
-    /// ln(far/near), exact to a few ulp also where far and near are neighbouring floats.
+    /// Returns ln(far/near), exact to a few ulp even if far and near are neighbouring floats.
     fn log_span(self) -> f64 {
         let (near, far) = (f64::from(self.near_m), f64::from(self.far_m));
         libm::log1p((far - near) / near)
     }
 
-    /// The code of a surface at `z_m` metres (depth.md 2): round(65534 · ln(z/near) / ln(far/near)). `+inf` is the
-    /// background; below near and NaN are 0, beyond far is the far code; where far is near, all are 0. `Quantiser` is
-    /// the fast form.
+    /// Returns the code of a surface at `z_m` metres (depth.md 2): round(65534 · ln(z/near) / ln(far/near)). `+inf` is the
+    /// background; values below near and NaN are code 0; values beyond far are the far code. If far equals near, all surfaces are
+    /// code 0. `Quantiser` is the fast form.
     pub fn code(self, z_m: f32) -> u16 {
         if z_m == f32::INFINITY {
             return BACKGROUND_CODE;
@@ -90,12 +90,12 @@ impl DepthRange {
         (log / span * f64::from(FAR_CODE) + 0.5).min(f64::from(FAR_CODE)) as u16
     }
 
-    /// The distance in metres that a surface's code means: near · (far/near)^(code/65534), exact at both ends.
+    /// Returns the distance in metres of a code: near · (far/near)^(code/65534), exact at both ends; `+inf` for the background.
     pub fn metres(self, code: u16) -> f32 {
         self.metres_within(self.log_span(), code)
     }
 
-    /// The same, with the logarithm of the span at hand.
+    /// As `metres`, with a precomputed logarithm of the span.
     fn metres_within(self, log_span: f64, code: u16) -> f32 {
         match code {
             BACKGROUND_CODE => f32::INFINITY,
@@ -108,25 +108,26 @@ impl DepthRange {
         }
     }
 
-    /// The widest gap between two neighbouring codes, as a ratio: (far/near)^(1/65534) − 1.
+    /// Returns the relative difference of the depths of two neighbouring codes: (far/near)^(1/65534) − 1.
     pub fn step_ratio(self) -> f64 {
         libm::expm1(self.log_span() / f64::from(FAR_CODE))
     }
 
-    /// Largest error of a decoded depth in proportion to the depth, where its code is up to `codes` from that of the source: with
-    /// half a step that rounding to a code takes, and the rounding of the decoded float.
+    /// Returns the maximum relative error of a decoded depth whose code differs by up to `codes` from that of the source. It
+    /// includes the half step of rounding to a code, and the rounding of the decoded float.
     pub fn relative_error(self, codes: u16) -> f64 {
         if self.log_span() == 0.0 {
             return 0.0;
         }
         let near = f64::from(self.near_m);
-        // Floats are the coarsest, for their size, at near where that is denormal.
+        // Floats have the lowest relative precision at near if near is denormal.
         let float = ((f64::from(self.near_m.next_up()) - near) / (2.0 * near)).max(f64::from(f32::EPSILON) / 2.0);
         let code = libm::expm1((f64::from(codes) + 0.5) * self.log_span() / f64::from(FAR_CODE));
         (1.0 + code) * (1.0 + float) - 1.0
     }
 
-    /// The most codes whose [`Self::relative_error`] is at most `share`; `None` where rounding alone is more.
+    /// Returns the maximum number of codes whose [`Self::relative_error`] is at most `share`; `None` if rounding alone exceeds
+    /// it.
     pub fn codes_within(self, share: f64) -> Option<u16> {
         let fits = |codes: &u16| self.relative_error(*codes) <= share;
         if !fits(&0) {
@@ -140,7 +141,7 @@ impl DepthRange {
 
 const CODES: usize = 1 << 16;
 
-/// The metres of all codes.
+/// Table of the metres of all codes.
 #[derive(Debug, Clone)]
 pub struct CodeTable {
     metres: Box<[f32; CODES]>,
@@ -162,10 +163,10 @@ impl CodeTable {
     }
 }
 
-/// The fast form of [`DepthRange::code`]: the same codes by table.
+/// Fast form of [`DepthRange::code`]: the same codes by table.
 ///
-/// The float's bit pattern, which grows with the float, selects a bucket; the bucket knows the code of its smallest
-/// float; the first float of each code settles the rest in a step or two.
+/// The float's bit pattern, which increases with the float, selects a bucket, which contains the code of its smallest float.
+/// Comparison with the first float of the following codes gives the result in one or two steps.
 #[derive(Debug, Clone)]
 pub struct Quantiser {
     pub range: DepthRange,
@@ -173,7 +174,7 @@ pub struct Quantiser {
     far_bits: u32,
     shift: u32,
     bucket_codes: Vec<u16>,
-    /// Bit pattern of the first float of each code, and a stop at the end.
+    /// Bit pattern of the first float of each code, and a sentinel at the end.
     first_bits: Vec<u32>,
 }
 
@@ -185,7 +186,7 @@ impl Quantiser {
         first_bits.push(near_bits);
         let log_span = range.log_span();
         for code in 1..=FAR_CODE {
-            // Aim at the boundary below the code, then walk to the first float that reaches it.
+            // Starts near the lower boundary of the code, then steps to the first float of the code.
             let log = log_span * (f64::from(code) - 0.5) / f64::from(FAR_CODE);
             let aim = (f64::from(range.near_m) * libm::exp(log)) as f32;
             let mut bits = aim.clamp(range.near_m, range.far_m).to_bits();
@@ -204,8 +205,8 @@ impl Quantiser {
         Quantiser { range, near_bits, far_bits, shift, bucket_codes, first_bits }
     }
 
-    /// The code of a depth: `+inf` is the background, `0.0` (an invalid reading taken as near) is code 0; `None` for
-    /// anything outside near to far.
+    /// Returns the code of a depth in metres. `+inf` is the background; `0.0`, an invalid reading taken as near, is code 0.
+    /// Returns `None` for other values outside near to far.
     #[inline]
     pub fn code(&self, z_m: f32) -> Option<u16> {
         let bits = z_m.to_bits();
@@ -291,7 +292,7 @@ mod tests {
             for bits in (low..=high).step_by(((high - low) / 50_000).max(1) as usize) {
                 let z = f32::from_bits(bits);
                 let back = range.metres(range.code(z));
-                // A float cannot be nearer than its own spacing, which matters below 1e-38.
+                // The error of a float can be as large as its spacing, which matters below 1e-38.
                 let spacing = f64::from(f32::from_bits(bits + 1)) - f64::from(z);
                 let error = (f64::from(back) - f64::from(z)).abs();
                 assert!(error <= f64::from(z) * half + spacing, "{z:e} became {back:e} in {range:?}");

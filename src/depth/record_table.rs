@@ -1,5 +1,5 @@
-//! The table at the start of a chunk's payload, which leads from frames to records (depth.md 4), and the steps that a
-//! decoder takes over it. Chunks of boxes, of nodes and of trees share it.
+//! Record table at the start of a chunk's payload, which maps frames to records (depth.md 4), and the steps of a decoder over it.
+//! Chunks of boxes, of nodes and of trees share it.
 
 #[cfg(feature = "encode")]
 pub mod builder;
@@ -15,7 +15,8 @@ pub struct Row {
     pub offset: u32,
 }
 
-/// Reads the table of a chunk of `frame_count` frames: at least one row, frame 0 first, frames ascending.
+/// Reads the table of a chunk of `frame_count` frames. Fails unless it has at least one row, its first frame is 0, and frames
+/// ascend.
 pub fn read(fields: &mut Fields<'_>, frame_count: u32) -> Result<Vec<Row>> {
     let count = fields.u32()?;
     if u64::from(count) * ROW_BYTES as u64 > fields.remaining() as u64 || count > frame_count || count == 0 {
@@ -40,8 +41,8 @@ pub fn check_start(fields: &Fields<'_>, at: usize, row: Row) -> Result<()> {
     Err(fields.error(format!("record {at} was announced at offset {}", row.offset)))
 }
 
-/// Indices of the records that lead from frame `at` of a chunk (`None`: nothing shown yet) to `target` in steps of at
-/// most `window` frames. `frames` ascend from 0. Going back starts over at the keyframe.
+/// Returns the indices of the records that a decoder applies to step from frame `at` of a chunk (`None`: no frame shown yet) to
+/// `target` in steps of at most `window` frames. Frames of records ascend from 0. Going back restarts at the keyframe.
 pub fn steps<'a, R>(
     records: &'a [R],
     frame_of: impl Fn(&R) -> u32 + Copy + 'a,
@@ -57,8 +58,8 @@ pub fn steps<'a, R>(
     let mut frame = start;
     let later = std::iter::from_fn(move || {
         while frame < target {
-            // Steps that land on no record do nothing: they are taken at once, or a payload of a few bytes that
-            // claims 2^31 frames would take as many steps.
+            // Steps to frames without a record do nothing and are skipped at once. Otherwise a payload of a few bytes that
+            // declares 2^31 frames would take as many steps.
             let next = records.partition_point(|record| frame_of(record) <= frame);
             let stop = records.get(next).map_or(target, |record| frame_of(record).min(target));
             frame += (stop - frame - 1) / window * window;

@@ -1,4 +1,4 @@
-//! The payload of a temporally coded chunk: a keyframe and what changes after it (depth.md 4).
+//! Payload of a temporally coded chunk: a keyframe and the changes after it (depth.md 4).
 //!
 //! The pixels of a unit or a box are stored as values or in block tiles ([`Layout`]).
 
@@ -15,11 +15,11 @@ use crate::depth::record_table;
 use crate::depth::texel::Texel;
 use crate::error::Result;
 
-/// The whole unit follows, row-major.
+/// Record kind: the pixels of the whole unit follow.
 const WHOLE: u8 = 0;
-/// One value follows, which the whole unit has.
+/// Record kind: one value for the whole unit follows.
 const CONSTANT: u8 = 1;
-/// Boxes follow, then their pixels.
+/// Record kind: boxes follow, then their pixels.
 const BOXES: u8 = 2;
 const SECTION: &str = "depth.md 4";
 
@@ -34,7 +34,7 @@ pub enum Body {
 pub struct Record {
     pub frame: u32,
     pub body: Body,
-    /// Payload bytes that it takes, its row in the record table included.
+    /// Bytes of the record in the payload, including its row of the record table.
     pub bytes: u64,
 }
 
@@ -42,7 +42,7 @@ pub struct Record {
 pub struct TemporalChunk<T> {
     pub layout: Layout,
     pub payload: Payload,
-    /// In order of their frames; frames without one change nothing.
+    /// Records in order of their frames. Frames without a record change nothing.
     pub records: Vec<Record>,
     boxes: Vec<(PixelBox, usize)>,
     pub size: [u32; 2],
@@ -50,8 +50,8 @@ pub struct TemporalChunk<T> {
 }
 
 impl<T: Texel> TemporalChunk<T> {
-    /// Afterwards every offset lies inside the payload and every box inside the unit, no two boxes of a record overlap,
-    /// frames ascend, and the first record is a keyframe.
+    /// Parses and checks a payload. On success every offset lies inside the payload and every box inside the unit, boxes of a
+    /// record do not overlap, frames ascend, and the first record is a keyframe.
     pub fn parse(layout: Layout, payload: impl Into<Payload>, size: [u32; 2], frame_count: u32) -> Result<Self> {
         let payload = payload.into();
         let mut fields = Fields::new(&payload, 0, SECTION);
@@ -136,7 +136,7 @@ impl<T: Texel> TemporalChunk<T> {
         self.payload.into_spare()
     }
 
-    /// The boxes of a record, with the payload offset of their pixels.
+    /// Returns the boxes of a record, with the payload offset of their pixels.
     pub fn boxes(&self, body: Body) -> &[(PixelBox, usize)] {
         match body {
             Body::Boxes { first, count } => &self.boxes[first..first + count],
@@ -151,8 +151,8 @@ impl<T: Texel> TemporalChunk<T> {
         }
     }
 
-    /// The stored rectangles of a record: width and height, and their bytes, which other bytes may follow. None for one
-    /// value that the whole unit has.
+    /// Returns the stored rectangles of a record: width and height, and a slice that starts with their bytes. A constant record
+    /// has none.
     pub fn rectangles(&self, body: Body) -> impl Iterator<Item = ([usize; 2], &[u8])> {
         let whole = match body {
             Body::Whole(start) => Some((self.size.map(|side| side as usize), start)),
@@ -163,8 +163,8 @@ impl<T: Texel> TemporalChunk<T> {
         whole.into_iter().chain(boxes).map(|(size, start)| (size, &self.payload[start..]))
     }
 
-    /// Brings `picture` from frame `at` of this chunk (`None`: nothing yet) to `target` in steps of at most `window`
-    /// frames; answers how many pixels were written. Going back starts over at the keyframe.
+    /// Advances `picture` from frame `at` of this chunk (`None`: no frame shown yet) to `target` in steps of at most `window`
+    /// frames; returns the number of pixels written. Going back restarts at the keyframe.
     pub fn advance(&self, picture: &mut [T], at: Option<u32>, target: u32, window: u8) -> u64 {
         record_table::steps(&self.records, |record| record.frame, at, target, window)
             .map(|found| self.apply(picture, self.records[found].body))

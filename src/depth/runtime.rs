@@ -1,8 +1,8 @@
-//! The runtime form of a chunk's nodes, which is what is decoded, here and on GPUs (depth.md 10, GDC 4).
+//! Runtime form of a chunk's nodes, from which the CPU and GPUs decode (depth.md 10, GDC 4).
 //!
-//! One buffer for all frames of a unit: for each frame a header with the number of nodes of each level, the places of
-//! the nodes in two bytes each, and their coefficients in 32 bytes each, all on multiples of 16 bytes, so that any
-//! node is found by its number alone. A table leads from frames to offsets in the buffer.
+//! One buffer holds all frames of a unit. Each frame has a header with the number of nodes of each level, the places of the nodes
+//! in two bytes each, and their coefficients in 32 bytes each. All parts are aligned to 16 bytes, so that a node is located by
+//! its number alone. A table maps frames to offsets in the buffer.
 
 use crate::depth::bc4w::Bc4w;
 use crate::depth::biquadratic::Biquadratic;
@@ -12,7 +12,7 @@ use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, functi
 use crate::depth::platelet::Platelet;
 
 pub const LEVELS: usize = MAX_LEVEL as usize + 1;
-/// Bytes of a frame's header: the number of nodes, that of each level, and zeros.
+/// Bytes of a frame's header: the number of nodes, the number per level, and zeros.
 pub const HEADER_BYTES: usize = 48;
 const ALIGN: usize = 16;
 
@@ -36,7 +36,8 @@ impl Runtime {
         Runtime { grid, buffer: Vec::new(), frames: Vec::new() }
     }
 
-    /// Nodes do not overlap, come in the order of the walk, and lie in the picture. Answers how many pixels they cover.
+    /// Appends a frame. Its nodes must not overlap, must be in the order of the walk, and must lie in the picture. Returns the
+    /// number of pixels that they cover.
     pub fn push(&mut self, frame: u32, nodes: &[Node]) -> u64 {
         let offset = self.buffer.len();
         let mut counts = [0u32; LEVELS];
@@ -53,7 +54,7 @@ impl Runtime {
         updated_pixels
     }
 
-    /// The nodes of a frame with their places and coefficients, by level.
+    /// Returns the nodes of a frame with their places and coefficients, level by level.
     pub fn nodes(&self, frame: RuntimeFrame) -> impl Iterator<Item = (Place, &[u8; COEFFICIENT_BYTES])> {
         let words = self.buffer[frame.offset..frame.offset + HEADER_BYTES].as_chunks::<4>().0;
         let count = u32::from_le_bytes(words[0]) as usize;
@@ -80,7 +81,7 @@ pub fn decode_node(place: Place, coefficients: &[u8; COEFFICIENT_BYTES], domain:
         Function::Raw => raw::decode(coefficients, target),
         Function::Biquadratic => Biquadratic::from_bytes(coefficients).decode(domain, target),
         Function::Platelet => Platelet::from_bytes(coefficients).decode(domain, target),
-        // Never a marker: that is what makes it a BC4w block.
+        // `from_bytes` succeeds, because a block with a marker is another function.
         Function::Bc4w => Bc4w::from_bytes(*coefficients).iter().for_each(|block| block.decode(target)),
     }
 }

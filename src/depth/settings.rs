@@ -1,15 +1,15 @@
-//! How boxes are coded in time; a stream's header repeats it (depth.md 3).
+//! Settings of the temporal coding of boxes, which the header of a stream repeats (depth.md 3).
 
 use crate::depth::boxes::MAX_BOXES;
 use crate::error::{Error, Result};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TemporalSettings {
-    /// W: a decoder may step over up to W − 1 frames. 1 to 255.
+    /// W, 1 to 255: a decoder may step over up to W − 1 frames.
     pub window: u8,
-    /// Largest difference, in codes, between a decoded pixel and its source.
+    /// Maximum difference, in codes, between a decoded pixel and its source.
     pub epsilon: u16,
-    /// Most boxes in one frame of one unit. 1 to 256.
+    /// Maximum number of boxes in one frame of one unit, 1 to 256.
     pub max_aabbs: u16,
     pub keyframe_interval: u32,
 }

@@ -1,7 +1,7 @@
-//! How the depths of images are spread, and the few pixels that take much of the precision of all others: codes are even in the
-//! logarithm of depth from near to far, so that one stray pixel makes every step longer.
+//! Distribution of depth in images, and the few pixels that take much of the precision of all others: codes are uniform in the
+//! logarithm of depth from near to far, so a single stray pixel makes every step between codes larger.
 //!
-//! Enters: images in metres, in any order and on any machine. Leaves: [`Spread`], which merges, and its [`Strays`].
+//! Input: images in metres, in any order and on any machine. Output: [`Spread`], which can be merged, and its [`Strays`].
 
 use std::collections::BTreeMap;
 
@@ -10,19 +10,19 @@ use serde::{Deserialize, Serialize};
 use crate::depth::DepthRange;
 use crate::image::{DepthPlane, Face};
 
-/// Depths whose bits agree above this one share a bin: there are eight bins for each power of two.
+/// Depths that agree in all bits from this one up share a bin: there are eight bins per power of two.
 const BIN_SHIFT: u32 = 20;
 const BINS: usize = (f32::INFINITY.to_bits() >> BIN_SHIFT) as usize;
-/// Pixels are few if they are at most one in so many of all, or as below.
+/// Pixels are few if at most one in this many of all, or if [`FEW_OF_SMALL_IMAGES`] applies.
 const FEW: u64 = 10_000;
-/// Pixels are few also if they are at most one for each image, and at most one in so many of all.
+/// Pixels are also few if at most one per image, and at most one in this many of all.
 const FEW_OF_SMALL_IMAGES: u64 = 1000;
-/// Few pixels are named if the bound without them is at most this part of that with them.
+/// Few pixels are reported if the error bound without them is at most this part of the bound with them.
 const WORTH_NAMING: f64 = 0.75;
-/// Pixels that are named at each end.
+/// Maximum number of pixels reported at each end.
 const NAMED: usize = 3;
 
-/// A pixel and its depth.
+/// Position of a pixel and its depth.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PlacedDepth {
     pub frame: u32,
@@ -44,32 +44,32 @@ struct Bin {
     pixels: u64,
     near_m: f32,
     far_m: f32,
-    /// By frame, face, row and column.
+    /// First pixel of the bin in the order of frame, face, row and column.
     first: PlacedDepth,
 }
 
-/// Numbers of pixels by depth.
+/// Number of pixels by depth.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
-    /// Pixels of all images, the background included.
+    /// Number of pixels of all images, including background.
     pixels: u64,
     images: u64,
     bins: BTreeMap<u32, Bin>,
 }
 
-/// The few pixels that take more than a quarter of the precision.
+/// Few pixels that take at least a quarter of the precision.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Strays {
     pub pixels: u64,
     pub of_pixels: u64,
-    /// The first pixels of the nearest of them, and of the farthest.
+    /// First pixels of the nearest and of the farthest bins, up to three bins each.
     pub named: Vec<PlacedDepth>,
-    /// Near and far of all other surfaces.
+    /// Depth range of all other surfaces.
     pub without: DepthRange,
 }
 
 impl Spread {
-    /// An image of distances; 0 and +inf are no surfaces.
+    /// Returns the spread of one image of distances; 0 and +inf are not surfaces.
     pub fn of(plane: &DepthPlane, frame: u32, face: Face) -> Spread {
         let mut bins: Vec<Option<(Bin, usize)>> = vec![None; BINS];
         for (at, &depth_m) in plane.data().iter().enumerate() {
@@ -100,7 +100,7 @@ impl Spread {
 
     #[must_use]
     pub fn union(mut self, other: &Spread) -> Spread {
-        // Numbers may be those of a damaged file.
+        // Saturating, because the numbers may come from a damaged file.
         self.pixels = self.pixels.saturating_add(other.pixels);
         self.images = self.images.saturating_add(other.images);
         for (&number, more) in &other.bins {
@@ -117,13 +117,14 @@ impl Spread {
         self
     }
 
-    /// The nearest and the farthest surface; `None` where there is none.
+    /// Returns the range from the nearest to the farthest surface; `None` if there is none.
     pub fn range(&self) -> Option<DepthRange> {
         let (first, last) = (self.bins.first_key_value()?.1, self.bins.last_key_value()?.1);
         DepthRange::new(first.near_m, last.far_m).ok()
     }
 
-    /// The pixels within `range` without which the bound would be at most three quarters as large, if these are few.
+    /// Returns the pixels within `range` without which the error bound would be at most three quarters as large; `None` if they
+    /// are not few.
     pub fn strays(&self, range: DepthRange) -> Option<Strays> {
         let (near, far) = (range.near_m(), range.far_m());
         let bins: Vec<Bin> = self.bins.values().filter(|bin| bin.far_m >= near && bin.near_m <= far).copied().collect();
@@ -133,7 +134,7 @@ impl Spread {
             libm::log(high.max(low) / low)
         };
         let whole = libm::log(f64::from(far) / f64::from(near));
-        // As many as possible at one end, then as many of the others as are few enough.
+        // Tries every combination of bins left out at both ends, as long as their pixels are few.
         let mut best: Option<(f64, usize, usize)> = None;
         let mut before = 0u64;
         for first in 0..bins.len() {
@@ -144,7 +145,7 @@ impl Spread {
                     break;
                 }
                 let rest = span(&bins[first], &bins[last]);
-                // A pixel more is left out only where that is of use.
+                // More pixels are left out only if that shortens the range by more than 2% of the whole.
                 if best.is_none_or(|(least, ..)| rest < least - 0.02 * whole) {
                     best = Some((rest, first, last));
                 }
@@ -227,15 +228,15 @@ mod tests {
         assert_eq!(strays_of(&ramp()), None);
         assert_eq!(strays_of(&DepthPlane::filled(64, 64, 3.0)), None);
         assert_eq!(strays_of(&DepthPlane::filled(64, 64, f32::from_bits(1))), None);
-        // A stray that costs little.
+        // A stray with little effect.
         assert_eq!(strays_of(&with(&[(0, 0, 1.5)])), None);
         // Too many pixels of a small image.
         assert_eq!(strays_of(&with(&[1, 2, 3, 4, 5].map(|x| (x, 0, 1e-6)))), None);
-        // Tiny images have no pixels to spare.
+        // In tiny images no number of pixels is few.
         let tiny = DepthPlane::from_fn(4, 4, |x, y| 10f32.powi((x + 4 * y) as i32 - 8));
         assert_eq!(strays_of(&tiny), None);
         assert_eq!(Spread::default().strays(DepthRange::empty()), None);
-        // Background is no stray.
+        // Background is not a stray.
         assert_eq!(strays_of(&with(&[(5, 5, f32::INFINITY)])), None);
     }
 

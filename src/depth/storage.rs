@@ -1,9 +1,8 @@
-//! The storage form of nodes: only the bits that say something (depth.md 9, GDC 4).
+//! Storage form of nodes, without redundant bits (depth.md 9, GDC 4).
 //!
-//! Enters: nodes in the order of the walk. Leaves: bytes from which exactly these nodes come back. The paper stores a
-//! level count, a place of two bytes and two bits of function for each node, and its coefficients in full; here the
-//! walk over the quadtree tells level and place in one to three bits, and low bits of coefficients that are zero are
-//! left out.
+//! Input: nodes in the order of the walk. Output: bytes that decode to exactly these nodes. The paper stores a level count, a
+//! place of two bytes and two bits of function for each node, and its coefficients in full. Here a walk over the quadtree codes
+//! level and place in one to three bits, and low bits of coefficients that are zero are omitted.
 
 use byteorder::{ByteOrder, LittleEndian};
 
@@ -20,16 +19,16 @@ pub const SECTION: &str = "depth.md 9";
 const HEAD_BIQUADRATIC: u8 = 0;
 const HEAD_PLATELET: u8 = 1;
 const HEAD_BC4W: u8 = 2;
-/// Bits of a raw node's head that count the bits of a value.
+/// Mask of the field in a raw node's head that contains the number of bits per value.
 const RAW_BITS: u8 = 0x1F;
-/// A raw node whose largest value stands for the background.
+/// Flag in a raw node's head: the largest value represents the background.
 const RAW_BACKGROUND: u8 = 0x20;
 
-/// What a record's nodes cover; its first byte.
+/// Coverage of a unit by a record's nodes; the first byte of the record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Coverage {
-    /// The whole unit: the walk says nothing of empty places.
+    /// The nodes cover the whole unit. The walk has no bits for empty places.
     Complete = 0,
     Partial = 1,
 }
@@ -104,14 +103,14 @@ fn read_walk(
     place.children().into_iter().try_for_each(|child| read_walk(grid, coverage, child, bits, out))
 }
 
-/// Bytes that a node's function takes, its share of the walk not counted.
+/// Returns the bytes of a node's function, without its share of the walk.
 pub fn stored_bytes(node: &Node) -> usize {
     let mut sections = Sections::default();
     sections.push(node);
     sections.all().iter().map(|section| section.len()).sum()
 }
 
-/// Appends the functions of nodes: heads, numbers, lines, BC4w blocks, raw blocks, each in the nodes' order.
+/// Appends the functions of nodes: heads, numbers, lines, BC4w blocks, raw blocks, each in the order of the nodes.
 pub fn write_functions(nodes: &[Node], out: &mut Vec<u8>) {
     let mut sections = Sections::default();
     nodes.iter().for_each(|node| sections.push(node));
@@ -167,7 +166,7 @@ fn used_of_plane([_, a0, a1]: [i32; 3]) -> usize {
     if a0 == 0 && a1 == 0 { 1 } else { 3 }
 }
 
-/// The coarsest precision that all numbers have: planes start with their constant term, then linear ones.
+/// Returns the coarsest precision that represents all numbers exactly. Planes start with their constant term, then linear ones.
 fn precision_of(level: u8, planes: [&[i32]; 2], quadratic: &[i32]) -> Precision {
     let zeros = |numbers: &mut dyn Iterator<Item = &i32>| numbers.map(|n| n.trailing_zeros()).min().unwrap_or(32);
     let constant = zeros(&mut planes.iter().filter_map(|plane| plane.first()));
@@ -180,7 +179,7 @@ fn precision_of(level: u8, planes: [&[i32]; 2], quadratic: &[i32]) -> Precision 
     Precision::from_coarsest().find(serves).unwrap_or_default()
 }
 
-/// The shift of number `at` of a plane or surface: constant, two linear, three quadratic.
+/// Returns the shift of number `at` of a plane or surface: constant, two linear, three quadratic.
 fn shift_of(at: usize, precision: Precision, level: u8) -> u32 {
     let shifts = precision.shifts(level);
     match at {
@@ -190,7 +189,7 @@ fn shift_of(at: usize, precision: Precision, level: u8) -> u32 {
     }
 }
 
-/// Zigzag, then seven bits a byte, the least significant first.
+/// Appends numbers: zigzag, then seven bits per byte, the least significant first.
 fn push_numbers(numbers: &[i32], precision: Precision, level: u8, out: &mut Vec<u8>) {
     for (at, number) in numbers.iter().enumerate() {
         let value = number >> shift_of(at, precision, level);
@@ -225,7 +224,8 @@ fn read_number(fields: &mut Fields<'_>, shift: u32) -> Result<i32> {
     Err(fields.error("a coefficient of more than 5 bytes"))
 }
 
-/// The least code of the surfaces, the bits that their differences take, and whether there is background.
+/// Appends a raw node: a head with the bits per value and whether there is background, the smallest surface code, and the
+/// differences from it.
 fn push_raw(coefficients: &[u8; COEFFICIENT_BYTES], out: &mut Vec<u8>) {
     let mut codes = [0u16; 16];
     LittleEndian::read_u16_into(coefficients, &mut codes);
@@ -236,7 +236,7 @@ fn push_raw(coefficients: &[u8; COEFFICIENT_BYTES], out: &mut Vec<u8>) {
         out.extend_from_slice(&BACKGROUND_CODE.to_le_bytes());
         return;
     };
-    // The background's stand-in is one more value than the surfaces need.
+    // The background is represented by one value more than the surfaces need.
     let values = u32::from(most - least) + u32::from(background);
     let bits = 32 - values.leading_zeros();
     if bits >= 16 {
@@ -299,7 +299,7 @@ pub fn read_functions(places: &[Place], fields: &mut Fields<'_>) -> Result<Vec<N
         }
         nodes.push(Node { place, coefficients });
     }
-    // The functions are known by their markers now; what is still missing of each comes in the order of the sections.
+    // The markers now determine the functions. The remaining parts follow in the order of the sections.
     let lines = nodes.iter_mut().filter(|node| node.function() == Function::Platelet);
     for node in lines {
         let line = fields.bytes(4)?;
@@ -320,7 +320,7 @@ pub fn read_functions(places: &[Place], fields: &mut Fields<'_>) -> Result<Vec<N
     Ok(nodes)
 }
 
-/// Numbers and markers of a node with this head. A BC4w block stays zero, which no marker is.
+/// Reads the numbers and sets the marker of a node with this head. A BC4w block stays zero, which is not a marker.
 fn read_numbers(
     level: u8,
     head: u8,
@@ -400,7 +400,7 @@ mod tests {
         }
     }
 
-    /// Nodes over random parts of the grid, in the order of the walk.
+    /// Returns nodes over random parts of the grid, in the order of the walk.
     fn nodes() -> impl Strategy<Value = Vec<Node>> {
         fn visit(place: Place, choices: &mut impl Iterator<Item = u8>, out: &mut Vec<Place>) {
             if !GRID.has(place) {

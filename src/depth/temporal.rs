@@ -1,10 +1,10 @@
-//! Encodes the frames of one unit into chunks: a keyframe, then boxes around what changes (CALF 5.2, algorithm 3).
+//! Encodes the frames of one unit into chunks: a keyframe, then boxes around the changes (CALF 5.2, algorithm 3).
 //!
-//! In: the unit's pixels, frame by frame. Out: payloads of [`crate::depth::records`]. Memory: two pictures and the open
-//! chunk.
+//! Input: the unit's pixels, frame by frame. Output: payloads of [`crate::depth::records`]. Memory: the decoder's picture, two
+//! bytes per pixel for age and mask, and the open chunk.
 //!
-//! The window rule (depth.md 4): the paper compares source frames with each other; a pixel that creeps by less than epsilon
-//! a frame is then never sent and drifts without limit. Here the loop is closed: the source is compared with the decoder's
+//! The window rule (depth.md 4): the paper compares source frames with each other, so that a pixel that creeps by less than
+//! epsilon per frame is never sent and drifts without limit. Here the loop is closed: the source is compared with the decoder's
 //! picture. A pixel is sent while fewer than W frames have passed since it changed.
 
 use crate::container::EncodedChunk;
@@ -18,7 +18,7 @@ use crate::error::Result;
 pub trait Held<T: Texel>: std::fmt::Debug + Send {
     fn start(&mut self, source: &[T], chunk: &mut TableBuilder);
 
-    /// Takes a frame, counted from the keyframe, in, and writes what it sends, if anything.
+    /// Encodes a frame, counted from the keyframe, and writes its record if anything must be sent.
     fn advance(&mut self, source: &[T], frame: u32, chunk: &mut TableBuilder);
 }
 
@@ -27,9 +27,9 @@ struct HeldValues<T> {
     settings: TemporalSettings,
     width: usize,
     picture: Vec<T>,
-    /// Frames since the pixel changed, saturating; `u8::MAX` also for "not since the keyframe".
+    /// Frames since the pixel changed, saturating; also `u8::MAX` if it has not changed since the keyframe.
     age: Vec<u8>,
-    /// One byte a pixel: 1 where the last frame must be sent.
+    /// One byte per pixel: 1 if the current frame must send it.
     mask: Vec<u8>,
 }
 
@@ -55,7 +55,7 @@ impl<T: Texel> Held<T> for HeldValues<T> {
             any |= *mask;
         }
         if any != 0 {
-            // A box costs eight bytes, so one more must save more pixels than that.
+            // A box takes eight bytes, so an additional box must save more bytes of pixels than that.
             let budget = BoxBudget { max_boxes: max_aabbs, min_saving: (8 / T::BYTES) as u32 };
             let boxes = cover(Mask { pixels: &self.mask, width: self.width }, budget);
             chunk.put_boxes_of(frame, &boxes, &self.picture, self.width);

@@ -1,22 +1,22 @@
-//! What the temporal coder is generic over: depth codes and material triples (depth.md 3).
+//! Pixel types of the temporal coder: depth codes and material triples (depth.md 3).
 
 use crate::block::{Bc1, Bc5, BlockFormat, TEXELS};
 use crate::depth::quantise::BACKGROUND_CODE;
 
-/// A pixel value that is stored as it is, or in blocks of a texture format.
+/// A pixel value, which is stored directly or in blocks of a texture format.
 pub trait Texel: Copy + Eq + Default + Send + Sync + std::fmt::Debug + 'static {
     const BYTES: usize;
     type Format: BlockFormat;
 
     fn put(self, out: &mut Vec<u8>);
 
-    /// Reads as many values as fit into `out`; `bytes` has exactly their size.
+    /// Reads as many values as fit into `out`; `bytes` must have exactly their size.
     fn get_row(out: &mut [Self], bytes: &[u8]);
 
-    /// Whether a decoder may show `held` where the source has `source`: the promise behind `--update-threshold`.
+    /// Returns true if a decoder may show `held` where the source is `source`: the bound that `--update-threshold` sets.
     fn within(held: Self, source: Self, epsilon: u16) -> bool;
 
-    /// The value that a decoded pixel of a block stands for.
+    /// Converts a decoded pixel of a block to a value.
     fn of_block(texel: <Self::Format as BlockFormat>::Texel) -> Self;
 
     fn decode(block: &[u8]) -> [Self; TEXELS] {
@@ -26,8 +26,8 @@ pub trait Texel: Copy + Eq + Default + Send + Sync + std::fmt::Debug + 'static {
     }
 }
 
-/// A depth code. The background is never taken for a surface, nor a surface for it, at any epsilon. In blocks its high byte
-/// is the red of BC5, its low byte the green.
+/// A depth code. Background is never within any epsilon of a surface. In BC5 blocks the high byte is red and the low byte is
+/// green.
 impl Texel for u16 {
     const BYTES: usize = 2;
     type Format = Bc5;
@@ -53,8 +53,8 @@ impl Texel for u16 {
     }
 }
 
-/// Reflection weight, refraction weight and index of refraction, 8 bits each; epsilon bounds each of them. In blocks they
-/// are the red, green and blue of BC1.
+/// Reflection weight, refraction weight and index of refraction, 8 bits each; epsilon bounds each of them. In BC1 blocks they are
+/// red, green and blue.
 impl Texel for [u8; 3] {
     const BYTES: usize = 3;
     type Format = Bc1;

@@ -1,6 +1,6 @@
-//! How close each modelling function comes to tiles of 8x8 pixels, without any bound (GDC figure 6).
+//! Measures the PSNR of each modelling function on tiles of 8x8 pixels, without an error bound (GDC figure 6).
 //!
-//! In: pictures of codes. Out: the distribution of PSNR for each function but raw, which is exact.
+//! Input: pictures of codes. Output: the distribution of PSNR for each function except raw, which is exact.
 
 use crate::depth::bc4w::search;
 use crate::depth::biquadratic::Biquadratic;
@@ -13,11 +13,11 @@ use crate::effort::Effort;
 
 pub const TILE_LEVEL: u8 = 1;
 pub const TILE_SIDE: usize = 8;
-/// A tile without error counts for this in a mean, in dB: the PSNR of one pixel off by one code.
+/// Value of an exact tile in a mean, in dB: the PSNR of one pixel off by one code.
 pub const EXACT_DB: f64 = 114.391_265_8;
 /// Width of the bins of [`PsnrDistribution::histogram`] in dB.
 pub const BIN_DB: usize = 5;
-/// Bins from 0 dB on; the last ends above [`EXACT_DB`].
+/// Number of bins from 0 dB on; the last ends above [`EXACT_DB`].
 pub const BIN_COUNT: usize = 23;
 const STEPS_PER_DB: usize = 100;
 
@@ -26,9 +26,9 @@ pub enum TileModel {
     Bc4w,
     Platelet,
     Biquadratic,
-    /// Whichever of platelet and biquadratic has the least squared error: what there was before BC4w.
+    /// Platelet or biquadratic, whichever has the lower squared error: the choice without BC4w.
     PlateletOrBiquadratic,
-    /// Whichever of the three has the least squared error.
+    /// Whichever of the three functions has the lowest squared error.
     BestOf,
 }
 
@@ -52,24 +52,24 @@ impl TileModel {
     }
 }
 
-/// The PSNR of many tiles, in dB of 16-bit codes. It takes the same memory for any number of tiles.
+/// Distribution of the PSNR of tiles, in dB of 16-bit codes. Memory does not depend on the number of tiles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PsnrDistribution {
-    /// Tiles by PSNR in steps of 1/100 dB, from 0 dB on.
+    /// Number of tiles by PSNR in steps of 1/100 dB, from 0 dB on.
     steps: Vec<u64>,
     pub exact: u64,
-    /// Tiles that cannot be modelled, such as background mixed with a surface; their PSNR is 0.
+    /// Number of tiles that cannot be modelled, such as background mixed with a surface; their PSNR is 0.
     pub unmodelled: u64,
     pub tiles: u64,
     sum_db: f64,
-    /// Infinite where all tiles are exact.
+    /// Minimum PSNR in dB; infinite if all tiles are exact.
     pub min_db: f64,
 }
 
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TilePsnr {
     models: [PsnrDistribution; 5],
-    /// Largest error in codes of any pixel of the BC4w blocks.
+    /// Maximum error in codes of any pixel of the BC4w blocks.
     pub bc4w_max_error: u16,
 }
 
@@ -104,12 +104,12 @@ impl PsnrDistribution {
         self.min_db = self.min_db.min(other.min_db);
     }
 
-    /// The mean in dB, in which exact tiles count for [`EXACT_DB`] and those that cannot be modelled for 0.
+    /// Returns the mean in dB. Exact tiles count as [`EXACT_DB`], those that cannot be modelled as 0.
     pub fn mean_db(&self) -> f64 {
         self.sum_db / self.tiles.max(1) as f64
     }
 
-    /// The least PSNR in dB, rounded down to 1/100 dB, that `share` (0 to 1) of the tiles do not exceed.
+    /// Returns the lowest PSNR in dB, rounded down to 1/100 dB, that `share` (0 to 1) of the tiles do not exceed.
     pub fn quantile_db(&self, share: f64) -> f64 {
         let rank = ((self.tiles as f64 * share).ceil() as u64).max(1);
         let mut below = 0;
@@ -120,14 +120,14 @@ impl PsnrDistribution {
         step.map_or(f64::INFINITY, |step| step as f64 / STEPS_PER_DB as f64)
     }
 
-    /// Tiles in bins of [`BIN_DB`] from 0 dB on; exact ones are in none.
+    /// Returns the number of tiles in bins of [`BIN_DB`] from 0 dB on, without exact tiles.
     pub fn histogram(&self) -> Vec<u64> {
         self.steps.chunks(BIN_DB * STEPS_PER_DB).map(|steps| steps.iter().sum()).collect()
     }
 }
 
 impl TilePsnr {
-    /// Measures the row of tiles from row `y` of pixels on, a multiple of 8.
+    /// Measures the row of tiles from pixel row `y` on, a multiple of 8.
     pub fn of_row(picture: &[u16], width: usize, y: usize, (domain, effort): (&Domain, Effort)) -> TilePsnr {
         let mut found = TilePsnr::default();
         for x in (0..width).step_by(TILE_SIDE) {
@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn a_tile_of_background_and_surface_is_no_biquadratic() {
         let mut picture = [500; 64];
-        // Every other pixel, so that no line parts them.
+        // Every other pixel, so that no line separates them.
         picture.iter_mut().step_by(2).for_each(|code| *code = u16::MAX);
         let found = measure(&picture, 8);
         for model in [TileModel::Platelet, TileModel::Biquadratic, TileModel::PlateletOrBiquadratic] {
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn of_two_functions_the_closer_counts() {
-        // An edge is for the platelet, what is curved for the biquadratic.
+        // The platelet fits the edge, the biquadratic the curved surface.
         let edge: Vec<u16> = (0..64).map(|at| if at % 8 > 3 { 9000 } else { 4000 + at / 8 }).collect();
         let curved: Vec<u16> = (0..64).map(|at| 20_000 + (at % 8) * (at % 8) * 9 + (at / 8) * (at / 8) * 5).collect();
         for (picture, model) in [(edge, TileModel::Platelet), (curved, TileModel::Biquadratic)] {

@@ -1,7 +1,7 @@
-//! The payload of a chunk of the intermediate form: what a quadtree knows, to be flattened at any bound (depth.md 11).
+//! Payload of a chunk of the intermediate form: a quadtree that can be flattened at any bound up to the header's (depth.md 11).
 //!
-//! A record holds the leaves that differ from the frame before as they are, and the function of every coarser place
-//! where one was found. Decoding it is lossless; [`crate::depth::node_encoder`] makes the packed form of it.
+//! A record contains the leaves that differ from the frame before, as raw codes, and the function of every coarser place for
+//! which one was found. Decoding is lossless; [`crate::depth::node_encoder`] converts it to the packed form.
 
 #[cfg(feature = "encode")]
 pub mod encoder;
@@ -26,7 +26,7 @@ struct TreeFunction {
 
 #[derive(Debug, Clone)]
 pub struct TreeChunk {
-    /// The leaves of all records. Frames are shown in steps of 1.
+    /// Leaves of all records. Frames are decoded in steps of 1.
     pub leaves: NodeChunk,
     trees: Vec<Vec<TreeFunction>>,
 }

@@ -1,7 +1,7 @@
 //! Checks that any path of steps of at most W frames shows the same pictures (depth.md 4).
 //!
-//! In: the records of a chunk. Out: an error at the first frame whose record leaves out a pixel that changed less than W
-//! frames before.
+//! Input: the records of a chunk. Output: an error at the first frame whose record omits a pixel that changed less than W frames
+//! before.
 
 use std::path::PathBuf;
 
@@ -13,16 +13,16 @@ use crate::error::{Error, Result};
 struct Updates<R, A> {
     size: [usize; 2],
     frames: Vec<u32>,
-    /// Left, top, width and height of the rectangles that a record replaces.
+    /// Returns left, top, width and height of the rectangles that a record replaces.
     rectangles: R,
     apply: A,
 }
 
 impl<T: Texel> TemporalChunk<T> {
-    /// Refuses a chunk of `frame_count` frames in which frame n does not replace a pixel whose value changed in one of the
-    /// W - 1 frames before n. Frames without a record replace nothing.
+    /// Fails if a frame n of the chunk's `frame_count` frames does not replace a pixel that changed in one of the W - 1 frames
+    /// before n. Frames without a record replace nothing.
     ///
-    /// Time and memory: two pictures, and one pass over the unit for each record.
+    /// Memory: two pictures. Time: one pass over the unit per record.
     pub fn check_window(&self, window: u8, frame_count: u32) -> Result<()> {
         let size @ [width, height] = self.size.map(|side| side as usize);
         let frames = self.records.iter().map(|record| record.frame).collect();
@@ -58,7 +58,7 @@ impl<R: Fn(usize) -> Vec<[usize; 4]>, A> Updates<R, A> {
         let mut picture = vec![T::default(); width * height];
         let mut before = picture.clone();
         let mut covered = vec![false; width * height];
-        // 0: not since the keyframe.
+        // Frame of the last change of each pixel; 0 if it has not changed since the keyframe.
         let mut changed_at = vec![0; width * height];
         for (at, &frame) in self.frames.iter().enumerate() {
             covered.fill(false);
@@ -81,7 +81,7 @@ impl<R: Fn(usize) -> Vec<[usize; 4]>, A> Updates<R, A> {
             }
             let next = self.frames.get(at + 1).copied().unwrap_or(frame_count);
             if next > frame + 1 {
-                // The frames up to the next record replace nothing; the first of them is the strictest.
+                // Frames up to the next record replace nothing; the first of them is the strictest to check.
                 for (pixel, &changed_at) in changed_at.iter().enumerate() {
                     check_pixel(pixel, width, window, changed_at, frame + 1)?;
                 }
@@ -111,7 +111,7 @@ mod tests {
     use crate::depth::boxes::PixelBox;
     use crate::depth::record_table::builder::TableBuilder;
 
-    /// 3x1 pixels; each record writes pixel `x` with `code` in `frame`.
+    /// Returns a chunk of 3x1 pixels; each record writes `code` to pixel `x` in `frame`.
     fn chunk(records: &[(u32, u16, u16)], frame_count: u32) -> TemporalChunk<u16> {
         let mut builder = TableBuilder::default();
         builder.put_values(&[1u16, 2, 3]);
@@ -137,7 +137,7 @@ mod tests {
         assert!(!holds(&[(1, 0, 9), (3, 0, 9)], 3, 4));
         assert!(!holds(&[(1, 0, 9), (2, 0, 1)], 2, 4));
         assert!(holds(&[(1, 0, 9), (2, 0, 1), (3, 0, 1)], 2, 4));
-        // A value that stays what it was is no change.
+        // A value that stays the same is not a change.
         assert!(holds(&[(1, 0, 1)], 255, 300));
         let error = chunk(&once, 3).check_window(2, 3).unwrap_err().to_string();
         assert!(error.contains("pixel (0, 0)") && error.ends_with("(formats/depth.md 4)"), "{error}");

@@ -1,8 +1,8 @@
-//! Upper bounds of the memory that encoding takes, and how many frames are read at once.
+//! Upper bounds of the memory used by an encode, and the number of frames read at once that follows from them.
 //!
-//! The file depends on none of it, except for [`ColorMemory`], which follows from footage and settings alone: a batch has as
-//! many frames as fit, and where the encoders' own state does not fit, the encode is refused before it begins. Nothing adds
-//! up over probes or groups, which are encoded one after the other.
+//! The output does not depend on these limits, except on [`ColorMemory`], which is derived only from footage and settings. A
+//! batch has as many frames as fit; if the state of the encoders does not fit, the encode fails before it starts. Memory does not
+//! accumulate over probes or groups, which are encoded one after the other.
 
 use crate::color::SearchSettings;
 use crate::color::temporal::CLOSE_AT_BYTES as COLOR_CLOSE_AT_BYTES;
@@ -20,33 +20,33 @@ use crate::streams::CodecHeader;
 
 const BATCH_FRAMES: usize = 16;
 const BATCH_PIXELS: usize = 64 << 20;
-/// Most bytes of depth images that a scan keeps, so that they are read once.
+/// Max bytes of depth images that a scan keeps to avoid reading them twice.
 const KEEP_BYTES: u64 = 512 << 20;
-/// Most bytes of pictures that the cells of a group hold while they wait for the next keyframe.
+/// Max bytes of pictures that the cells of a group hold until the next keyframe.
 const PENDING_BYTES: u64 = 768 << 20;
-/// Most bytes of keyframes in the open chunks of a group.
+/// Max bytes of keyframes in the open chunks of a group.
 const OPEN_BYTES: usize = 384 << 20;
 
-/// Bytes for each pixel of a tile that the thread which encodes it takes: its codes; of nodes a leaf for 16 pixels (1) and
-/// nodes of 48 bytes with their places, at most 4/3 for 16 pixels: as found, as sent, and as children while their parent is tried
-/// (3 times 4, and half of it again where they grow).
+/// Bytes per pixel of a tile, for the thread that encodes it. For node codecs: the codes; one leaf per 16 pixels (1 byte a
+/// pixel); nodes of 48 bytes with their positions, at most 4/3 per 16 pixels, held three times: as found, as sent, and as
+/// children while their parent is tried (3 times 4 bytes a pixel, plus half of that for growth of vectors).
 const TILE_WORK_BYTES: u64 = 24;
-/// Bytes for each pixel of a tile of predictive depth, its codes; the chunk that is being finished is counted apart.
+/// Bytes per pixel of a tile of predictive depth: its codes. The chunk that is being finished is counted separately.
 const PREDICTIVE_WORK_BYTES: u64 = 2;
-/// Bytes for each byte of the open chunk of predictive depth while it is finished: 6 for each step, of 2 bytes.
+/// Bytes per byte of the open chunk of predictive depth while it is finished: 6 for each coding step, which takes 2 bytes.
 const PREDICTIVE_FINISHING: u64 = 3;
 const PREDICTIVE_FRAME_BYTES: u64 = FRAME_BYTES_A_PIXEL as u64;
 
-/// Bytes that the search of the transform codec takes for each pixel of a chunk of a cell: coefficients of four block sizes in three
-/// channels (48), keys and samples (24), levels of two partitions and of those that are tried (48), and at most 100 for nodes and places of
-/// blocks of 4x4 pixels in them.
+/// Bytes per pixel of a chunk of a cell for the search of the transform codec: coefficients of four block sizes in three channels
+/// (48), keys and samples (24), levels of two partitions and of the candidates (48), and at most 100 for nodes and positions of
+/// 4x4 blocks in them.
 const SEARCH_BYTES: u64 = 220;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ScanLimits {
     pub keep_bytes: u64,
     pub frames_at_once: usize,
-    /// Whether the distances that occur are of use.
+    /// True if the set of distinct distances is needed to find levels.
     pub finds_levels: bool,
 }
 
@@ -56,10 +56,11 @@ impl Default for ScanLimits {
     }
 }
 
-/// Limits of a group's cells of keyframes and weights. They follow from footage and settings alone, because the file depends on them.
+/// Limits for the keyframe-and-weight cells of a group. They are derived only from footage and settings, because the output
+/// depends on them.
 #[derive(Clone, Copy)]
 pub(super) struct ColorMemory {
-    /// With a shorter lookahead where more pictures would be pending.
+    /// Search settings, with a shorter lookahead if more pictures than `PENDING_BYTES` would be pending.
     pub search: SearchSettings,
     pub close_at_bytes: usize,
 }
@@ -73,26 +74,26 @@ impl ColorMemory {
     }
 }
 
-/// Bytes of one group.
+/// Memory needed to encode one group, in bytes.
 #[derive(Debug, Clone, Copy)]
 struct GroupNeed {
-    /// Tables that all groups are read with.
+    /// Tables shared by all groups for reading.
     tables: u64,
-    /// Those, and encoders with their open chunks.
+    /// `tables`, and the encoders with their open chunks.
     held: u64,
-    /// The units at work.
+    /// Working memory of the units that are coded at the same time.
     work: u64,
-    /// Units that are coded at the same time.
+    /// Number of units coded at the same time.
     units_at_once: usize,
-    /// A frame while it is read and converted.
+    /// One frame while it is read and converted.
     reading: u64,
-    /// A frame as it is coded.
+    /// One frame after conversion.
     coded: u64,
     /// Depth images that a scan may keep.
     keep: u64,
 }
 
-/// What encoders of a group hold, and what a thread takes for the unit that it codes.
+/// Memory in bytes that the encoders of a group hold, and working memory of a thread for the unit that it codes.
 struct State {
     held: u64,
     unit: u64,
@@ -116,7 +117,7 @@ impl GroupNeed {
         let tables = source.table_bytes(&selected);
         let held = tables + held;
         let units = Need { what: "", fixed: held + coded, each: unit, instead: "" };
-        // One at least, which is refused later where it does not fit.
+        // At least one; if even one does not fit, a later check reports it.
         let units_at_once = settings.memory.at_once(&units, rayon::current_num_threads()).unwrap_or(1);
         let work = unit * units_at_once as u64;
         let need = GroupNeed { tables, held, work, units_at_once, reading, coded, keep: 0 };
@@ -137,7 +138,7 @@ impl GroupNeed {
             }
             _ => "",
         };
-        // Frames of a batch are read, by one thread one after the other, before any is coded.
+        // A single thread reads all frames of a batch before any is coded.
         match rayon::current_num_threads() {
             1 => {
                 let fixed = self.held + kept + self.work.max(self.reading - self.coded);
@@ -151,12 +152,12 @@ impl GroupNeed {
     }
 }
 
-/// Refuses groups that would not fit into the settings' memory.
+/// Fails if a group does not fit into the memory budget of the settings.
 pub(super) fn check(source: &dyn FrameSource, settings: &EncodeSettings, groups: &[GroupRef<'_>]) -> Result<()> {
     if settings.memory.bytes.is_none() {
         return Ok(());
     }
-    // The largest, so that a command is refused once.
+    // Report the group that needs the most, so that the command fails only once.
     let needs = groups.iter().map(|GroupRef { group, .. }| (GroupNeed::new(source, group, settings), *group));
     if let Some((need, group)) = needs.max_by_key(|(need, group)| need.need("", group.kind, settings).bytes(1)) {
         let what = format!("encoding the {} of probe {}", group.kind.name(), source.probes()[group.probe].name);
@@ -165,10 +166,10 @@ pub(super) fn check(source: &dyn FrameSource, settings: &EncodeSettings, groups:
     Ok(())
 }
 
-/// How much of a group is worked on at the same time.
+/// Number of frames and units of a group that are processed at the same time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Batches {
-    /// Frames that are read and coded together.
+    /// Frames that are read and coded as one batch.
     pub frames: usize,
     pub units_at_once: usize,
 }
@@ -195,25 +196,25 @@ pub(super) fn scan_limits(
     Ok(limits)
 }
 
-/// Cells of keyframes and weights: pending pictures and open chunks.
+/// State of keyframe-and-weight cells: pending pictures and open chunks.
 fn color_state(group: &SourceGroup, settings: &EncodeSettings) -> State {
     let header = CodecHeader::Color(settings.color_header());
     let units = unit_count(group, settings);
     let memory = ColorMemory::new(group, &header, settings.search, u32::try_from(units).unwrap_or(u32::MAX));
     let picture = group_pixels(group) * header.raw_pixel_bytes();
     let frames = group.frames.count();
-    // The keyframe before them, too; in blocks also as it is stored and as it is shown.
+    // Includes the keyframe before the pending pictures; with blocks, also its stored and its decoded form.
     let in_blocks = if settings.color_blocks.is_some() { 2 } else { 0 };
     let pending = picture * ((u64::from(memory.search.lookahead) + 2).min(frames) + in_blocks);
-    // A chunk grows past its size by a keyframe.
+    // A chunk exceeds its limit by at most one keyframe.
     let open = (units * memory.close_at_bytes as u64 + picture).min(frames * picture);
-    // A frame is pending or in a chunk; the last keyframe is both.
+    // A frame is either pending or in a chunk; the last keyframe is both.
     let held = (pending + open).min(picture * (frames + 1 + in_blocks));
     let cell = picture.div_ceil(units.max(1));
     State { held, unit: cell + compressing_bytes(settings.compression, open.div_ceil(units.max(1))) }
 }
 
-/// Cells of the transform codec: the frames of a chunk, and what the search of one cell takes.
+/// State of transform cells: the frames of a chunk, and the working memory of the search for one cell.
 fn transform_state(group: &SourceGroup, settings: &EncodeSettings) -> State {
     let header = CodecHeader::Color(settings.color_header());
     let frames = u64::from(settings.color_chunk).min(group.frames.count());
@@ -225,7 +226,7 @@ fn transform_state(group: &SourceGroup, settings: &EncodeSettings) -> State {
     State { held, unit: search + compressing_bytes(settings.compression, chunk) }
 }
 
-/// Tiles of depth, material or alpha: pictures and open chunks, whose every frame may change every pixel.
+/// State of tiles of depth, material or alpha: pictures and open chunks, assuming that every frame may change every pixel.
 fn tile_state(group: &SourceGroup, settings: &EncodeSettings) -> State {
     let (pixels, units) = (group_pixels(group), unit_count(group, settings));
     let frames = u64::from(settings.temporal.keyframe_interval).min(group.frames.count());
@@ -233,26 +234,26 @@ fn tile_state(group: &SourceGroup, settings: &EncodeSettings) -> State {
         StreamKind::Alpha => DepthCodec::Predictive,
         _ => settings.depth.codec,
     };
-    // What decoders hold, and what encoders know beside it; halves of a byte that a frame adds to a chunk, with rows and places; and
-    // what a thread works with.
+    // Bytes per pixel held by decoders and encoder state; half bytes per pixel that a frame adds to a chunk, including rows and
+    // positions; and bytes per pixel of working memory of a thread.
     let (held, frame_halves, work) = match (group.kind, codec) {
-        // A picture, its age and what changes.
+        // The picture, the age of its pixels and the changes.
         (StreamKind::Material, _) => (5, 7, 6),
-        // Pixels as they are predicted from, their corrections, blocks, and logarithms of the pixels of a cube face.
+        // Reference pixels, their corrections, blocks, and logarithms per pixel of a cube face.
         (_, DepthCodec::Predictive) => (
             16 + 4 + 1 + if group.faces == [Face::View] { 0 } else { 2 },
             2 * PREDICTIVE_FRAME_BYTES,
             PREDICTIVE_WORK_BYTES,
         ),
         (_, DepthCodec::Blocks) => (0, 1, 4),
-        // A picture, leaves, and nodes that were sent lately.
+        // The picture, leaves, and recently sent nodes.
         (_, DepthCodec::Tree) => (3, 8, TILE_WORK_BYTES),
         (_, DepthCodec::Quadtree) => (6, 5, TILE_WORK_BYTES),
         _ => (4, 5, 6),
     };
     let unit_pixels = pixels.div_ceil(units.max(1));
     let frame = unit_pixels * frame_halves / 2;
-    // Blocks have no frames that are larger than others.
+    // All frames of BC4w blocks have the same size, so chunks are not closed early.
     let is_constant = group.kind == StreamKind::Depth && codec == DepthCodec::Blocks;
     let most = if is_constant { u64::MAX } else { close_at_bytes(unit_pixels as usize) as u64 + frame };
     let open = (frames * frame).min(most);

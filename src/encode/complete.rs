@@ -1,4 +1,4 @@
-//! Shards that an earlier run has encoded to the end, so that a repeated command has nothing left to do.
+//! Detects shards that an earlier run has encoded completely, so that a repeated command can skip them.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -13,11 +13,11 @@ use crate::image::StreamKind;
 use crate::streams::shard::SHARD;
 use crate::streams::{CodecHeader, FootageInfo};
 
-/// Figures of the shard in a container: `None` unless it is this shard, whole, with the same settings and missing frames, and newer
-/// than all files that it follows from. The time of a container is that before its first file was read
-/// ([`crate::files::OutputFile::commit_as_of`]).
+/// Returns the summary of the shard in a container, or `None` unless the container holds this shard, complete, with the same
+/// settings and missing frames, and is newer than all files that the shard depends on. The modification time of a container is
+/// set to the time before its first source file was read ([`crate::files::OutputFile::commit_as_of`]).
 pub fn complete_shard(part: &Part<'_>, container: &Path) -> Option<EncodeSummary> {
-    // Neither a pipe nor standard input.
+    // Neither a pipe nor standard input can be checked.
     let read_from = std::fs::metadata(container).ok().filter(std::fs::Metadata::is_file)?.modified().ok()?;
     let reader = Reader::open(container).ok()?;
     let index = reader.index();
@@ -62,8 +62,8 @@ pub fn complete_shard(part: &Part<'_>, container: &Path) -> Option<EncodeSummary
     Some(summary)
 }
 
-/// Whether a file was changed since, or cannot be looked at: one of the part's, or a depth image of its probes, by which near and
-/// far of all frames are found.
+/// Returns true if a file was modified at or after `read_from`, or if its metadata cannot be read. Checks the files of the part,
+/// and the depth images of its probes in all frames, because near and far are derived from them.
 fn has_newer_files(part: &Part<'_>, read_from: SystemTime) -> bool {
     let probes = part.probes_of_depth();
     let depth = part.source.groups().iter();

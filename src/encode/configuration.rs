@@ -1,5 +1,5 @@
-//! The configuration of an encode: everything that its bytes depend on, by name and value, so that an interrupted encode
-//! continues only with an equal one.
+//! Configuration of an encode: everything that its bytes depend on, as names and values. An interrupted encode can only be
+//! resumed with an equal configuration.
 
 use serde::Serialize;
 
@@ -30,12 +30,12 @@ pub(super) fn of(source: &dyn FrameSource, settings: &EncodeSettings) -> Fingerp
     fields.push(("the list of probes", digest(format!("{:?}", source.probes()).as_bytes())));
     fields.push(("the list of streams", digest(format!("{groups:?}").as_bytes())));
     fields.extend(source.configuration());
-    // Last: it may differ only because an option chooses another encoder.
+    // Last, because it may differ only if another option selects another encoder.
     fields.push(("the kind of machine", machine(settings)));
     Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
 }
 
-/// What people know of probes and streams, which digests tell in full.
+/// Readable summary of probes and streams, for messages; digests cover them completely.
 fn words_of_groups<'a>(
     source: &dyn FrameSource,
     groups: impl Iterator<Item = &'a SourceGroup> + Clone,
@@ -56,7 +56,7 @@ pub(super) fn to_bytes<T: Serialize + ?Sized>(part: &T) -> Result<Vec<u8>> {
     serde_json::to_vec(part).map_err(|error| Error::invalid(error.to_string()))
 }
 
-/// Settings by name. A new setting is named here, or left out with a reason.
+/// Settings by name. A new setting must be added here, or left out with a reason.
 fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
     let EncodeSettings {
         temporal,
@@ -76,9 +76,9 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         color_blocks,
         compression,
         kinds,
-        // Refused before anything is written.
+        // Clipping is refused before anything is written.
         clipping: _,
-        // Batches are smaller with less of it; the order of chunks and their bytes are the same.
+        // A smaller budget only makes batches smaller; chunk order and bytes stay the same.
         memory: _,
     } = settings;
     let TemporalSettings { window, epsilon, max_aabbs, keyframe_interval } = temporal;
@@ -191,7 +191,8 @@ fn words_of_color(format: ColorFormat) -> String {
     }
 }
 
-/// What rounding depends on: the system's sines where images are resampled, and for encoders of blocks the processor's instruction sets.
+/// Platform properties that rounding depends on: the system's trigonometric functions if images are resampled, and the
+/// processor's instruction sets for encoders of texture blocks.
 fn machine(settings: &EncodeSettings) -> String {
     let in_blocks = settings.depends_on_processor();
     let system = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
@@ -216,7 +217,7 @@ fn instruction_sets() -> String {
     String::new()
 }
 
-/// Refuses to continue an encode.
+/// Error for an encode that cannot be resumed because of a difference in configuration.
 pub(super) fn other(difference: &str) -> Error {
     Error::Usage(format!(
         "the unfinished encode cannot go on: {difference}; repeat its settings, or leave out `resume` to start anew"

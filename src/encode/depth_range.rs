@@ -1,4 +1,5 @@
-//! Near and far of a probe: as given, or found in its images, which are kept for the encoder where memory allows.
+//! Near and far of a probe, given or found in its depth images. Images that were scanned are kept for the encoder if memory
+//! permits.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -19,24 +20,25 @@ use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::streams::convert::DepthExtent;
 
-/// Near and far of a probe, and the scan of its images, if one was made now.
+/// Near and far of a probe, with the scan of its images if this call scanned them.
 #[derive(Debug)]
 pub(super) struct ProbeDepth {
     pub range: DepthRange,
-    /// Codes that occur, where the images were scanned and hold few.
+    /// Codes that occur, if the images were scanned and have few distinct ones.
     pub levels: Levels,
-    /// Few pixels that take much of the precision, where images were looked through.
+    /// Outlier pixels that cost much of the precision, if the images were scanned.
     pub strays: Option<Strays>,
     pub scanned: Option<ScannedProbe>,
 }
 
-/// Near and far of the settings, else of the source.
+/// Near and far in metres: those of the settings, or else those of the source.
 pub(super) fn given_range(source: &dyn FrameSource, settings: &EncodeSettings) -> [Option<f32>; 2] {
     let [near, far] = source.stated_range();
     [settings.near_m.or(near), settings.far_m.or(far)]
 }
 
-/// Near and far of a probe, of which `groups` are all groups of depth; `known` is an earlier scan of the same images.
+/// Determines near and far of a probe. `groups` holds all depth groups of the probe; `known` is an earlier scan of the same
+/// images.
 pub(super) fn depth_of_probe(
     source: &dyn FrameSource,
     settings: &EncodeSettings,
@@ -61,8 +63,8 @@ pub(super) fn depth_of_probe(
     Ok(ProbeDepth { range, levels: scan.levels(range), strays: scan.spread.strays(range), scanned: Some(scanned) })
 }
 
-/// Delivers planar depth of views as it is, where a sensor gave few depths: distances along their rays would be many, and no
-/// levels. The first frame of each image tells.
+/// Keeps the planar depth of perspective views unconverted if a sensor recorded few distinct values: converted to distance along
+/// the ray they would be many, so that levels could not be used. Checks the first frame of each group.
 pub fn keep_few_planar_depths(source: &mut Source, settings: &EncodeSettings) {
     if !settings.finds_levels() || !source.converts_views() || !given_range(source, settings).contains(&None) {
         return;
@@ -70,7 +72,7 @@ pub fn keep_few_planar_depths(source: &mut Source, settings: &EncodeSettings) {
     let groups = selected_groups(source, settings);
     let mut depths = groups.iter().map(|group| group.group).filter(|group| group.kind == StreamKind::Depth).peekable();
     let has_few = |group: &SourceGroup| {
-        // The encoder reports what cannot be read.
+        // A read error counts as no depth; the encoder reports it.
         let planes = source.read_depth_as_stored(group, group.frames.first).unwrap_or_default();
         let distances = Distances::new(true);
         distances.add(planes.iter().flat_map(|plane| plane.data().iter().copied()));
@@ -81,7 +83,7 @@ pub fn keep_few_planar_depths(source: &mut Source, settings: &EncodeSettings) {
     }
 }
 
-/// The range from what was given, which is at most one of near and far, and what was found.
+/// Combines the given bounds, at most one of near and far, with the extent found by a scan.
 fn found_range(probe: &str, given: [Option<f32>; 2], found: &Scan) -> Result<DepthRange> {
     let Some(extent) = found.extent else {
         return match given[0].or(given[1]) {
@@ -108,15 +110,15 @@ fn found_range(probe: &str, given: [Option<f32>; 2], found: &Scan) -> Result<Dep
 #[derive(Debug)]
 pub(super) struct ScannedProbe {
     pub found: FoundDepth,
-    /// By index of the group and frame.
+    /// Planes by group index and frame.
     pub kept: HashMap<(usize, u32), Vec<DepthPlane>>,
-    /// Time that threads spent reading these.
+    /// Total time over all threads of reading the kept images.
     pub reading: Duration,
-    /// Time that threads spent reading images that were not kept.
+    /// Total time over all threads of reading images that were not kept.
     pub scanning: Duration,
 }
 
-/// As [`scan_probe`], as a stage of the work of its own.
+/// Runs [`scan_probe`] as its own stage of the monitor.
 pub(super) fn scan_in_stage(
     source: &dyn FrameSource,
     groups: &[GroupRef<'_>],
@@ -129,7 +131,7 @@ pub(super) fn scan_in_stage(
     scanned
 }
 
-/// Reads all depth images of a probe. The monitor advances by one for every image.
+/// Reads all depth images of a probe. The monitor advances by one per image.
 pub(super) fn scan_probe(
     source: &dyn FrameSource,
     groups: &[GroupRef<'_>],

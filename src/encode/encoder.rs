@@ -1,4 +1,4 @@
-//! Encodes frames from memory, by the same path as `lightfold encode`.
+//! Encodes frames from memory through the same code as `lightfold encode`.
 
 use std::io::Write;
 
@@ -18,9 +18,9 @@ use crate::monitor::{Monitor, Silent};
 
 /// Encodes frames from memory into a container.
 ///
-/// Probes and streams are described first, then frames are pushed, and [`Self::finish`] encodes them. All streams start at the
-/// same frame; each may have its own number of frames. Frames are held until then, 4 bytes a pixel for depth and alpha, 6 for
-/// colour, 12 for material.
+/// Add probes and streams first, then push frames; [`Self::finish`] encodes them. All streams start at the same frame; each may
+/// have its own number of frames. Frames are held until `finish`, at 4 bytes a pixel for depth and alpha, 6 for colour, 12 for
+/// material.
 ///
 /// ```
 /// # fn main() -> lightfold::Result<()> {
@@ -47,14 +47,14 @@ pub struct Encoder {
     first_frame: u32,
 }
 
-/// Where a probe stands and what its view shows.
+/// Position and orientation of a probe, and the intrinsics of its view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProbePose {
     /// Centre in metres.
     pub position: [f64; 3],
-    /// Unit quaternion x, y, z, w from the probe's axes to the world's.
+    /// Unit quaternion x, y, z, w that rotates the probe's axes into the world's.
     pub orientation: [f64; 4],
-    /// fx, fy, cx, cy in pixels of [`Face::View`]; `None` for a cube map, and where they are unknown.
+    /// fx, fy, cx, cy in pixels of [`Face::View`]; `None` for a cube map, and if they are unknown.
     pub intrinsics: Option<[f64; 4]>,
 }
 
@@ -64,34 +64,34 @@ impl Default for ProbePose {
     }
 }
 
-/// A stream of an [`Encoder`].
+/// Handle of a stream of an [`Encoder`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct EncoderStream(usize);
 
 impl Encoder {
-    /// An encoder without probes, with the settings that `lightfold encode` has by default.
+    /// Creates an encoder without probes, with the default settings of `lightfold encode`.
     pub fn new(name: &str, fps: f64) -> Encoder {
         let source =
             MemorySource { name: name.to_owned(), fps, probes: Vec::new(), groups: Vec::new(), frames: Vec::new() };
         Encoder { source, settings: EncodeSettings::default(), first_frame: 0 }
     }
 
-    /// The same with other settings.
+    /// Replaces the settings.
     #[must_use]
     pub fn with_settings(self, settings: EncodeSettings) -> Encoder {
         Encoder { settings, ..self }
     }
 
-    /// The same with another number than 0 for the first frame.
+    /// Sets the number of the first frame, 0 by default.
     #[must_use]
     pub fn starting_at(self, first_frame: u32) -> Encoder {
         Encoder { first_frame, ..self }
     }
 
-    /// Adds a probe; returns its number.
+    /// Adds a probe and returns its number.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a name that is taken, or has other characters than letters, digits, `.`, `_` and `-`.
+    /// [`Error::Usage`] for a name that is in use, or has characters other than letters, digits, `.`, `_` and `-`.
     pub fn add_probe(&mut self, name: &str, pose: ProbePose) -> Result<usize> {
         if !is_probe_name(name) || self.source.probes.iter().any(|probe| probe.name == name) {
             return Err(Error::Usage(format!("\"{name}\" is no new probe name of letters, digits, '.', '_' and '-'")));
@@ -113,7 +113,7 @@ impl Encoder {
     ///
     /// # Errors
     /// [`Error::Usage`] for an unknown probe, a second stream of the same kind and face, a cube face that is not square, or
-    /// [`Face::View`] beside cube faces.
+    /// a mix of [`Face::View`] and cube faces.
     pub fn add_depth(&mut self, probe: usize, face: Face, size: [u32; 2]) -> Result<EncoderStream> {
         self.add_stream(probe, face, size, Frames::Depth(Vec::new()))
     }
@@ -134,7 +134,7 @@ impl Encoder {
         self.add_stream(probe, face, size, Frames::Material(Vec::new()))
     }
 
-    /// Adds a stream of alpha, by which the colour of the same face is multiplied.
+    /// Adds an alpha stream. The colour of the same face is premultiplied by it.
     ///
     /// # Errors
     /// As for [`Self::add_depth`].
@@ -193,7 +193,7 @@ impl Encoder {
         Ok(())
     }
 
-    /// Adds a frame of 8-bit sRGB codes, row by row, as those of a PNG file.
+    /// Adds a frame of 8-bit sRGB codes, row by row, as stored in a PNG file.
     ///
     /// # Errors
     /// As for [`Self::push_depth`].
@@ -206,7 +206,7 @@ impl Encoder {
     /// Adds a frame of reflection weight, refraction weight (0 to 1) and index of refraction (1 to 3), row by row.
     ///
     /// # Errors
-    /// As for [`Self::push_depth`]. [`Self::finish`] refuses values outside their ranges.
+    /// As for [`Self::push_depth`]. [`Self::finish`] fails for values outside their ranges.
     pub fn push_material(&mut self, stream: EncoderStream, material: &[[f32; 3]]) -> Result<()> {
         let ([width, height], Some(Frames::Material(frames))) = self.stream(stream) else { return Err(wrong_kind()) };
         frames.push(plane(width, height, material)?);
@@ -216,7 +216,7 @@ impl Encoder {
     /// Adds a frame of alpha, 0 to 1, row by row.
     ///
     /// # Errors
-    /// As for [`Self::push_depth`]. [`Self::finish`] refuses values outside the range.
+    /// As for [`Self::push_depth`]. [`Self::finish`] fails for values outside the range.
     pub fn push_alpha(&mut self, stream: EncoderStream, alpha: &[f32]) -> Result<()> {
         let ([width, height], Some(Frames::Alpha(frames))) = self.stream(stream) else { return Err(wrong_kind()) };
         frames.push(plane(width, height, alpha)?);
@@ -228,22 +228,22 @@ impl Encoder {
         (size, self.source.frames.get_mut(at))
     }
 
-    /// Encodes all frames into `out`, front to back; returns it with the figures of the encode.
+    /// Encodes all frames into `out`, front to back; returns `out` and the statistics of the encode.
     ///
     /// # Errors
     /// [`Error::Usage`] for settings out of range, no stream, or a stream without frames; [`Error::Invalid`] for values that
-    /// cannot be coded; [`Error::Io`] of the writer.
+    /// cannot be coded; [`Error::Io`] if writing fails.
     pub fn finish<W: Write>(self, out: W) -> Result<(W, EncodeSummary)> {
         self.finish_monitored(out, &Silent)
     }
 
-    /// As [`Self::finish`], with a monitor, which advances by one for every image and may stop the work.
+    /// As [`Self::finish`], with a monitor, which advances by one per image and can stop the encode.
     ///
     /// # Errors
-    /// As for [`Self::finish`]; [`Error::Interrupted`] where the monitor stopped it.
+    /// As for [`Self::finish`]; [`Error::Interrupted`] if the monitor stopped the encode.
     pub fn finish_monitored<W: Write>(self, out: W, monitor: &dyn Monitor) -> Result<(W, EncodeSummary)> {
         let Encoder { mut source, settings, first_frame } = self;
-        // The order of a dataset: by kind, probe and face.
+        // Same order as a dataset: by kind, probe and face.
         let mut streams: Vec<_> = source.groups.into_iter().zip(source.frames).collect();
         streams.sort_by_key(|(group, _)| (group.kind, group.probe, group.faces[0]));
         for (group, frames) in &mut streams {
@@ -302,7 +302,7 @@ struct MemorySource {
     fps: f64,
     probes: Vec<ProbeInfo>,
     groups: Vec<SourceGroup>,
-    /// By group.
+    /// Frames of each group.
     frames: Vec<Frames>,
 }
 
@@ -312,7 +312,7 @@ impl MemorySource {
     }
 }
 
-/// The plane of a frame, as a group of one face.
+/// Returns the plane of a frame as a one-element list, for a group of one face.
 fn one<T: Clone>(frames: &[Plane<T>], group: &SourceGroup, frame: u32) -> Result<Vec<Plane<T>>> {
     let plane = frame.checked_sub(group.frames.first).and_then(|at| frames.get(at as usize));
     Ok(vec![plane.ok_or_else(|| Error::Usage(format!("there is no frame {frame}")))?.clone()])

@@ -1,5 +1,5 @@
-//! The first frame of every stream, read before anything is coded: a wrong channel or size is found at once, and so is light that 8
-//! bits would clip.
+//! Reads the first frame of every stream before anything is encoded, so that a wrong channel or size, or colour that would be
+//! clipped to 8 bits, is reported early.
 
 use crate::dataset::SourceGroup;
 use crate::encode::source::{FrameSource, name_frame, selected_groups};
@@ -10,12 +10,12 @@ use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::streams::{ColorFormat, convert};
 
-/// Images that [`check`] reads.
+/// Number of images that [`check`] reads.
 pub fn steps(source: &dyn FrameSource, settings: &EncodeSettings) -> Result<u64> {
     Ok(jobs(source, settings)?.iter().map(|(group, _)| group.faces.len() as u64).sum())
 }
 
-/// The first frame of each selected group that is in a file.
+/// Returns the first frame of each selected group that is read from a file.
 fn jobs<'a>(source: &'a dyn FrameSource, settings: &EncodeSettings) -> Result<Vec<(&'a SourceGroup, u32)>> {
     let mut jobs = Vec::new();
     for group in selected_groups(source, settings) {
@@ -30,17 +30,17 @@ fn jobs<'a>(source: &'a dyn FrameSource, settings: &EncodeSettings) -> Result<Ve
     Ok(jobs)
 }
 
-/// Reads the first frame of each selected stream that is in a file. The monitor advances by one for every image.
+/// Reads the first frame of each selected stream that is read from a file. The monitor advances by one per image.
 ///
 /// # Errors
-/// A file that cannot be read as its stream; with [`Clipping::Refuse`] light that 8 bits would clip.
+/// Fails if a file cannot be read as its stream, or with [`Clipping::Refuse`] if colour pixels would be clipped to 8 bits.
 pub fn check(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dyn Monitor) -> Result<()> {
     let jobs = jobs(source, settings)?;
     let table = match settings.color {
         ColorFormat::EightBit(tone) => Some(EncodeTable::new(&tone)),
         ColorFormat::Half { .. } => None,
     };
-    // One image after the other stays within any budget that lets the encode begin.
+    // One image at a time fits into any budget that is large enough to start the encode.
     let at_once = if settings.memory.bytes.is_some() { 1 } else { usize::MAX };
     let found = try_map_at_once(jobs, at_once, |(group, frame)| {
         monitor.check()?;
@@ -60,7 +60,7 @@ pub fn check(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dyn 
     )))
 }
 
-/// Colour pixels of a frame, and those that `table` clips.
+/// Returns the number of colour pixels of a frame, and how many of them `table` clips.
 fn read(source: &dyn FrameSource, group: &SourceGroup, frame: u32, table: Option<&EncodeTable>) -> Result<[u64; 2]> {
     match group.kind {
         StreamKind::Depth => source.read_depth(group, frame).map(|_| [0, 0]),

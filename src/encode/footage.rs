@@ -1,8 +1,8 @@
-//! Digests of the content of footage: shards of one encode must share it, beside settings and layout.
+//! Digests of the content of footage. Shards of one encode must agree on them, in addition to settings and layout.
 //!
-//! A digest is of bytes, never of names and times: a copy in another folder or on another machine has the same. Each shard of an
-//! encode has the digests of all frames that the encode reads, also of those that only other shards read: from a scan, which
-//! machines share, or by reading all files. What a shard reads must still have its digest when it is read.
+//! A digest covers bytes, never names or times, so that a copy in another folder or on another machine has the same digest. Each
+//! shard of an encode stores the digests of all frames of the encode, including those that only other shards read. They come from
+//! a shared scan, or from reading all files. A shard checks the digest of each frame again when it reads the frame.
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::Read;
@@ -19,10 +19,10 @@ use crate::image::{Face, Plane, StreamKind};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
 
-/// Bytes that are read at a time.
+/// Size of the read buffer in bytes.
 const BLOCK_BYTES: usize = 256 << 10;
 
-/// Number of bytes, and their CRC-32.
+/// Number of bytes of a frame's files, and their CRC-32.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrameDigest {
     bytes: u64,
@@ -48,7 +48,7 @@ impl FrameDigest {
         }
     }
 
-    /// The digest of several files as one.
+    /// Combines the digests of several files into one.
     fn of_files(files: &[FrameDigest]) -> FrameDigest {
         match files {
             [only] => *only,
@@ -60,7 +60,7 @@ impl FrameDigest {
         }
     }
 
-    /// The digest of values in memory.
+    /// Computes the digest of values in memory.
     fn of_values<const N: usize>(values: impl Iterator<Item = [u8; N]>) -> FrameDigest {
         let (mut hasher, mut bytes, mut block) = (crc32fast::Hasher::new(), 0, Vec::with_capacity(BLOCK_BYTES));
         for value in values {
@@ -83,7 +83,7 @@ impl FrameDigest {
     }
 }
 
-/// `BYTES-CRC32`, the number of bytes in decimal and the CRC-32 in hexadecimal digits.
+/// Text form `BYTES-CRC32`: the number of bytes in decimal, the CRC-32 in eight hexadecimal digits.
 impl Serialize for FrameDigest {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(&format_args!("{}-{:08x}", self.bytes, self.crc32))
@@ -101,7 +101,7 @@ impl<'de> Deserialize<'de> for FrameDigest {
     }
 }
 
-/// Which images: kind, probe and first face of their group.
+/// Key of a group: its kind, probe and first face.
 type Place = (StreamKind, usize, Face);
 
 fn place(group: &SourceGroup) -> Place {
@@ -112,7 +112,7 @@ fn place(group: &SourceGroup) -> Place {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Footage {
     groups: BTreeMap<Place, GroupDigests>,
-    /// Since when a file must not have changed, in words.
+    /// The time since which files must not have changed, as words for errors.
     since: &'static str,
 }
 
@@ -123,10 +123,10 @@ struct GroupDigests {
 }
 
 impl Footage {
-    /// Reads all files of the selected groups. The monitor advances by one for every image.
+    /// Reads all files of the selected groups. The monitor advances by one per image.
     ///
     /// # Errors
-    /// Names the file.
+    /// Fails if a file cannot be read; the error names the file.
     pub fn read(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dyn Monitor) -> Result<Footage> {
         let mut footage = Footage::empty("this encode began");
         let mut known = KnownFiles::default();
@@ -145,13 +145,13 @@ impl Footage {
         self.groups.insert(place(group), GroupDigests { first_frame: group.frames.first, frames });
     }
 
-    /// The digest of all frames of a group; `None` where it is unknown.
+    /// Returns the digest of all frames of a group; `None` if it is unknown.
     pub(super) fn of_group(&self, group: &SourceGroup) -> Option<[u8; 16]> {
         let digests = &self.groups.get(&place(group))?.frames;
         Some(digest_bytes(&digests.iter().flat_map(|frame| frame.to_bytes()).collect::<Vec<u8>>()))
     }
 
-    /// Refuses a frame whose files have another content than they had. What has no files cannot change.
+    /// Fails if the content of a frame's files has changed. Frames without files are not checked.
     pub(super) fn check(&self, source: &dyn FrameSource, group: &SourceGroup, frame: u32) -> Result<()> {
         let Some(GroupDigests { first_frame, frames }) = self.groups.get(&place(group)) else { return Ok(()) };
         let Some(known) = frame.checked_sub(*first_frame).and_then(|at| frames.get(at as usize)) else { return Ok(()) };
@@ -170,12 +170,12 @@ impl Footage {
     }
 }
 
-/// Digests of files that several kinds of streams are read from, so that each file is read once.
+/// Cache of file digests, so that files shared by several kinds of streams are read once.
 #[derive(Default)]
 pub(super) struct KnownFiles(HashMap<PathBuf, FrameDigest>);
 
 impl KnownFiles {
-    /// The digests of all frames of a group. The monitor advances by one for every image.
+    /// Returns the digests of all frames of a group. The monitor advances by one per image.
     pub fn read(
         &mut self,
         source: &dyn FrameSource,
@@ -195,7 +195,7 @@ impl KnownFiles {
     }
 }
 
-/// The digest of a frame, and those of its files.
+/// Returns the digest of a frame and those of its files.
 fn digest_of_frame(
     source: &dyn FrameSource,
     group: &SourceGroup,

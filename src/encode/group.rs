@@ -1,4 +1,4 @@
-//! A group of streams: its images, brought into the domain of its codec.
+//! Reads the images of a group of streams and converts them to the domain of its codec.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -18,7 +18,7 @@ use crate::image::{DepthPlane, Plane, StreamKind};
 use crate::streams::{CodecHeader, ColorFormat, DepthCoding, DepthHeader, convert};
 
 pub(super) enum Coded {
-    /// Codes of depth or alpha, or numbers of levels where a stream of depth has some.
+    /// Codes of depth or alpha; level indices for a depth stream that has levels.
     Codes(Plane<u16>),
     Bytes(Plane<[u8; 3]>),
     Half(Plane<[HalfKey; 3]>),
@@ -39,7 +39,7 @@ impl Times {
         timed(&self.coding, work)
     }
 
-    /// Reading and coding.
+    /// Total times of reading and of coding, over all threads.
     pub fn into_durations(self) -> [Duration; 2] {
         [self.reading, self.coding].map(|nanos| Duration::from_nanos(nanos.into_inner()))
     }
@@ -56,10 +56,10 @@ pub(super) struct GroupCoder<'a> {
     pub group: &'a SourceGroup,
     pub header: CodecHeader,
     pub settings: &'a EncodeSettings,
-    /// Of depth. Its table takes longer than a small frame; all faces of a probe share one.
+    /// Quantiser of a depth group. Building its table takes longer than coding a small frame, so all faces of a probe share one.
     pub quantiser: Option<Arc<Quantiser>>,
     pu21: Option<Pu21>,
-    /// Of the transform codec.
+    /// Entropy tables of the transform codec.
     pub tables: Option<Arc<PricedTables>>,
     table: Option<EncodeTable>,
 }
@@ -77,12 +77,12 @@ impl<'a> GroupCoder<'a> {
         Ok(GroupCoder { group, header, settings, quantiser: None, pu21, tables, table })
     }
 
-    /// The metric of half floats.
+    /// Returns the perceptual metric of half-float colour.
     pub fn pu21(&self) -> Result<&Pu21> {
         self.pu21.as_ref().ok_or_else(|| Error::invalid("half floats in a stream of another format"))
     }
 
-    /// Numbers of levels in place of codes, where the stream has some. Images were looked through for these before.
+    /// Replaces codes by level indices if the stream has levels. The levels were found by an earlier scan of the same images.
     fn numbers(&self, codes: Plane<u16>) -> Result<Plane<u16>> {
         let levels = match &self.header {
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(header), .. }) => &header.levels,
@@ -102,8 +102,8 @@ impl<'a> GroupCoder<'a> {
         Plane::new(width, height, numbers.into_owned())
     }
 
-    /// Reads and converts a frame of all faces, unless a scan kept it; also returns the number of colour pixels that were clipped, or
-    /// of depth pixels outside near and far.
+    /// Reads a frame of all faces and converts it; planes that a scan `kept` are not read again. Also returns the number of
+    /// clipped colour pixels, or of depth pixels outside near and far.
     pub fn read(
         &self,
         source: &dyn FrameSource,

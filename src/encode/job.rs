@@ -1,8 +1,8 @@
-//! Encodes the groups of a source one after the other: frames are read in batches, units of a batch are coded in parallel, and
-//! chunks are written in the order of the frames that closed them, those of one frame by unit.
+//! Encodes the groups of a source one after the other: reads frames in batches, codes the units of a batch in parallel, and
+//! writes chunks ordered by the frame that closed them, then by unit.
 //!
-//! A batch has as many frames as memory allows. The order of chunks is that of a batch of one frame, so that bytes depend on
-//! neither memory nor threads.
+//! A batch has as many frames as fit into memory. Chunks are written in the order that batches of one frame would give, so that
+//! the bytes depend on neither memory nor threads.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -35,37 +35,37 @@ use crate::monitor::Monitor;
 use crate::ordered::{try_map_at_once, try_map_ordered};
 use crate::streams::{self, CodecHeader, DepthHeader, FootageInfo, FramePose};
 
-/// Units whose last chunks are made together; a killed process loses no more.
+/// Units whose last chunks are finished together, with a checkpoint after each such set; a killed process loses at most one set.
 const FINISH_UNITS: usize = 64;
 
-/// Figures of an encode.
+/// Statistics of an encode.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct EncodeSummary {
-    /// Size of the container.
+    /// Size of the container in bytes.
     pub bytes: u64,
-    /// Size of the same footage as CALF's table 1 counts it (`CodecHeader::raw_pixel_bytes`).
+    /// Uncompressed size in bytes of the same footage, as CALF table 1 counts it (`CodecHeader::raw_pixel_bytes`).
     pub raw_bytes: u64,
-    /// Images: frames of all streams.
+    /// Number of images: frames, summed over all streams.
     pub frames: u64,
     /// Number of streams.
     pub streams: usize,
-    /// Colour pixels that did not fit 8 bits.
+    /// Number of colour pixels that were clipped to 8 bits.
     pub clipped_pixels: u64,
-    /// Colour pixels.
+    /// Number of colour pixels.
     pub color_pixels: u64,
-    /// Depth pixels outside of a given near and far, which were replaced.
+    /// Number of depth pixels outside a given near and far, which were replaced.
     pub outside_pixels: u64,
-    /// What holds for the depth of each probe.
+    /// Depth range and error bound of each probe.
     pub depth: Vec<ProbePrecision>,
-    /// Chunks of an earlier run. All other figures except times are of the whole encode.
+    /// Number of chunks taken from an earlier run. All other figures except times cover the whole encode.
     pub resumed_chunks: u64,
-    /// Time of all threads for reading and decompressing source files.
+    /// Total time over all threads of reading and decompressing source files.
     #[serde(rename = "reading_thread_seconds", serialize_with = "json::seconds")]
     pub reading: Duration,
-    /// Time of all threads for reading images only to find near and far.
+    /// Total time over all threads of reading images only to find near and far.
     #[serde(rename = "scanning_thread_seconds", serialize_with = "json::seconds")]
     pub scanning: Duration,
-    /// Time of all threads for converting, coding and compressing.
+    /// Total time over all threads of converting, coding and compressing.
     #[serde(rename = "coding_thread_seconds", serialize_with = "json::seconds")]
     pub coding: Duration,
 }
@@ -85,9 +85,9 @@ impl EncodeSummary {
 pub struct EncodeReport {
     #[serde(flatten)]
     pub summary: EncodeSummary,
-    /// The summary's `frames` under the name that text reports use.
+    /// Equal to `frames` of the summary, under the name that text reports use.
     pub images: u64,
-    /// Container bytes in percent of raw bytes.
+    /// Container size in percent of `raw_bytes`.
     pub ratio_percent: f64,
     pub seconds: f64,
 }
@@ -105,17 +105,17 @@ pub struct Stopped {
     pub kept: Kept,
 }
 
-/// What an encode that ended early leaves to be continued.
+/// Work that an interrupted encode keeps for a later run to resume.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Kept {
     Nothing,
-    /// The work of an earlier run, as it was; this encode would not continue it.
+    /// The unchanged work of an earlier run, which this encode cannot resume.
     Unchanged,
-    /// Complete chunks, in words: their number, and the place of the last.
+    /// Complete chunks: a description of their number and of the position of the last one.
     Chunks(String),
 }
 
-/// Encodes the streams of `source` into `out`, front to back. The monitor advances by one for every image.
+/// Encodes the streams of `source` into `out`, front to back. The monitor advances by one per image.
 pub fn encode<W: Write>(
     source: &dyn FrameSource,
     settings: &EncodeSettings,
@@ -127,15 +127,15 @@ pub fn encode<W: Write>(
 }
 
 pub struct Resumable<W> {
-    /// The container: empty, or the sound part of what was recovered, which is appended to.
+    /// The container: empty, or truncated to the intact bytes that were recovered. Output is appended.
     pub out: W,
-    /// The journal, likewise; `None` for an encode that is not to be continued.
+    /// The journal, likewise; `None` for an encode that cannot be resumed.
     pub journal: Option<Box<dyn Write + Send>>,
-    /// The work of an earlier run; `None` starts anew.
+    /// Work recovered from an earlier run; `None` to start from the beginning.
     pub recovered: Option<Recovered>,
 }
 
-/// Refuses settings that are out of range, and a source without the streams that they ask for.
+/// Fails if settings are out of range, the source lacks the requested streams, or the memory budget is too small.
 pub fn check(source: &dyn FrameSource, settings: &EncodeSettings) -> Result<()> {
     settings.check()?;
     let groups = selected_groups(source, settings);
@@ -150,7 +150,7 @@ pub fn check_recovered(source: &dyn FrameSource, settings: &EncodeSettings, reco
     Completed::of(recovered, &configuration::of(source, settings), &order, settings).map(|_| ())
 }
 
-/// True if an interrupted encode of a shard has the same settings as this one, but its footage has changed since.
+/// Returns true if an interrupted encode of a shard has the same settings as this one, but its footage has changed since.
 pub fn is_of_changed_footage(
     source: &dyn FrameSource,
     settings: &EncodeSettings,
@@ -169,7 +169,7 @@ pub fn is_of_changed_footage(
     }
 }
 
-/// Complete chunks of an interrupted encode, in words; `None` where there are none.
+/// Describes the complete chunks of an interrupted encode; `None` if there are none.
 pub fn describe_recovered(
     source: &dyn FrameSource,
     settings: &EncodeSettings,
@@ -178,8 +178,8 @@ pub fn describe_recovered(
     Order::of(source, settings).describe(source, recovered.safe())
 }
 
-/// As [`encode`], with a journal: an encode that was stopped at any moment continues behind the last complete chunk, and the
-/// container has the same bytes as one that was written in one go.
+/// As [`encode`], with a journal: an encode that was interrupted at any time resumes after the last complete chunk, and the
+/// container has the same bytes as that of an uninterrupted encode.
 pub fn encode_resumable<W: Write>(
     source: &dyn FrameSource,
     settings: &EncodeSettings,
@@ -214,13 +214,13 @@ pub fn encode_resumable<W: Write>(
             summary.bytes = bytes;
             Ok((out, summary))
         }
-        // The same command would be refused again.
+        // Running the same command again would fail in the same way.
         Err(error @ Error::Usage(_)) if continues => Err(Stopped { error, kept: Kept::Unchanged }),
         Err(error) => Err(Stopped { error, kept: written }),
     }
 }
 
-/// Checks everything that can be checked before anything is written.
+/// Runs all checks that are possible before anything is written.
 fn prepare(
     source: &dyn FrameSource,
     settings: &EncodeSettings,
@@ -235,7 +235,7 @@ fn prepare(
     Ok(completed)
 }
 
-/// A writer at the start of the container, or behind what was recovered, with the probes.
+/// Opens a writer at the start of the container, or after the recovered chunks, and adds the probes.
 fn open<W: Write>(source: &dyn FrameSource, settings: &EncodeSettings, to: Resumable<W>) -> Result<Writer<W>> {
     let projection = u8::from(source.projection() == Projection::Perspective);
     let (name, fps) = (source.name(), source.fps());
@@ -275,17 +275,17 @@ struct Job<'a, W: Write> {
     footage: FootageInfo,
 }
 
-/// The streams of a group, and where they are continued.
+/// The streams of a group, and the frames at which their units resume.
 struct Part {
     at: usize,
-    /// One for each face, with its number.
+    /// One stream per face, with its number.
     streams: Vec<(u32, StreamEntry)>,
-    /// Frames of each unit that an earlier run has coded, face by face.
+    /// Number of frames of each unit that an earlier run has coded, face by face.
     starts: Vec<u32>,
 }
 
 impl Part {
-    /// Frames that an earlier run has coded in all units.
+    /// Number of frames that an earlier run has coded in all units.
     fn complete_frames(&self) -> u32 {
         self.starts.iter().min().copied().unwrap_or(0)
     }
@@ -327,7 +327,7 @@ impl<W: Write> Job<'_, W> {
         let probe = first.group.probe;
         let noted = || self.completed.scans.get(&probe).map(|note| note.scan.clone());
         let known = self.source.scans().and_then(|scans| scans.get(&probe).cloned()).or_else(noted);
-        // Files as they are before they are read.
+        // Stamps must be taken before the files are read.
         let scans = known.is_none() && given_range(self.source, self.settings).contains(&None);
         let files = if scans { stamps(self.source, groups)? } else { HashMap::new() };
         let ProbeDepth { range, levels, strays, scanned } =
@@ -368,7 +368,7 @@ impl<W: Write> Job<'_, W> {
         Ok(())
     }
 
-    /// How pixels of a group lie to the viewing axis; unknown for distances of a view.
+    /// Relation of a pixel's depth to the viewing axis; unknown for the distances of a perspective view.
     fn shape_of(&self, group: &SourceGroup) -> Shape {
         match (self.source.depth_kind(), group.faces == [Face::View]) {
             (DepthKind::Planar, _) => Shape::Planar,
@@ -377,7 +377,7 @@ impl<W: Write> Job<'_, W> {
         }
     }
 
-    /// Declares the streams of a group; `None` where an earlier run has completed it.
+    /// Declares the streams of a group; returns `None` if an earlier run has completed it.
     fn begin(&mut self, group_ref: GroupRef<'_>, header: &CodecHeader) -> Result<Option<Part>> {
         let GroupRef { at, group } = group_ref;
         let streams = self.declare_streams(group, header)?;
@@ -417,7 +417,7 @@ impl<W: Write> Job<'_, W> {
         let times = Times::default();
         let pace = Pace::new(self.monitor, units.len(), group.faces.len());
         pace.advance(part.starts.iter().copied().map(u64::from).sum());
-        // A colour cell looks ahead; other chunks depend on none but their own frames.
+        // A colour cell looks ahead; chunks of other kinds depend only on their own frames.
         let last_frame = |chunk: &PackedChunk, closed_by: u32| match group.kind {
             StreamKind::Color => closed_by,
             StreamKind::Depth | StreamKind::Material | StreamKind::Alpha => chunk.key().last_frame(),
@@ -443,7 +443,7 @@ impl<W: Write> Job<'_, W> {
             let packed = try_map_at_once(units.iter_mut().collect(), batches.units_at_once, |unit: &mut UnitJob| {
                 times.code(|| unit.push(&batch, coder, &pace))
             })?;
-            // By frame, then by unit: the same order whatever fits a batch.
+            // Sort by frame, then by unit, so that the order does not depend on the size of the batch.
             let mut packed: Vec<_> = packed.into_iter().flatten().collect();
             packed.sort_by_key(|closed| closed.by);
             let searches: Vec<_> = packed.iter().filter_map(SearchNote::of).collect();
@@ -534,8 +534,8 @@ impl<W: Write> Job<'_, W> {
     }
 }
 
-/// What decoders present as background: the value of the source files, unless it could be taken for a surface. (It is in the
-/// files' unit, surfaces are in metres.)
+/// Returns the background value that decoders output: the value of the source files, or +inf if that value lies between near and
+/// far and could be taken for a surface. (The value is in the unit of the files, near and far are in metres.)
 fn presented_background(value: f32, range: DepthRange) -> f32 {
     if (range.near_m()..=range.far_m()).contains(&value) { f32::INFINITY } else { value }
 }

@@ -1,13 +1,13 @@
 //! Encodes frames of a source into a container: `lightfold encode`, and [`Encoder`] for frames in memory.
 //!
-//! Enters: a [`FrameSource`]. Leaves: a container, front to back. The path of a frame:
+//! Input: a [`FrameSource`]. Output: a container, written front to back. A frame passes through these stages:
 //!
-//! 0. `first_frames` reads the first frame of each stream where the caller asks it to, so that what is wrong with files is found
-//!    before anything is coded.
-//! 1. `depth_range` finds near and far of each probe where they are not given, and keeps what fits into memory.
-//! 2. `group` reads a frame of all faces and brings it into the domain of its codec: depth codes, 8-bit codes, half-float keys.
-//! 3. `job` gives each unit's rectangle to its own encoder (`unit`), a batch of frames at a time, units in parallel.
-//! 4. [`crate::container::Writer`] writes chunks in a fixed order, so that bytes depend on input and settings alone.
+//! 0. `first_frames` reads the first frame of each stream if the caller requests it, so that unreadable files are reported before
+//!    anything is encoded.
+//! 1. `depth_range` finds near and far of each probe unless they are given, and keeps the depth images that fit into memory.
+//! 2. `group` reads a frame of all faces and converts it to the domain of its codec: depth codes, 8-bit codes, half-float keys.
+//! 3. `job` passes the rectangle of each unit to its own encoder (`unit`), one batch of frames at a time, units in parallel.
+//! 4. [`crate::container::Writer`] writes chunks in a fixed order, so that the bytes depend only on input and settings.
 
 #![doc(hidden)]
 

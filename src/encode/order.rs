@@ -1,4 +1,4 @@
-//! The order in which groups are encoded, which numbers their streams.
+//! The order in which groups are encoded. It determines the stream numbers.
 
 use crate::container::SafeChunks;
 use crate::dataset::SourceGroup;
@@ -6,7 +6,7 @@ use crate::encode::EncodeSettings;
 use crate::encode::source::{FrameSource, GroupRef, selected_groups};
 use crate::image::Face;
 
-/// Groups by probe, then by kind.
+/// Groups sorted by probe, then by kind.
 pub(super) struct Order<'a>(pub Vec<OrderedGroup<'a>>);
 
 #[derive(Clone, Copy)]

@@ -1,4 +1,4 @@
-//! A part of a source: one shard of an encode, which a farm spreads over machines, or the whole with scans made before.
+//! Part of a source: one shard of an encode that is distributed over machines, or the whole source with an earlier scan.
 
 use std::path::PathBuf;
 
@@ -20,10 +20,10 @@ use crate::streams::shard::{FootageDigests, SHARD, SHARD_FOOTAGE, ShardEntry, Wh
 
 const SCAN: &str = "the scan";
 const CONTENT: &str = "the content of the footage";
-/// Fields of a part's configuration that follow from the footage.
+/// Configuration fields of a part that depend on the footage.
 pub(super) const OF_FOOTAGE: [&str; 2] = [SCAN, CONTENT];
 
-/// Groups of a source, or some frames of these.
+/// Groups of a source, or some of their frames.
 pub struct Part<'a> {
     pub(super) source: &'a dyn FrameSource,
     pub(super) groups: Vec<SourceGroup>,
@@ -32,24 +32,24 @@ pub struct Part<'a> {
     pub(super) shard: Option<OneShard>,
 }
 
-/// A shard, as its attributes say.
+/// A shard, in the form of its container attributes.
 pub(super) struct OneShard {
     pub entry: ShardEntry,
-    /// Groups of the whole encode.
+    /// Groups of the complete encode.
     whole: Vec<SourceGroup>,
     footage: FootageDigests,
 }
 
 impl<'a> Part<'a> {
-    /// The whole source, with the footage as it was scanned, and without scans.
+    /// Returns the complete source with the digests of an earlier scan, without scans of depth.
     pub fn whole(source: &'a dyn FrameSource, footage: Footage) -> Part<'a> {
         Part { source, groups: source.groups().to_vec(), scans: Scans::default(), footage, shard: None }
     }
 
-    /// One shard of `shard.count` of about the same size, without scans and footage.
+    /// Returns one of `shard.count` shards of about the same size, without scans and footage digests.
     ///
     /// # Errors
-    /// [`crate::Error::Usage`] where the source cannot be cut into so many.
+    /// [`crate::Error::Usage`] if the source cannot be cut into so many shards.
     pub fn shard(
         source: &'a dyn FrameSource,
         settings: &EncodeSettings,
@@ -61,10 +61,11 @@ impl<'a> Part<'a> {
         Part::of_groups(source, settings, (&order, groups), shard)
     }
 
-    /// One shard of chosen content, without scans and footage. Joining shards checks that together they have everything once.
+    /// Returns one shard with the chosen content, without scans and footage digests. Joining shards checks that they cover
+    /// everything exactly once.
     ///
     /// # Errors
-    /// As [`ShardChoice::groups`].
+    /// As for [`ShardChoice::groups`].
     pub fn chosen(
         source: &'a dyn FrameSource,
         settings: &EncodeSettings,
@@ -100,12 +101,12 @@ impl<'a> Part<'a> {
         Ok(Part { source, groups, scans: Scans::default(), footage: Footage::default(), shard })
     }
 
-    /// Whether it is one shard.
+    /// Returns true if the part is a shard.
     pub fn is_shard(&self) -> bool {
         self.shard.is_some()
     }
 
-    /// Numbers of the probes of which it has depth, ascending.
+    /// Numbers of the probes whose depth is in the part, ascending.
     pub fn probes_of_depth(&self) -> Vec<usize> {
         let of_depth = self.groups.iter().filter(|group| group.kind == StreamKind::Depth);
         let mut probes: Vec<usize> = of_depth.map(|group| group.probe).collect();
@@ -113,7 +114,7 @@ impl<'a> Part<'a> {
         probes
     }
 
-    /// The same with the footage of the whole encode, which all its shards must have in common.
+    /// Sets the footage digests of the complete encode, which must be equal in all its shards.
     #[must_use]
     pub fn with_footage(mut self, footage: Footage) -> Part<'a> {
         if let Some(OneShard { entry, whole, footage: digests }) = &mut self.shard {
@@ -124,22 +125,22 @@ impl<'a> Part<'a> {
         Part { footage, ..self }
     }
 
-    /// Images that [`Self::scan`] reads.
+    /// Number of images that [`Self::scan`] reads.
     pub fn images_to_scan(&self, settings: &EncodeSettings) -> u64 {
         probe_images(self.source, settings, &self.probes_of_depth())
     }
 
-    /// The same with scans of all frames of its probes, which are made now, of the footage that it was given.
+    /// Scans all frames of the probes of the part, and checks them against the footage digests.
     ///
     /// # Errors
-    /// Names the file, also one that has changed meanwhile.
+    /// Fails if a file cannot be read or has changed since its digest was computed; the error names the file.
     pub fn scan(self, settings: &EncodeSettings, monitor: &dyn Monitor) -> Result<Part<'a>> {
         let whole = Part::whole(self.source, self.footage.clone());
         let scans = scan_probes(&whole, settings, &self.probes_of_depth(), monitor)?;
         Ok(self.with_scans(scans))
     }
 
-    /// The same with scans of its probes.
+    /// Sets the scans of the probes.
     #[must_use]
     pub fn with_scans(self, scans: Scans) -> Part<'a> {
         Part { scans, ..self }

@@ -1,4 +1,5 @@
-//! What an encode promises of the depth of each probe, and the few pixels that make it worse for all others.
+//! Error bound of the depth of each probe, and the few outlier pixels that widen the range and so loosen the bound for all
+//! others.
 
 use std::path::PathBuf;
 
@@ -22,20 +23,20 @@ pub struct ProbePrecision {
     pub strays: Option<NamedStrays>,
 }
 
-/// Few pixels that take more than a quarter of the precision.
+/// Outlier pixels that take more than a quarter of the precision.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NamedStrays {
     pub pixels: u64,
     pub of_pixels: u64,
-    /// The nearest of them, and the farthest.
+    /// Examples of the nearest outliers, then of the farthest.
     pub first: Vec<NamedPixel>,
-    /// What would hold for all other pixels, with the same bound in codes.
+    /// Depth bound of all other pixels, with the same bound in codes.
     pub without: DepthBound,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NamedPixel {
-    /// `None` for frames in memory.
+    /// Image file of the pixel; `None` for frames in memory.
     pub file: Option<PathBuf>,
     pub frame: u32,
     pub face: &'static str,
@@ -52,7 +53,7 @@ impl ProbePrecision {
         strays: Option<&Strays>,
     ) -> ProbePrecision {
         let bound = DepthBound::of(header);
-        // Levels are exact, whatever the range.
+        // Levels are exact regardless of the range, so outliers do not matter.
         ProbePrecision::named(source, probe, bound, strays.filter(|_| header.levels() == 0))
     }
 
@@ -67,8 +68,8 @@ impl ProbePrecision {
     }
 }
 
-/// Few pixels of a probe that would take much of the precision of a lossless encode; `None` where there are none, or near and far
-/// are given.
+/// Returns the outlier pixels of a probe that would take much of the precision of a lossless encode; `None` if there are none, or
+/// if near and far are given.
 pub fn strays_of(source: &dyn FrameSource, probe: usize, spread: &Spread) -> Option<ProbePrecision> {
     let ([given_near, given_far], found) = (given_range(source, &EncodeSettings::default()), spread.range()?);
     if given_near.is_some() && given_far.is_some() {

@@ -1,15 +1,16 @@
-//! Continuing an interrupted encode: what an encoder notes in its journal, and how it goes on.
+//! Resumes an interrupted encode: the notes that the encoder writes to its journal, and how they are used.
 //!
-//! Beside `NAME` lie `.NAME.partial`, the container so far, and `.NAME.journal` ([`crate::container::Journal`]). Chunks are
-//! written in an order that follows from footage and settings alone, and no encoder carries anything over the start of a
-//! chunk but the start of its search, which the journal notes. So complete chunks are the beginning of the file, each unit
-//! continues behind its last one with a new encoder, and the result has the same bytes as an encode in one go. A journal
-//! rather than a new index after each batch says what is complete: bytes would otherwise depend on when the encode stopped,
-//! and a container could not go into a pipe.
+//! The unfinished container is `.NAME.partial` and its journal `.NAME.journal` ([`crate::container::Journal`]), both next to
+//! `NAME`. Chunks are written in an order that depends only on footage and settings, and an encoder carries no state from one
+//! chunk to the next except the initial state of its search, which the journal records. The complete chunks are therefore a
+//! prefix of the file, each unit resumes after its last chunk with a new encoder, and the result has the same bytes as an
+//! uninterrupted encode. A journal, rather than a new index after each batch, records which chunks are complete: with an index,
+//! the bytes would depend on when the encode was interrupted, and a container could not be written to a pipe.
 //!
-//! The configuration ([`crate::encode::configuration`]) must be equal; the number of threads is not in it. A file that was
-//! read for a complete chunk must not have changed in size or time. Other files may have, as when a broken frame was rendered
-//! again, unless near or far of the probe change with it, or the few distances that predictive depth has as levels.
+//! The configuration ([`crate::encode::configuration`]) must be equal; the number of threads is not part of it. A file that was
+//! read for a complete chunk must have the same size and modification time. Other files may have changed, for example a broken
+//! frame that was rendered again, unless the change alters near or far of the probe, or the distances that are coded as levels of
+//! predictive depth.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -31,14 +32,14 @@ use crate::fingerprint::Fingerprint;
 use crate::image::StreamKind;
 use crate::monitor::Monitor;
 
-/// Sizes and times of the files of a frame, by which a change is noticed; zeros for frames in memory.
+/// Sizes and modification times of the files of a frame, to detect changes; zeros for frames in memory.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Stamp([FileStamp; 2]);
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct FileStamp {
     bytes: u64,
-    /// Nanoseconds since 1970; 0 where the system does not tell.
+    /// Nanoseconds since 1970; 0 if the file system does not report the time.
     modified: i64,
 }
 
@@ -66,20 +67,20 @@ impl FileStamp {
 
 #[derive(Serialize, Deserialize)]
 pub(super) enum Note {
-    /// Frames of a group from `first` on.
+    /// Frames of a group, from `first` on.
     Frames { group: usize, first: u32, notes: Vec<FrameNote> },
-    /// A scan of a probe, and the files that it read, by index of the group and frame.
+    /// Scan of a probe and stamps of the files that it read, by group index and frame.
     Scan { probe: usize, scan: Scan, files: Vec<((usize, u32), Stamp)> },
-    /// Where searches go on behind chunks.
+    /// Search states after the chunks that were written.
     Searches(Vec<SearchNote>),
 }
 
-/// Where the search of a unit goes on behind a chunk, which follows from earlier chunks.
+/// State of the search of a unit after a chunk. It depends on the chunks before it.
 #[derive(Serialize, Deserialize)]
 pub(super) struct SearchNote {
     stream: u32,
     unit: u32,
-    /// The frame behind the chunk.
+    /// The frame after the last frame of the chunk.
     frame: u32,
     start: Start,
 }
@@ -93,16 +94,16 @@ impl SearchNote {
 
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct FrameNote {
-    /// Of its files before they were read.
+    /// Stamp of the files before they were read.
     pub stamp: Stamp,
-    /// Colour pixels that did not fit 8 bits; depth pixels outside near and far.
+    /// Number of colour pixels clipped to 8 bits, or of depth pixels outside near and far.
     pub beyond: u64,
 }
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct ScanNote {
     pub scan: Scan,
-    /// By index of the group and frame.
+    /// Stamps of the files, by group index and frame.
     pub files: HashMap<(usize, u32), Stamp>,
 }
 
@@ -120,13 +121,13 @@ pub(super) fn stamps(source: &dyn FrameSource, groups: &[GroupRef<'_>]) -> Resul
 
 #[derive(Debug, Default)]
 pub(super) struct Completed {
-    /// The frame behind the last complete chunk, by stream and unit.
+    /// The frame after the last complete chunk, by stream and unit.
     ends: HashMap<(u32, u32), u32>,
     /// The last frame that a complete chunk depends on, by stream.
     last_frames: HashMap<u32, u32>,
-    /// By index of the group and frame; of a frame that was read twice, the second reading.
+    /// Notes by group index and frame. For a frame that was read twice, the note of the second read.
     frames: HashMap<(usize, u32), FrameNote>,
-    /// By stream, unit and the frame behind a chunk.
+    /// Search states by stream, unit and the frame after a chunk.
     searches: HashMap<(u32, u32, u32), Start>,
     pub scans: HashMap<usize, ScanNote>,
     pub chunks: u64,
@@ -177,28 +178,28 @@ impl Completed {
         Ok(completed)
     }
 
-    /// The first frame of a unit that is still to be encoded.
+    /// Returns the first frame of a unit that is not yet encoded.
     pub fn start(&self, stream: u32, unit: u32, first_frame: u32) -> u32 {
         self.ends.get(&(stream, unit)).copied().unwrap_or(first_frame)
     }
 
-    /// Where the search goes on behind a unit's last complete chunk.
+    /// Returns the search state after the last complete chunk of a unit.
     pub fn search(&self, stream: u32, unit: u32) -> Option<Start> {
         let end = *self.ends.get(&(stream, unit))?;
         self.searches.get(&(stream, unit, end)).copied()
     }
 
-    /// Colour pixels of a frame that did not fit 8 bits; depth pixels outside near and far.
+    /// Returns the number of colour pixels of a frame that were clipped to 8 bits, or of depth pixels outside near and far.
     pub fn beyond(&self, group: usize, frame: u32) -> u64 {
         self.frames.get(&(group, frame)).map_or(0, |note| note.beyond)
     }
 
-    /// The last frame that a complete chunk of these streams depends on.
+    /// Returns the last frame that a complete chunk of these streams depends on.
     pub fn last_frame(&self, streams: impl Iterator<Item = u32>) -> Option<u32> {
         streams.filter_map(|stream| self.last_frames.get(&stream).copied()).max()
     }
 
-    /// Refuses a changed file that complete chunks depend on.
+    /// Fails if the files of a frame that complete chunks depend on have changed.
     pub fn check_file(
         &self,
         source: &dyn FrameSource,
@@ -220,7 +221,7 @@ impl Completed {
         )))
     }
 
-    /// Refuses changed files that complete chunks depend on. Forgets scans of changed files that no chunk depends on.
+    /// Fails if files that complete chunks depend on have changed. Drops scans of changed files that no chunk depends on.
     pub fn check_files(
         &mut self,
         source: &dyn FrameSource,

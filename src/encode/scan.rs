@@ -1,5 +1,5 @@
-//! What a probe's depth images hold: near, far, and the distances that occur where these are few. Found frame by frame, in any
-//! order and on any machine.
+//! Statistics of the depth images of a probe: near, far, and the distinct distances if there are few. Frames can be scanned in
+//! any order and on any machine.
 
 use std::collections::{BTreeMap, HashSet};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,36 +13,37 @@ use crate::depth::predictive::levels::MAX_LEVELS;
 use crate::depth::spread::Spread;
 use crate::streams::convert::DepthExtent;
 
-/// Pixels with a surface for each level, at least: few levels of few pixels are chance.
+/// Min average number of surface pixels per level. With fewer, the small number of distances may be a coincidence.
 const MIN_OCCURRENCES: u64 = 64;
 
-/// Scans by number of the probe.
+/// Scans by probe number.
 pub type Scans = BTreeMap<usize, Scan>;
 
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Scan {
-    /// `None` without a surface.
+    /// Range of distances; `None` if there is no surface.
     pub extent: Option<DepthExtent>,
-    /// Whether there are invalid depths that become near.
+    /// True if there are invalid depths that become near.
     pub has_invalid: bool,
-    /// The distances of surfaces, ascending, if these are at most [`MAX_LEVELS`] and recur; `None` where the codec has no levels.
+    /// The distinct distances of surfaces in metres, ascending, if they are at most [`MAX_LEVELS`] and recur often enough; `None`
+    /// otherwise, or if the codec has no levels.
     pub distances_m: Option<Vec<f32>>,
-    /// Numbers of pixels by depth, of which few may take much of the precision.
+    /// Histogram of pixels by depth, used to find outliers that take much of the precision.
     pub spread: Spread,
 }
 
 impl Scan {
-    /// Whether an encode with either scan has the same bytes.
+    /// Returns true if encodes with either scan have the same bytes.
     pub(super) fn is_as_good_as(&self, other: &Scan) -> bool {
         self.limits() == other.limits() && self.distances_m == other.distances_m
     }
 
-    /// All that near and far follow from.
+    /// Returns everything that near and far are derived from.
     pub(super) fn limits(&self) -> (Option<DepthExtent>, bool) {
         (self.extent, self.has_invalid)
     }
 
-    /// The codes that occur; empty if there are too many, or none.
+    /// Returns the codes that occur; empty if there are none, or too many.
     pub(super) fn levels(&self, range: DepthRange) -> Levels {
         let near = self.has_invalid.then_some(0);
         let mut codes: Vec<u16> =
@@ -56,22 +57,24 @@ impl Scan {
     }
 }
 
-/// What some frames hold.
+/// Depth statistics of some frames.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FoundDepth {
-    /// `None` without a surface.
+    /// Range of distances; `None` if there is no surface.
     pub extent: Option<DepthExtent>,
-    /// Whether there are invalid depths that become near.
+    /// True if there are invalid depths that become near.
     pub has_invalid: bool,
-    /// The distances of surfaces, ascending; `None` where these are more than [`MAX_LEVELS`], or were not looked for.
+    /// The distinct distances of surfaces in metres, ascending; `None` if there are more than [`MAX_LEVELS`], or if they were not
+    /// needed.
     pub distances_m: Option<Vec<f32>>,
-    /// Pixels with a surface where distances are given, else 0: scanning stops at too many distances, by threads at different pixels.
+    /// Number of surface pixels if `distances_m` is known, else 0: with too many distances each thread stops at a different
+    /// pixel, so that the count would not be deterministic.
     pub surfaces: u64,
     pub spread: Spread,
 }
 
 impl FoundDepth {
-    /// What no frames hold.
+    /// Statistics of no frames, the identity of [`Self::union`].
     pub fn nothing() -> FoundDepth {
         FoundDepth {
             extent: None,
@@ -102,7 +105,7 @@ impl FoundDepth {
         }
     }
 
-    /// The scan of a probe, of which this is found in all frames.
+    /// Returns the scan of a probe from the statistics of all its frames.
     pub fn scan(&self) -> Scan {
         let recur = |distances: &&Vec<f32>| distances.len() as u64 * MIN_OCCURRENCES <= self.surfaces;
         let distances_m = self.distances_m.as_ref().filter(recur).cloned();
@@ -110,9 +113,9 @@ impl FoundDepth {
     }
 }
 
-/// The distances of surfaces that occur, as long as they are few. Threads add to it in any order.
+/// Set of distinct surface distances, kept while it is small. Threads add to it in any order.
 pub(super) struct Distances {
-    /// Their bits; `None` where there are more than [`MAX_LEVELS`], or nobody asks.
+    /// Bit patterns of the distances; `None` if there are more than [`MAX_LEVELS`], or if they are not needed.
     found: Mutex<Option<HashSet<u32>>>,
     surfaces: AtomicU64,
 }
@@ -144,7 +147,7 @@ impl Distances {
         }
     }
 
-    /// The distances, as found in frames without near and far.
+    /// Returns the distances as statistics without near and far.
     pub fn into_found(self) -> FoundDepth {
         let found = self.found.into_inner().unwrap_or_else(PoisonError::into_inner);
         let distances_m = found.map(|found| sorted(found.into_iter().map(f32::from_bits).collect()));
@@ -209,11 +212,11 @@ mod tests {
         assert_eq!(repeated(4096, 64), ascending(4096));
         assert_eq!(repeated(5, 63), None);
         assert_eq!(repeated(4097, 64), None);
-        // Few in every frame, many in all.
+        // Few distances in every frame, many in total.
         let distances = Distances::new(true);
         (0..100).for_each(|frame| distances.add((0..10_000).map(|at| (1 + frame * 50 + at % 50) as f32)));
         assert_eq!(few(distances), None);
-        // How far scanning came is not kept.
+        // The number of pixels scanned before stopping is not kept.
         let distances = Distances::new(true);
         distances.add((0..10_000).map(|at| 1.0 + at as f32));
         assert_eq!(distances.into_found(), FoundDepth { distances_m: None, ..FoundDepth::nothing() });

@@ -1,5 +1,5 @@
-//! `scan.json`: what the depth images of a dataset hold, and digests of the files of all kinds, found before an encode, by one machine
-//! or by many.
+//! `scan.json`: depth statistics of a dataset's images and digests of the files of all kinds, computed before an encode by one
+//! machine or by several.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -22,19 +22,19 @@ use crate::json;
 use crate::monitor::{Monitor, Uncounted};
 
 const VERSION: u32 = 3;
-/// Frames of a part, which is scanned again where a scan was stopped.
+/// Frames per part. A part that was interrupted is scanned again from its first frame.
 const PART_FRAMES: u32 = 16;
 
-/// What was found, in parts of one image sequence each.
+/// Results of a scan, divided into parts of one image sequence each.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScanFile {
     lightfold_scan: u32,
-    /// Digest of all that the parts follow from, but for the files.
+    /// Digest of everything that the parts depend on, except the files.
     footage: String,
-    /// All image sequences of the footage, whether they are scanned or not.
+    /// All image sequences of the footage, scanned or not.
     whole: Vec<Sequence>,
-    /// Whether it was stopped, or goes on, before its shard is scanned.
+    /// True while a scan is running, or if it was interrupted before its shard was complete.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     is_unfinished: bool,
     parts: Vec<ScannedFrames>,
@@ -43,28 +43,28 @@ pub struct ScanFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Sequence {
-    /// Name of the kind of its streams.
+    /// Name of the stream kind.
     kind: String,
     probe: String,
-    /// Names of the faces, with commas.
+    /// Names of the faces, separated by commas.
     faces: String,
-    /// First and last.
+    /// First and last frame, inclusive.
     frames: [u32; 2],
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ScannedFrames {
-    /// Name of the kind of its streams.
+    /// Name of the stream kind.
     kind: String,
     probe: String,
-    /// Names of the faces, with commas.
+    /// Names of the faces, separated by commas.
     faces: String,
-    /// First and last.
+    /// First and last frame, inclusive.
     frames: [u32; 2],
-    /// Of each frame.
+    /// Digest of each frame.
     digests: Vec<FrameDigest>,
-    /// Of depth alone.
+    /// Depth statistics; only for depth.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     found: Option<FoundDepth>,
 }
@@ -74,14 +74,14 @@ impl ScannedFrames {
         (&self.probe, &self.faces, self.frames[0], &self.kind)
     }
 
-    /// Whether it is of this sequence.
+    /// Returns true if the frames belong to this sequence.
     fn is_of(&self, sequence: &Sequence) -> bool {
         (&self.kind, &self.probe, &self.faces) == (&sequence.kind, &sequence.probe, &sequence.faces)
     }
 }
 
 impl ScanFile {
-    /// A scan of no frames yet.
+    /// Creates a scan without scanned frames.
     pub fn new(source: &dyn FrameSource, settings: &EncodeSettings) -> ScanFile {
         let whole = selected_groups(source, &of_all_kinds(settings))
             .iter()
@@ -92,7 +92,7 @@ impl ScanFile {
     }
 
     /// # Errors
-    /// Names the file.
+    /// Fails if the file cannot be read, is no scan, or has another version; the error names the file.
     pub fn read(path: &Path) -> Result<ScanFile> {
         let file = open_regular(path)?;
         let scan: ScanFile = serde_json::from_reader(std::io::BufReader::new(file))
@@ -114,12 +114,12 @@ impl ScanFile {
         json::pretty(self)
     }
 
-    /// Whether both are of the same footage, read in the same way.
+    /// Returns true if the scan is of this footage, read with the same settings.
     pub fn is_of(&self, source: &dyn FrameSource, settings: &EncodeSettings) -> bool {
         self.footage == footage(source, settings)
     }
 
-    /// Images that a scan of a shard has to read; `None` scans all.
+    /// Number of images that a scan of a shard covers; `None` scans all.
     pub fn images(source: &dyn FrameSource, settings: &EncodeSettings, shard: Option<Shard>) -> Result<u64> {
         let settings = of_all_kinds(settings);
         let order = Order::of(source, &settings);
@@ -127,8 +127,8 @@ impl ScanFile {
         Ok(segments(&order, shard)?.iter().map(|segment| segment.frames.count() * faces(segment)).sum())
     }
 
-    /// Adds the parts of a shard that are not there, and calls `save` after each. Answers how many images it has read; the monitor
-    /// advances by one for each image of the shard.
+    /// Scans the parts of a shard that are missing, and calls `save` after each. Returns the number of images read. The monitor
+    /// advances by one per image of the shard.
     pub fn scan(
         &mut self,
         source: &dyn FrameSource,
@@ -151,7 +151,7 @@ impl ScanFile {
                 monitor.advance(images);
                 continue;
             };
-            // Of depth the images count as they are scanned.
+            // For depth, `scan_probe` counts the images.
             let uncounted = Uncounted(monitor);
             let is_depth = group.kind == StreamKind::Depth;
             let digests = known_files.read(source, &part, if is_depth { &uncounted } else { monitor })?;
@@ -173,12 +173,12 @@ impl ScanFile {
         Ok(read)
     }
 
-    /// Whether it was stopped, or goes on, before its shard is scanned.
+    /// Returns true while the scan of a shard is running, or if it was interrupted.
     pub fn is_unfinished(&self) -> bool {
         self.is_unfinished
     }
 
-    /// The frames that are not scanned, in words; `None` where all are.
+    /// Describes the frames that are not scanned; `None` if all are.
     pub fn missing(&self) -> Option<String> {
         let of_sequence = |sequence: &Sequence| {
             let runs: Vec<String> = self.gaps(sequence).map(|[first, last]| format!("{first}-{last}")).collect();
@@ -189,12 +189,12 @@ impl ScanFile {
         (!sequences.is_empty()).then(|| few(&sequences))
     }
 
-    /// The parts of a sequence, in the order of their frames.
+    /// Parts of a sequence, sorted by frame.
     fn parts_of<'a>(&'a self, sequence: &'a Sequence) -> impl Iterator<Item = &'a ScannedFrames> {
         self.parts.iter().filter(|part| part.is_of(sequence))
     }
 
-    /// Runs of frames that no part has.
+    /// Ranges of frames that no part covers, first and last inclusive.
     fn gaps<'a>(&'a self, sequence: &'a Sequence) -> impl Iterator<Item = [u32; 2]> {
         let [first, last] = sequence.frames.map(u64::from);
         let ends = self.parts_of(sequence).map(|part| part.frames.map(u64::from)).chain([[last + 1; 2]]);
@@ -209,7 +209,7 @@ impl ScanFile {
     /// Adds the parts of another scan of the same footage.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for other footage, and for parts of the same frames that differ.
+    /// [`Error::Invalid`] for other footage, and for parts that cover the same frames but differ.
     pub fn merge(&mut self, other: ScanFile) -> Result<()> {
         if self.footage != other.footage {
             return Err(Error::invalid("a scan of other footage or with other settings than the first one"));
@@ -231,10 +231,10 @@ impl ScanFile {
         Ok(())
     }
 
-    /// The scans of all probes, and the digests of all frames.
+    /// Returns the scans of all probes and the digests of all frames.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for other footage, and where frames are missing.
+    /// [`Error::Invalid`] for other footage, and if frames are missing.
     pub fn scans(&self, source: &dyn FrameSource, settings: &EncodeSettings) -> Result<(Scans, Footage)> {
         if !self.is_of(source, settings) {
             return Err(Error::invalid(
@@ -275,7 +275,7 @@ impl ScanFile {
     }
 }
 
-/// Images that [`scan_probes`] reads.
+/// Number of images that [`scan_probes`] reads.
 pub fn probe_images(source: &dyn FrameSource, settings: &EncodeSettings, probes: &[usize]) -> u64 {
     if given_range(source, settings).iter().all(Option::is_some) {
         return 0;
@@ -284,8 +284,8 @@ pub fn probe_images(source: &dyn FrameSource, settings: &EncodeSettings, probes:
     groups.filter(|group| probes.contains(&group.group.probe)).map(|group| group.images()).sum()
 }
 
-/// Scans probes whole, for an encode of a part of their frames; none where near and far are given. The monitor advances by one for
-/// every image.
+/// Scans all frames of the given probes, for an encode of some of these frames. Returns no scans if near and far are given. The
+/// monitor advances by one per image.
 pub fn scan_probes(
     source: &dyn FrameSource,
     settings: &EncodeSettings,
@@ -306,14 +306,14 @@ pub fn scan_probes(
     Ok(scans)
 }
 
-/// Of depth alone, and with a search for levels, which serves every codec.
+/// Settings restricted to depth, with a codec that searches for levels, so that the scan serves every codec.
 fn of_depth(settings: &EncodeSettings) -> EncodeSettings {
     let mut settings = EncodeSettings { kinds: vec![StreamKind::Depth], ..settings.clone() };
     (settings.depth.codec, settings.temporal.epsilon) = (DepthCodec::Predictive, 0);
     settings
 }
 
-/// Of all kinds, as digests are of all files.
+/// As `of_depth`, with all kinds, because digests cover all files.
 fn of_all_kinds(settings: &EncodeSettings) -> EncodeSettings {
     EncodeSettings { kinds: StreamKind::ALL.to_vec(), ..of_depth(settings) }
 }
@@ -332,7 +332,7 @@ fn sequence(source: &dyn FrameSource, group: &SourceGroup) -> Sequence {
     Sequence { kind, probe, faces, frames: [group.frames.first, group.frames.last] }
 }
 
-/// The first of these words, and that there are more.
+/// Joins the first `MAX_NAMED` words; an ellipsis marks that more follow.
 fn few(words: &[String]) -> String {
     const MAX_NAMED: usize = 4;
     let more = if words.len() > MAX_NAMED { ", …" } else { "" };

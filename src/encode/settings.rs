@@ -28,14 +28,14 @@ use crate::streams::{
     AlphaHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCoding, MaterialHeader, NodeHeader,
 };
 
-/// Sides of tiles are multiples of this many pixels, so that they can be halved down to blocks.
+/// Alignment in pixels of the sides of tiles, so that tiles can be halved down to blocks.
 const TILE_ALIGN: u32 = 8;
-/// Side of the tiles of predictive depth unless another is asked for.
+/// Default side in pixels of the tiles of predictive depth.
 const PREDICTIVE_TILE: u32 = 128;
 
-/// Chunks of the transform codec after which its search begins anew.
+/// Segment length of the transform codec in chunks; its search restarts at each segment.
 const SEGMENT_CHUNKS: u32 = 4;
-/// Frames after which cells begin anew; a keyframe more for each.
+/// Segment length of keyframe-and-weight cells in frames. Each segment costs one more keyframe.
 const CELL_SEGMENT_FRAMES: u32 = 96;
 
 /// Depth codecs (depth.md).
@@ -43,41 +43,41 @@ const CELL_SEGMENT_FRAMES: u32 = 96;
 pub enum DepthCodec {
     /// Packed nodes of a quadtree.
     Quadtree,
-    /// The quadtree itself, which `pack` turns into packed nodes at any bound.
+    /// The unpacked quadtree, which `pack` converts to packed nodes at any bound.
     Tree,
-    /// Codes, in boxes around what changes.
+    /// Codes, updated in boxes around changed pixels.
     Boxes,
-    /// The same with block tiles in BC5 where these stay within epsilon.
+    /// As `Boxes`, with tiles of BC5 blocks wherever these stay within epsilon.
     BoxesInBlocks,
-    /// BC4w blocks, without a bound.
+    /// BC4w blocks, without an error bound.
     Blocks,
-    /// Predicted codes with residuals: the fewest bytes.
+    /// Predicted codes with residuals; the smallest output.
     #[default]
     Predictive,
 }
 
-/// Largest error of a decoded depth.
+/// Maximum error of a decoded depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ErrorBound {
-    /// In log codes.
+    /// Number of log codes.
     Codes(u16),
-    /// In proportion to the distance: 0.001 for a thousandth.
+    /// Fraction of the distance: 0.001 is 0.1%.
     Relative(f64),
 }
 
-/// Depth in space.
+/// Spatial coding of depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthSettings {
     pub codec: DepthCodec,
-    /// Largest error of a node.
+    /// Maximum error of a decoded depth, for the quadtree, tree and predictive codecs.
     pub error: ErrorBound,
-    /// Quantity in which functions are fitted.
+    /// Quantity to which modelling functions are fitted.
     pub domain: DomainKind,
-    /// Choice among the functions within the bound.
+    /// Criterion for choosing among candidates within the bound: squared error or size.
     pub decide: Decide,
-    /// Search effort of BC4w blocks.
+    /// Search effort of depth encoders, and of BC1 blocks of material.
     pub effort: Effort,
-    /// Children of a node that must have changed before a function is tried for the whole node, 1 to 4.
+    /// Number of children of a node that must have changed before a function is tried for the whole node, 1 to 4.
     pub min_children: u8,
 }
 
@@ -106,7 +106,7 @@ pub enum ColorCodec {
 }
 
 impl ColorCodec {
-    /// What every frame of every cell reaches unless something else is asked for.
+    /// Default quality target for every frame of every cell.
     pub fn usual_target(self) -> Target {
         match self {
             ColorCodec::Transform => Target::Quality(79.0),
@@ -115,22 +115,22 @@ impl ColorCodec {
     }
 }
 
-/// Colour keyframes in texture blocks.
+/// Storage of colour keyframes as texture blocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColorBlockSettings {
-    /// The format: BC1 or BC7 for 8 bits, BC6H for half floats.
+    /// Block format: BC1 or BC7 for 8 bits, BC6H for half floats.
     pub blocks: ColorBlocks,
-    /// PSNR in dB that every frame of every cell reaches with keyframes in blocks; at most that of the search.
+    /// Minimum PSNR in dB of every frame of every cell after block compression; at most the target of the search.
     pub final_psnr_db: f64,
 }
 
 impl ColorBlockSettings {
-    /// The format with its usual quality, or the search's where that is less.
+    /// Creates settings with the default PSNR of the format, or the search's target if that is lower.
     pub fn new(blocks: ColorBlocks, search: &SearchSettings) -> ColorBlockSettings {
         ColorBlockSettings { blocks, final_psnr_db: Self::usual_psnr_db(blocks).min(search.target.min_psnr_db()) }
     }
 
-    /// PSNR in dB that a format reaches on most footage.
+    /// Default minimum PSNR in dB of a format, which it reaches on most footage.
     pub fn usual_psnr_db(blocks: ColorBlocks) -> f64 {
         match blocks {
             ColorBlocks::Bc1 => 30.0,
@@ -139,20 +139,20 @@ impl ColorBlockSettings {
     }
 }
 
-/// Coding of material.
+/// Coding of material streams.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct MaterialSettings {
-    /// Largest difference of any of its three bytes from the source.
+    /// Maximum difference of each of the three bytes from the source.
     pub epsilon: u16,
-    /// Block tiles in BC1 where these stay within epsilon.
+    /// True to use tiles of BC1 blocks wherever these stay within epsilon.
     pub in_blocks: bool,
 }
 
 impl ErrorBound {
-    /// The bound in codes of a range: of a share, the most codes that keep it.
+    /// Returns the bound in codes for a range; a relative bound becomes the largest number of codes within it.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a share that rounding to codes alone exceeds; a share of 0 is 0 codes.
+    /// [`Error::Usage`] for a relative bound that rounding to codes alone exceeds; a relative bound of 0 is 0 codes.
     pub fn codes(self, range: DepthRange) -> Result<u16> {
         match self {
             ErrorBound::Codes(codes) => Ok(codes),
@@ -172,16 +172,16 @@ impl ErrorBound {
 /// Side of the square tiles of depth and material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TileSize {
-    /// Tiles along each side of a face, at most.
+    /// Maximum number of tiles along each side of a face.
     PerSide(u32),
-    /// Pixels, rounded up to a multiple of 8.
+    /// Side in pixels, rounded up to a multiple of 8.
     Pixels(u32),
-    /// Those of the codec: 128 pixels for predictive depth, half of the face for all others.
+    /// Default of the codec: 128 pixels for predictive depth, half of the face for all others.
     Usual,
 }
 
 impl TileSize {
-    /// Side in pixels on a face of `face_side` pixels; `most` where a codec has a limit.
+    /// Returns the side in pixels of tiles on a face of `face_side` pixels; `most` is the limit of the codec.
     fn side(self, face_side: u32, most: u32) -> u32 {
         let side = match self {
             TileSize::PerSide(tiles) => face_side.div_ceil(tiles.max(face_side.div_ceil(most))),
@@ -192,54 +192,54 @@ impl TileSize {
     }
 }
 
-/// Treatment of light that 8 bits do not hold.
+/// Treatment of colour that would be clipped to 8 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Clipping {
-    /// An error of [`crate::encode::check_first_frames`], if the first frame of a stream has any.
+    /// [`crate::encode::check_first_frames`] fails if the first frame of a stream has clipped pixels.
     Refuse,
-    /// Clipped pixels are counted, and the container remembers their number.
+    /// Clipped pixels are counted, and the container stores their number.
     #[default]
     Allow,
 }
 
-/// Settings of an encode; the default is that of `lightfold encode`.
+/// Settings of an encode. The defaults are those of `lightfold encode`.
 #[derive(Debug, Clone)]
 pub struct EncodeSettings {
-    /// Depth and material in time; material has its own epsilon.
+    /// Temporal coding of depth and material; material has its own epsilon.
     pub temporal: TemporalSettings,
     pub material: MaterialSettings,
-    /// Depth in space.
+    /// Spatial coding of depth.
     pub depth: DepthSettings,
-    /// Tiles of depth and material.
+    /// Tile size of depth and material.
     pub tiles: TileSize,
-    /// Nearest surface in metres; `None` finds it in the images.
+    /// Distance of the nearest surface in metres; `None` finds it in the images.
     pub near_m: Option<f32>,
-    /// Farthest surface in metres; `None` finds it in the images.
+    /// Distance of the farthest surface in metres; `None` finds it in the images.
     pub far_m: Option<f32>,
-    /// Treatment of depth outside `near_m` and `far_m`, or those that the source states.
+    /// Treatment of depth outside `near_m` and `far_m`, or outside the range that the source states.
     pub outside_depth: InvalidDepth,
     /// Width and height of colour cells in pixels.
     pub cell: u32,
-    /// 8 bits or half floats.
+    /// Colour samples: 8 bits or half floats.
     pub color: ColorFormat,
-    /// Of 8 bits.
+    /// Treatment of clipped pixels of 8-bit colour.
     pub clipping: Clipping,
     pub color_codec: ColorCodec,
-    /// Frames of a chunk of the transform codec, 1 to 96.
+    /// Number of frames in a chunk of the transform codec, 1 to 96.
     pub color_chunk: u32,
-    /// Entropy tables of the transform codec beside the built-in ones, stored in each colour stream.
+    /// Entropy tables of the transform codec in addition to the built-in ones, stored in each colour stream.
     pub color_tables: Option<TableSet>,
-    /// Entropy tables of predictive depth beside the built-in ones, at most eight sets, stored in each depth stream.
+    /// Entropy tables of predictive depth in addition to the built-in ones, at most eight sets, stored in each depth stream.
     pub depth_tables: Vec<predictive::tables::TableSet>,
-    /// Quality of colour, and the search for it.
+    /// Quality target of colour and search effort.
     pub search: SearchSettings,
-    /// Keyframes of [`ColorCodec::Cells`] in blocks; `None` for samples.
+    /// Storage of keyframes of [`ColorCodec::Cells`] as texture blocks; `None` stores samples.
     pub color_blocks: Option<ColorBlockSettings>,
-    /// Of chunks that become smaller.
+    /// Compression of chunks; used only for chunks that it makes smaller.
     pub compression: Compression,
     /// Kinds of streams to encode.
     pub kinds: Vec<StreamKind>,
-    /// Limit of memory for frames and encoders; the file does not depend on it.
+    /// Memory limit for frames and encoders; the output does not depend on it.
     pub memory: Budget,
 }
 
@@ -321,7 +321,7 @@ impl EncodeSettings {
         Ok(())
     }
 
-    /// Refuses numbers that no codec takes.
+    /// Fails if a value is outside the range that the codecs accept.
     fn check_ranges(&self) -> Result<()> {
         let wrong = |message: String| Err(Error::Usage(message));
         let target = self.search.target;
@@ -340,7 +340,7 @@ impl EncodeSettings {
             }
             _ => {}
         }
-        // Each alone, and both together.
+        // Check each alone, and both together.
         if let (Some(near_m), Some(far_m)) = (self.near_m.or(self.far_m), self.far_m.or(self.near_m)) {
             DepthRange::new(near_m, far_m).map_err(|error| Error::Usage(format!("`near` and `far`: {error}")))?;
         }
@@ -378,13 +378,13 @@ impl EncodeSettings {
         AlphaHeader { keyframe_interval: self.temporal.keyframe_interval }
     }
 
-    /// Whether bytes depend on the instruction sets of the processor: those of texture blocks do.
+    /// Returns true if the bytes depend on the instruction sets of the processor, as those of texture block encoders do.
     pub fn depends_on_processor(&self) -> bool {
         self.color_blocks.is_some() || self.material.in_blocks || self.depth.codec == DepthCodec::BoxesInBlocks
     }
 
-    /// Frames after which all encoders of a kind begin anew, counted from the first frame of a stream: no chunk reaches over
-    /// such a frame, and nothing before it has an influence on what follows. Shards begin there.
+    /// Number of frames after which all encoders of a kind restart, counted from the first frame of a stream. No chunk crosses
+    /// such a frame, and nothing before it affects the frames after it. Shards start at these frames.
     pub(super) fn segment_frames(&self, kind: StreamKind) -> u32 {
         match (kind, self.color_codec) {
             (StreamKind::Depth | StreamKind::Material | StreamKind::Alpha, _) => self.temporal.keyframe_interval,
@@ -403,7 +403,7 @@ impl EncodeSettings {
         })
     }
 
-    /// Tiles: those asked for, or the codec's usual ones.
+    /// Returns the requested tile size, or the default of the codec.
     fn tiles_of(&self, codec: DepthCodec) -> TileSize {
         match (self.tiles, codec) {
             (TileSize::Usual, DepthCodec::Predictive) => TileSize::Pixels(PREDICTIVE_TILE),
@@ -417,16 +417,16 @@ impl EncodeSettings {
         NodeSettings { window, epsilon, keyframe_interval, bound, decide, effort, min_children }
     }
 
-    /// Whether streams of depth may have levels. With an update threshold they would be of no use: levels are exact.
+    /// Returns true if depth streams may have levels. Levels are exact, so they are not used with an update threshold.
     pub(super) fn finds_levels(&self) -> bool {
         self.depth.codec == DepthCodec::Predictive && self.temporal.epsilon == 0
     }
 
-    /// `shape` is how pixels lie to the viewing axis; `levels` are the codes that occur, where these are few.
+    /// Returns the depth coding. `shape` relates depth to the viewing axis; `levels` are the codes that occur, if they are few.
     pub(super) fn depth_coding(&self, range: DepthRange, shape: Shape, levels: &Levels) -> Result<DepthCoding> {
         let TemporalSettings { window, epsilon, keyframe_interval, .. } = self.temporal;
         let nodes = || {
-            // A probe that sees one distance, or nothing, has no span for a logarithm.
+            // Linear and inverse domains need far = 1.003 near or more; a probe with one distance, or no surface, uses log.
             let domain = Domain::new(self.depth.domain, range).or_else(|_| Domain::new(DomainKind::Log, range))?;
             let bound = self.depth.error.codes(range)?;
             Ok(NodeHeader { window, epsilon, keyframe_interval, bound, domain: domain.parts })
@@ -441,7 +441,8 @@ impl EncodeSettings {
                 let tables = predictive::tables::Tables::with_own(self.depth_tables.clone());
                 let bound = self.depth.error.codes(range)?;
                 let steps = (u32::from(FAR_CODE) + 1) / (2 * u32::from(bound) + 1);
-                // No more levels than steps of the bound: half the bytes where steps are small, 2% more at worst measured, and exact.
+                // Use levels only if they are no more than the quantisation steps at this bound. Measured: half the bytes if the
+                // steps are small, 2% more at worst; levels are exact.
                 let is_few = !levels.is_empty() && levels.codes().len() as u32 <= steps;
                 let (bound, projection, levels) = if self.finds_levels() && is_few {
                     (0, Projection::default(), levels.clone())
@@ -481,7 +482,7 @@ mod tests {
         let single = DepthRange::new(2.0, 2.0).unwrap();
         assert_eq!(ErrorBound::Relative(0.1).codes(single).unwrap(), 0);
         assert_eq!(ErrorBound::Codes(7).codes(single).unwrap(), 7);
-        // Half a step is 0.1% of the distance.
+        // Half a quantisation step is 0.1% of the distance.
         let wide = DepthRange::new(1e-40, 1e38).unwrap();
         let refused = ErrorBound::Relative(0.001).codes(wide).unwrap_err().to_string();
         assert!(refused.contains("0.1%") && refused.contains("0.14%"), "{refused}");

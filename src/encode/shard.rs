@@ -1,4 +1,4 @@
-//! Cuts work on a source into shards, between segments of its streams.
+//! Divides the encode of a source into shards, at segment boundaries of its streams.
 
 use std::ops::Range;
 
@@ -7,20 +7,20 @@ use crate::encode::order::Order;
 use crate::error::{Error, Result, counted};
 use crate::image::{FrameRange, StreamKind};
 
-/// What shards are cut along.
+/// Granularity and order in which work is divided into shards.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ShardBy {
-    /// Streams, and segments of these in time: the most even shards.
+    /// Segments of streams in time; gives the most even shards.
     #[default]
     Segment,
     Probe,
-    /// Streams that are read from the same files.
+    /// Groups of streams that are read from the same files.
     Stream,
-    /// Segments of all streams, by time.
+    /// Segments of all streams, sorted by time.
     Time,
 }
 
-/// Which part of an encode, of how many.
+/// Number of a shard, and the number of shards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     /// From 1 to `count`.
@@ -29,18 +29,18 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Which of so many things in a row are this shard's: as many as any other has, or one more or less. `what` names one of
-    /// them in the error.
+    /// Returns the range of `total` consecutive items that belongs to this shard. The sizes of shards differ by at most one.
+    /// `what` names an item in the error.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a number out of range, and where there are more shards than things.
+    /// [`Error::Usage`] for a number out of range, and if there are more shards than items.
     pub fn range(self, total: u64, what: &str) -> Result<Range<u64>> {
         self.check(total, || format!("there can be at most {}, one for each {what}", counted(total, "shard")))?;
         let end_of = |number: u32| (u128::from(total) * u128::from(number) / u128::from(self.count)) as u64;
         Ok(end_of(self.number - 1)..end_of(self.number))
     }
 
-    /// Refuses a number out of range, and more shards than there can be, in these words.
+    /// Fails if the number is out of range, or with `words` if there are more than `most` shards.
     fn check(self, most: u64, words: impl FnOnce() -> String) -> Result<()> {
         let Shard { number, count } = self;
         if !(1..=count).contains(&number) {
@@ -53,25 +53,25 @@ impl Shard {
     }
 }
 
-/// Frames of a group.
+/// Consecutive frames of a group.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Segment {
-    /// Number of the group, in the order of the encode.
+    /// Index of the group in encoding order.
     pub ordered: usize,
     pub frames: FrameRange,
     pixels: u64,
 }
 
-/// Segments that stay together.
+/// Segments that must be in the same shard.
 struct Piece {
     segments: Vec<Segment>,
     pixels: u64,
 }
 
-/// The groups of a shard with their frames.
+/// Returns the groups of a shard with their frames.
 ///
 /// # Errors
-/// [`Error::Usage`] for a number out of range, and where the source cannot be cut into so many.
+/// [`Error::Usage`] for a number out of range, and if the source cannot be cut into so many shards.
 pub(super) fn groups_of_shard(
     order: &Order<'_>,
     length: impl Fn(StreamKind) -> u32,
@@ -94,7 +94,7 @@ pub(super) fn groups_of_shard(
     Ok(groups.into_iter().map(|(_, group)| group).collect())
 }
 
-/// The segments of a shard of work that needs no groups; none where there are more shards than segments.
+/// Returns the segments of a shard, for work that may have more shards than segments; shards beyond the last segment are empty.
 pub(super) fn segments_of_shard(
     order: &Order<'_>,
     length: impl Fn(StreamKind) -> u32,
@@ -107,7 +107,7 @@ pub(super) fn segments_of_shard(
     Ok(of_shard(&pieces, Shard { number, count })?.iter().flat_map(|piece| &piece.segments).copied().collect())
 }
 
-/// All segments of `length` frames, in the order in which they are dealt out.
+/// Returns all segments of `length` frames, grouped into pieces in the order in which they are assigned to shards.
 fn pieces(order: &Order<'_>, length: impl Fn(StreamKind) -> u32, by: ShardBy) -> Vec<Piece> {
     let mut segments: Vec<Segment> = Vec::new();
     for (ordered, group) in order.0.iter().enumerate() {
@@ -140,7 +140,7 @@ fn pieces(order: &Order<'_>, length: impl Fn(StreamKind) -> u32, by: ShardBy) ->
     segments.chunk_by(together).map(piece).collect()
 }
 
-/// The pieces of a shard: neighbours, with as even a share of the pixels as whole pieces allow, and at least one.
+/// Returns the pieces of a shard: consecutive, at least one, with as even a share of the pixels as whole pieces allow.
 fn of_shard(pieces: &[Piece], shard: Shard) -> Result<&[Piece]> {
     shard.check(pieces.len() as u64, || {
         format!("these streams can be cut into at most {} shards, or into more by another `shard_by`", pieces.len())

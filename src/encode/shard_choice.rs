@@ -1,4 +1,4 @@
-//! Shards of which a studio says what they have: probes, kinds of streams, and frames.
+//! Shards whose content the caller specifies: probes, kinds of streams, and frames.
 
 use crate::dataset::SourceGroup;
 use crate::encode::order::Order;
@@ -6,22 +6,22 @@ use crate::encode::source::FrameSource;
 use crate::error::{Error, Result};
 use crate::image::{FrameRange, StreamKind};
 
-/// What a shard has of all that is encoded. Empty lists and `None` mean all.
+/// Content of a shard. Empty lists and `None` mean all.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ShardChoice {
     /// Names of probes.
     pub probes: Vec<String>,
     /// Kinds of streams.
     pub kinds: Vec<StreamKind>,
-    /// Frames, which begin and end where segments of the streams do.
+    /// Frames. They must start and end at segment boundaries of the streams.
     pub frames: Option<FrameRange>,
 }
 
 impl ShardChoice {
-    /// The chosen groups with their frames, where streams of a kind can be cut every `length` frames.
+    /// Returns the chosen groups with their frames, if streams of a kind can be cut every `length` frames.
     ///
     /// # Errors
-    /// [`Error::Usage`] for unknown probes, for frames between which no stream can be cut, and where nothing is chosen.
+    /// [`Error::Usage`] for unknown probes, for frames that are not at segment boundaries, and if nothing is chosen.
     pub(super) fn groups(
         &self,
         source: &dyn FrameSource,
@@ -58,9 +58,9 @@ impl ShardChoice {
     }
 }
 
-/// Why frames are no whole segments of `length` frames: the nearest frames where they would be.
+/// Returns the nearest valid boundary, as words of an error, if `part` does not consist of whole segments of `length` frames.
 fn not_cut(all: FrameRange, part: FrameRange, length: u32) -> Option<String> {
-    // Frames that a segment has before this one.
+    // Offset of a frame from the start of its segment.
     let behind = |frame: u32| (frame - all.first) % length;
     let or = |words: Vec<u32>| words.iter().map(u32::to_string).collect::<Vec<_>>().join(" or ");
     if behind(part.first) != 0 {

@@ -1,4 +1,4 @@
-//! Where frames to encode come from: files of a dataset, or memory.
+//! Sources of frames to encode: the files of a dataset, or memory.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use crate::image::{
 };
 use crate::streams::MissingFrame;
 
-/// Probes, groups of streams that are read together, and their pixels. Frames are read in parallel.
+/// Source of frames: probes, groups of streams that are read together, and their pixels. Frames are read in parallel.
 pub trait FrameSource: Sync {
     fn name(&self) -> &str;
 
@@ -25,22 +25,22 @@ pub trait FrameSource: Sync {
 
     fn groups(&self) -> &[SourceGroup];
 
-    /// What decoders present as background, besides +inf.
+    /// Value that marks the background in the source files, in their unit; +inf always does.
     fn background(&self) -> f32 {
         f32::INFINITY
     }
 
-    /// What [`Self::read_depth`] measures.
+    /// Quantity that [`Self::read_depth`] returns: distance or planar depth.
     fn depth_kind(&self) -> DepthKind {
         DepthKind::Distance
     }
 
-    /// Near and far in metres, where the source states them.
+    /// Near and far in metres, if the source states them.
     fn stated_range(&self) -> [Option<f32>; 2] {
         [None; 2]
     }
 
-    /// Bytes that reading a frame of a group takes at most, with the planes that it delivers.
+    /// Upper bound in bytes of the memory for reading a frame of a group, including the planes that are returned.
     fn reading_bytes(&self, group: &SourceGroup) -> u64 {
         let value = match group.kind {
             StreamKind::Depth | StreamKind::Alpha => 4,
@@ -50,56 +50,59 @@ pub trait FrameSource: Sync {
         u64::from(group.width) * u64::from(group.height) * group.faces.len() as u64 * value
     }
 
-    /// Bytes of the tables that frames of these groups are read with, beside [`Self::reading_bytes`]: they are made once, and kept.
+    /// Size in bytes of the tables needed to read frames of these groups, in addition to [`Self::reading_bytes`]. They are built
+    /// once and kept.
     fn table_bytes(&self, _groups: &[&SourceGroup]) -> u64 {
         0
     }
 
-    /// Depth of a frame in metres, one plane a face: +inf for the background, 0 for an invalid depth that becomes near.
+    /// Reads the depth of a frame in metres, one plane per face: +inf for the background, 0 for an invalid depth that becomes
+    /// near.
     ///
     /// # Errors
-    /// Names the file.
+    /// Fails if a file cannot be read or has invalid values; the error names the file.
     fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>>;
 
-    /// Of colour.
+    /// Primaries of the colour that [`Self::read_color`] returns.
     fn primaries(&self) -> Primaries {
         Primaries::REC709
     }
 
-    /// Frames of a group whose file is missing, and the frame in their place; `None` for black light and background.
+    /// Frames of a group whose file is missing, each with the frame that replaces it; `None` for black and background.
     fn missing_frames(&self, _group: &SourceGroup) -> Vec<(u32, Option<u32>)> {
         Vec::new()
     }
 
-    /// Linear colour of a frame, of [`Self::primaries`], one plane a face.
+    /// Reads the linear colour of a frame in [`Self::primaries`], one plane per face.
     ///
     /// # Errors
     /// As for [`Self::read_depth`].
     fn read_color(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>>;
 
-    /// Reflection weight, refraction weight and index of refraction of a frame, one plane a face.
+    /// Reads reflection weight, refraction weight and index of refraction of a frame, one plane per face.
     ///
     /// # Errors
     /// As for [`Self::read_depth`].
     fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>>;
 
-    /// Alpha of a frame, 0 to 1, one plane a face.
+    /// Reads the alpha of a frame, 0 to 1, one plane per face.
     ///
     /// # Errors
     /// As for [`Self::read_depth`].
     fn read_alpha(&self, group: &SourceGroup, frame: u32) -> Result<Vec<AlphaPlane>>;
 
-    /// The files that pixels of a frame follow from, or of that in its place: its own, and for colour of a PNG file that of its alpha.
-    /// None in memory, and for black.
+    /// Files that the pixels of a frame, or of the frame that replaces it, are read from: its own file, and for colour in a PNG
+    /// file the file of its alpha. Empty for frames in memory and for black frames.
     ///
     /// # Errors
-    /// The group has no such frame.
+    /// Fails if the group has no such frame.
     fn files(&self, _group: &SourceGroup, _frame: u32) -> Result<Vec<PathBuf>> {
         Ok(Vec::new())
     }
 
-    /// A digest of all that pixels of a frame follow from, where the source has one: shards of an encode join only where the digests
-    /// of all frames are equal. `None` takes that of the bytes of [`Self::files`], else that of the pixels.
+    /// Digest of all data that the pixels of a frame depend on, if the source has one. Shards of an encode can only be joined if
+    /// the digests of all frames are equal. If `None`, the digest is computed from the bytes of [`Self::files`], or from the
+    /// pixels if there are no files.
     ///
     /// # Errors
     /// As for [`Self::files`].
@@ -107,17 +110,17 @@ pub trait FrameSource: Sync {
         Ok(None)
     }
 
-    /// Scans of its depth that were made before; `None` where the encoder is to scan.
+    /// Scans of the depth images from an earlier run; `None` if the encoder has to scan.
     fn scans(&self) -> Option<&Scans> {
         None
     }
 
-    /// What a container says of it beside its index (container.md 6.4).
+    /// Attributes of the container (container.md 6.4).
     fn attributes(&self) -> Attributes {
         Attributes::default()
     }
 
-    /// Settings that pixels depend on, by name and value; an interrupted encode continues only with equal ones.
+    /// Names and values of the settings that pixels depend on. An interrupted encode can only be resumed if they are equal.
     fn configuration(&self) -> Vec<(&'static str, String)> {
         Vec::new()
     }
@@ -198,7 +201,7 @@ impl FrameSource for Source {
     }
 }
 
-/// A group of a source, with its index.
+/// A group of a source, with its index in [`FrameSource::groups`].
 #[derive(Debug, Clone, Copy)]
 pub struct GroupRef<'a> {
     pub at: usize,
@@ -216,7 +219,7 @@ pub fn selected_groups<'a>(source: &'a dyn FrameSource, settings: &EncodeSetting
     groups.filter(|group| settings.kinds.contains(&group.group.kind)).collect()
 }
 
-/// Missing frames of a group, as a container lists them.
+/// Missing frames of a group, in the form that a container stores.
 pub(super) fn missing_frames(source: &dyn FrameSource, group: &SourceGroup) -> Vec<MissingFrame> {
     let probe = &source.probes()[group.probe].name;
     let of_frame = |(frame, held)| {

@@ -21,13 +21,13 @@ fn depth_groups(source: &dyn FrameSource) -> Vec<GroupRef<'_>> {
     selected_groups(source, &EncodeSettings { kinds: vec![StreamKind::Depth], ..EncodeSettings::default() })
 }
 
-/// Images that [`measure`] advances its monitor by.
+/// Number of images that [`measure`] advances its monitor by.
 pub fn images(source: &dyn FrameSource) -> u64 {
     depth_groups(source).iter().map(GroupRef::images).sum()
 }
 
-/// Models all tiles of all depth images with each function, without a bound. Of the settings, near, far, domain and
-/// effort count.
+/// Fits each modelling function to every 8x8 tile of all depth images, without an error bound. Of the settings only near, far,
+/// domain and effort are used.
 pub fn measure(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dyn Monitor) -> Result<TilePsnr> {
     let mut found = TilePsnr::default();
     let all = depth_groups(source);
@@ -60,7 +60,7 @@ pub fn measure(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dy
     Ok(found)
 }
 
-/// PSNR of tiles as a report in JSON. Keys of the maps are names of models.
+/// JSON report of the PSNR of tiles. The keys of the maps are model names.
 #[derive(Debug, Serialize)]
 pub struct TileQualityReport {
     tiles: u64,

@@ -1,4 +1,4 @@
-//! The units of a group: each has an encoder, which turns its rectangle of every frame into chunks.
+//! Units of a group (tiles or cells). Each unit has an encoder that turns its rectangle of every frame into chunks.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -38,7 +38,7 @@ enum Unit {
     TransformHalf(TransformEncoder<HalfKey>),
 }
 
-/// Progress in images, whose units are done in any order.
+/// Progress in images, computed from the number of coded units. Units complete in any order.
 pub(super) struct Pace<'a> {
     monitor: &'a dyn Monitor,
     units: u64,
@@ -56,16 +56,16 @@ impl<'a> Pace<'a> {
         self.monitor.advance(self.images(before + units) - self.images(before));
     }
 
-    /// Images are counted as if units were done evenly.
+    /// Number of complete images if `units` coded units were spread evenly over the images.
     fn images(&self, units: u64) -> u64 {
         units * self.faces / self.units
     }
 }
 
 pub(super) struct Batch {
-    /// The first frame, counted from the group's first.
+    /// First frame, relative to the first frame of the group.
     pub first: u32,
-    /// By frame, then by face.
+    /// Pictures by frame, then by face.
     pub pictures: Vec<Vec<Coded>>,
 }
 
@@ -75,19 +75,19 @@ pub(super) struct UnitPlace {
     pub face: usize,
     pub stream: u32,
     pub unit: u32,
-    /// Left, top, width and height in the face.
+    /// Left, top, width and height in pixels of the face.
     pub rect: [u32; 4],
-    /// Frames of the group that an earlier run has coded.
+    /// Number of frames of the group before the first frame of the encoder; initially, those that an earlier run has coded.
     pub start: u32,
-    /// Where the search goes on behind them.
+    /// Initial state of the search, saved by the earlier run after its last complete chunk.
     pub search: Option<Start>,
 }
 
 pub(super) struct Closed {
-    /// Index of the picture that closed the chunk.
+    /// Index within the batch of the picture that closed the chunk.
     pub by: usize,
     pub chunk: PackedChunk,
-    /// Where the search of the next chunk starts.
+    /// Initial state of the search for the next chunk.
     pub search: Option<Start>,
 }
 
@@ -108,7 +108,7 @@ impl UnitJob {
         Ok(UnitJob { place, encoder, memory })
     }
 
-    /// Codes this unit of each picture; returns the chunks that were closed.
+    /// Codes this unit of each picture and returns the chunks that were closed.
     pub fn push(&mut self, batch: &Batch, coder: &GroupCoder<'_>, pace: &Pace<'_>) -> Result<Vec<Closed>> {
         let mut closed = Vec::new();
         let segment_frames = coder.settings.segment_frames(coder.group.kind);
@@ -213,7 +213,7 @@ impl Unit {
             (Unit::TransformHalf(encoder), Coded::Half(plane)) => {
                 encoder.push(cut(plane, rect).as_flattened(), coder.pu21()?)
             }
-            // A group's images and units are made from one header.
+            // Pictures and units of a group are built from the same header, so this does not occur.
             _ => Err(Error::invalid("a picture of another kind than its unit")),
         }
     }
@@ -267,7 +267,7 @@ fn transform_encoder<S: Keyed>(
     TransformEncoder::new(format, settings.search, settings.color_chunk, Arc::clone(tables))
 }
 
-/// The pixels of a rectangle (left, top, width, height), row-major.
+/// Returns the pixels of a rectangle (left, top, width, height), row-major.
 fn cut<T: Copy>(plane: &Plane<T>, [left, top, width, height]: [u32; 4]) -> Vec<T> {
     let mut pixels = Vec::with_capacity(width as usize * height as usize);
     for y in top..top + height {

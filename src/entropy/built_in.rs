@@ -1,16 +1,16 @@
-//! Entropy tables of a format's file, read by the compiler.
+//! Built-in entropy tables: a file of the format, parsed at compile time.
 
 use crate::entropy::text_reader::TextReader;
 use crate::entropy::{Distribution, Family};
 
-/// What a file of the format says: the distribution of each context, and the built-in sets.
+/// Content of a table file of the format: the distribution of each context, and the built-in sets.
 pub struct BuiltIn<const CONTEXTS: usize, const CLUSTERS: usize, const SETS: usize> {
     pub cluster_of: [u8; CONTEXTS],
     pub sets: [[Distribution; CLUSTERS]; SETS],
 }
 
 impl<const CONTEXTS: usize, const CLUSTERS: usize, const SETS: usize> BuiltIn<CONTEXTS, CLUSTERS, SETS> {
-    /// Fails at compile time if the text is not of this form.
+    /// Parses a table file. Fails at compile time if the text is malformed.
     pub const fn parse(text: &[u8], families: &[Family], alphabets: &[u8; CLUSTERS]) -> Self {
         let mut reader = TextReader::new(text);
         let mut cluster_of = [0; CONTEXTS];

@@ -1,15 +1,15 @@
-//! Distributions of symbols in 4096ths (entropy.md 2).
+//! Static distributions of symbols, with frequencies in 4096ths (entropy.md 2).
 
 use crate::container::fields::Fields;
 use crate::container::serialize::PutFields;
 use crate::error::Result;
 
-/// Most values of a symbol.
+/// Maximum size of an alphabet.
 pub const SYMBOLS: usize = 16;
 pub const PRECISION: u32 = 12;
 pub const SLOTS: u16 = 1 << PRECISION;
 
-/// Symbol s owns the slots `starts[s]..starts[s + 1]` of 4096.
+/// A distribution: symbol s has the slots `starts[s]..starts[s + 1]` of 4096.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Distribution {
     starts: [u16; SYMBOLS + 1],
@@ -23,7 +23,7 @@ impl Distribution {
         Distribution { starts }
     };
 
-    /// `frequencies` sum to 4096.
+    /// Creates a distribution from frequencies, which must sum to 4096.
     pub const fn of_frequencies(frequencies: &[u16; SYMBOLS]) -> Distribution {
         let mut starts = [0; SYMBOLS + 1];
         let mut symbol = 0;
@@ -45,13 +45,13 @@ impl Distribution {
         u32::from(self.starts[symbol + 1] - self.starts[symbol])
     }
 
-    /// The symbol that owns a slot.
+    /// Returns the symbol of a slot.
     #[inline(always)]
     pub fn symbol(&self, slot: u16) -> usize {
         if slot < self.starts[1] {
             return 0;
         }
-        // Counted in vectors: later symbols start beyond the slot.
+        // A branch-free count, which vectorises: all later symbols start after the slot.
         let [starts @ .., _] = &self.starts;
         let count = starts.iter().fold(0, |count, &start| count + i16::from(start as i16 <= slot as i16));
         count as usize - 1
@@ -61,7 +61,7 @@ impl Distribution {
         &self.starts
     }
 
-    /// Reads the frequencies of all symbols of an alphabet except the last, which has what is left of 4096.
+    /// Reads the frequencies of all symbols of an alphabet except the last, which has the rest of 4096.
     pub fn read(fields: &mut Fields<'_>, alphabet: usize) -> Result<Distribution> {
         let mut starts = [SLOTS; SYMBOLS + 1];
         starts[0] = 0;
@@ -75,7 +75,7 @@ impl Distribution {
         Ok(Distribution { starts })
     }
 
-    /// The reverse of [`Distribution::read`].
+    /// Writes the distribution, as [`Distribution::read`] reads it.
     pub fn write(&self, alphabet: usize, out: &mut Vec<u8>) {
         for symbol in 0..alphabet - 1 {
             out.put_varint(self.frequency(symbol).into());
@@ -88,14 +88,15 @@ mod encode {
     use super::{Distribution, SLOTS, SYMBOLS};
 
     impl Distribution {
-        /// The distribution that codes `counts` in nearly the fewest bits; each symbol of the alphabet has a slot.
+        /// Returns a distribution that codes `counts` in nearly the fewest bits; each symbol of the alphabet has at least one
+        /// slot.
         pub fn of_counts(counts: &[u64; SYMBOLS], alphabet: usize) -> Distribution {
             let total = counts.iter().sum::<u64>().max(1);
             let mut frequencies = [0u64; SYMBOLS];
             for (frequency, &count) in frequencies.iter_mut().zip(counts).take(alphabet) {
                 *frequency = ((count * u64::from(SLOTS) + total / 2) / total).max(1);
             }
-            // Rounding is repaired where it changes the relative error of a frequency least.
+            // Corrects the rounding error of the sum in the largest frequency, where it changes the relative error least.
             let mut sum: u64 = frequencies.iter().sum();
             while sum != u64::from(SLOTS) {
                 let most = |&symbol: &usize| frequencies[symbol];

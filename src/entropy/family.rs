@@ -1,6 +1,6 @@
-//! Families of symbols: contexts, and the distributions that they share.
+//! Symbol families: contexts, and the distributions that they share.
 
-/// Symbols of one kind: their contexts, the values that they have, and the distributions that their contexts share.
+/// Symbols of one kind: number of contexts, size of the alphabet, and the distributions (clusters) that the contexts share.
 #[derive(Debug, Clone, Copy)]
 pub struct Family {
     pub first_context: usize,
@@ -11,12 +11,12 @@ pub struct Family {
 }
 
 impl Family {
-    /// The first family of a codec.
+    /// Creates the first family of a codec.
     pub const fn first(contexts: usize, alphabet: usize, clusters: usize) -> Family {
         Family { first_context: 0, contexts, alphabet, first_cluster: 0, clusters }
     }
 
-    /// The family whose contexts and distributions are numbered behind those of `before`.
+    /// Creates a family whose contexts and clusters are numbered after those of `before`.
     pub const fn after(before: Family, contexts: usize, alphabet: usize, clusters: usize) -> Family {
         Family {
             first_context: before.first_context + before.contexts,
@@ -27,7 +27,7 @@ impl Family {
         }
     }
 
-    /// Values of the symbols of each distribution of all families of a codec.
+    /// Alphabet size of each cluster of all families of a codec.
     pub const fn alphabets<const CLUSTERS: usize>(families: &[Family]) -> [u8; CLUSTERS] {
         let mut alphabets = [0; CLUSTERS];
         let mut at = 0;

@@ -1,6 +1,6 @@
-//! Entropy coding with static distributions (entropy.md): rANS over symbols of at most 16 values.
+//! Entropy coding with static distributions (entropy.md): rANS with alphabets of at most 16 symbols.
 //!
-//! Probabilities are not adapted while decoding, so that substreams are independent and a device decodes each in one lane.
+//! Distributions do not adapt during decoding, so that substreams are independent and a GPU decodes each in one lane.
 
 #![doc(hidden)]
 

@@ -1,4 +1,4 @@
-//! Counts of symbols, and the bits that they take.
+//! Symbol counts, and the price of symbols in bits.
 
 use std::marker::PhantomData;
 use std::sync::LazyLock;
@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use crate::entropy::distribution::SLOTS;
 use crate::entropy::{Distribution, Model, SYMBOLS, TableSet, Tables};
 
-/// Symbols by distribution.
+/// Number of each symbol, by distribution.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Counts<M>(Box<[[u64; SYMBOLS]]>, PhantomData<M>);
 
@@ -17,7 +17,7 @@ impl<M: Model> Default for Counts<M> {
 }
 
 impl<M: Model> Counts<M> {
-    /// Memory of counts.
+    /// Size in bytes.
     pub const BYTES: u64 = (M::ALPHABETS.len() * size_of::<[u64; SYMBOLS]>()) as u64;
 
     #[inline(always)]
@@ -32,12 +32,12 @@ impl<M: Model> Counts<M> {
         }
     }
 
-    /// All symbols.
+    /// Number of all symbols.
     pub fn total(&self) -> u64 {
         self.0.as_flattened().iter().sum()
     }
 
-    /// The counts of each distribution's symbols.
+    /// Symbol counts of each distribution.
     pub fn by_cluster(&self) -> &[[u64; SYMBOLS]] {
         &self.0
     }
@@ -46,21 +46,21 @@ impl<M: Model> Counts<M> {
         &mut self.0
     }
 
-    /// The set that suits the counts.
+    /// Returns the table set that is fitted to the counts.
     pub fn fitted(&self) -> TableSet<M> {
         let fit = |(counts, &alphabet): (&[u64; SYMBOLS], &u8)| Distribution::of_counts(counts, alphabet.into());
         TableSet::new(&self.0.iter().zip(M::ALPHABETS).map(fit).collect::<Vec<_>>())
     }
 }
 
-/// Bits of each symbol of each distribution of a set.
+/// Price in bits of each symbol of each distribution of a table set.
 #[derive(Debug, Clone)]
 pub struct Prices<M>(Box<[[f32; SYMBOLS]]>, PhantomData<M>);
 
-/// Bits of a symbol that a distribution does not have: never worth it.
+/// Price in bits of a symbol that a distribution cannot code; too high to be chosen.
 const IMPOSSIBLE: f32 = 1000.0;
 
-/// log2 of 1 to 4096 by arithmetic that is the same on all machines.
+/// log2 of 1 to 4096, with arithmetic that is the same on all machines.
 fn log2(value: u32) -> f32 {
     let whole = value.ilog2();
     let mut mantissa = f64::from(value) / f64::from(1u32 << whole);
@@ -92,7 +92,7 @@ impl<M: Model> Prices<M> {
         self.0[M::cluster_of(context)][symbol]
     }
 
-    /// Bits of all symbols that were counted.
+    /// Bits of all counted symbols.
     pub fn total(&self, counts: &Counts<M>) -> f64 {
         let bits = |(counts, prices): (&[u64; SYMBOLS], &[f32; SYMBOLS])| -> f64 {
             counts.iter().zip(prices).map(|(&count, &price)| count as f64 * f64::from(price)).sum()
@@ -101,7 +101,7 @@ impl<M: Model> Prices<M> {
     }
 }
 
-/// Table sets with the bits of their symbols; made once for all units.
+/// Table sets with the prices of their symbols; computed once for all units.
 #[derive(Debug)]
 pub struct PricedTables<M> {
     pub tables: Tables<M>,
@@ -114,13 +114,13 @@ impl<M: Model> PricedTables<M> {
         PricedTables { tables, prices }
     }
 
-    /// The set that codes the symbols in the fewest bits, the first of equal ones, and the bits.
+    /// Returns the table set that codes the symbols in the fewest bits (the first, if equal), and the bits.
     pub fn cheapest(&self, counts: &Counts<M>) -> (usize, f64) {
         cheapest(&self.prices, counts)
     }
 }
 
-/// The first of the prices by which the symbols take the fewest bits, and the bits.
+/// Returns the index of the prices that give the fewest bits for the symbols (the first, if equal), and the bits.
 pub fn cheapest<M: Model>(prices: &[Prices<M>], counts: &Counts<M>) -> (usize, f64) {
     let bits = prices.iter().map(|prices| prices.total(counts)).enumerate();
     bits.reduce(|best, next| if next.1 < best.1 { next } else { best }).unwrap_or_default()

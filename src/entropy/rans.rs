@@ -1,19 +1,19 @@
-//! rANS with a state of 32 bits and renormalisation by 16 (entropy.md 3).
+//! rANS with a 32-bit state and renormalisation by 16 bits (entropy.md 3).
 //!
-//! Based on: Jarek Duda, *Asymmetric numeral systems*, 2013. The decoder reads forwards, the encoder works backwards.
+//! Based on: Jarek Duda, *Asymmetric numeral systems*, 2013. The decoder reads forwards; the encoder writes backwards.
 
 use crate::entropy::distribution::{Distribution, PRECISION};
 
-/// States between symbols lie in 2¹⁶..2³².
+/// Lower bound of the state: between symbols it is in 2¹⁶..2³².
 pub const LOW: u32 = 1 << 16;
-/// Most bits of one raw value.
+/// Maximum number of raw bits that are read at once.
 const RAW_BITS: u32 = 12;
 
-/// Where a decoder stands in its bytes, for [`Decoder::resume`].
+/// Position of a decoder in its bytes, for [`Decoder::resume`].
 #[derive(Debug, Clone, Copy)]
 pub struct Mark {
     state: u32,
-    /// Bytes that are not read.
+    /// Number of unread bytes.
     left: usize,
     missing: bool,
 }
@@ -22,13 +22,13 @@ pub struct Mark {
 pub struct Decoder<'a> {
     state: u32,
     words: &'a [u8],
-    /// Whether a word was needed after the end.
+    /// True if a word was read past the end.
     missing: bool,
 }
 
 impl<'a> Decoder<'a> {
-    /// A substream of fewer than four bytes is a state in short form, without words; one with a state that no encoder leaves
-    /// counts as too short.
+    /// Starts at the first byte. A substream of fewer than four bytes is a state in short form, without words. A substream
+    /// with a state below [`LOW`], which no encoder writes, counts as too short.
     pub fn new(bytes: &'a [u8]) -> Self {
         match bytes.split_first_chunk() {
             Some((state, words)) => {
@@ -46,7 +46,7 @@ impl<'a> Decoder<'a> {
         Mark { state: self.state, left: self.words.len(), missing: self.missing }
     }
 
-    /// Goes on where another decoder of the same bytes stood.
+    /// Continues at the position of another decoder of the same bytes.
     pub fn resume(bytes: &'a [u8], mark: Mark) -> Self {
         let words = bytes.len().checked_sub(mark.left).and_then(|at| bytes.get(at..)).unwrap_or_default();
         Decoder { state: mark.state, words, missing: mark.missing }
@@ -72,7 +72,7 @@ impl<'a> Decoder<'a> {
         high << RAW_BITS | self.few_bits(RAW_BITS)
     }
 
-    /// At most [`RAW_BITS`] bits.
+    /// Reads at most [`RAW_BITS`] raw bits.
     #[inline(always)]
     fn few_bits(&mut self, count: u32) -> u32 {
         let value = self.state & ((1 << count) - 1);
@@ -98,23 +98,24 @@ impl<'a> Decoder<'a> {
         }
     }
 
-    /// Bits of what is not decoded yet, with fractions: log₂ of the state, and 16 for each word.
+    /// Remaining information in bits, with a fraction: log₂ of the state over that of [`LOW`], and 16 for each unread word.
     pub fn bits_left(&self) -> f64 {
         f64::from(self.state.max(1)).log2() - f64::from(LOW).log2() + 8.0 * self.words.len() as f64
     }
 
-    /// Whether more was read than there is.
+    /// True if the decoder has read past the end.
     pub fn is_short(&self) -> bool {
         self.missing
     }
 
-    /// Whether the substream ends here: all words are read, none was missing, and the state is the encoder's first.
+    /// True if the substream ends at this position: all words are read, none was missing, and the state is the encoder's
+    /// initial state.
     pub fn finished(&self) -> bool {
         self.state == LOW && self.words.is_empty() && !self.missing
     }
 }
 
-/// What is coded, in the order of decoding.
+/// A coded symbol or value, in decoding order.
 #[cfg(feature = "encode")]
 #[derive(Debug, Clone, Copy)]
 enum Step {
@@ -130,7 +131,7 @@ pub struct Encoder {
 
 #[cfg(feature = "encode")]
 impl Encoder {
-    /// Appends a symbol that has a frequency above 0.
+    /// Appends a symbol, whose frequency must be above 0.
     pub fn symbol(&mut self, distribution: &Distribution, symbol: usize) {
         let (start, frequency) = (distribution.start(symbol) as u16, distribution.frequency(symbol) as u16);
         self.steps.push(Step::Symbol { start, frequency });

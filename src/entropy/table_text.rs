@@ -1,4 +1,4 @@
-//! Table sets as text, in the form of formats/color-tables.txt and formats/depth-tables.txt (entropy.md 4).
+//! Text form of table sets, as in formats/color-tables.txt and formats/depth-tables.txt (entropy.md 4).
 
 use std::fmt::Write;
 use std::io::Read;
@@ -9,10 +9,10 @@ use crate::entropy::{Model, TableSet};
 use crate::error::{Error, Result};
 use crate::files::open_regular;
 
-/// A set takes some 5 kB.
+/// Maximum size of a file in bytes; a set takes about 5 kB.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Reads all sets of a file, at least one.
+/// Reads all sets of a file; there must be at least one.
 pub fn read_file<M: Model>(path: &Path) -> Result<Vec<TableSet<M>>> {
     let mut text = Vec::new();
     open_regular(path)?.take(MAX_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
@@ -58,7 +58,7 @@ fn check(reader: &TextReader<'_>) -> Result<()> {
     })
 }
 
-/// The reverse of [`read`].
+/// Writes table sets as [`read`] reads them.
 pub fn write<M: Model>(sets: &[TableSet<M>]) -> String {
     let mut text = format!(
         "# {}: decimal numbers.\n# Clusters of contexts, counted from the first of their family; a line for each family.\n",

@@ -1,5 +1,5 @@
-//! Entropy models: the contexts of a codec's symbols, the distributions that they share, and table sets, the built-in ones of its
-//! format and those that a stream brings along (entropy.md 4).
+//! Entropy models: the contexts of a codec's symbols, the distributions that they share, and table sets: the built-in ones of
+//! a format and a stream's own ones (entropy.md 4).
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -9,32 +9,32 @@ use crate::container::fields::Fields;
 use crate::entropy::{Distribution, Family};
 use crate::error::Result;
 
-/// Most sets that a stream brings along.
+/// Maximum number of a stream's own sets.
 pub const MAX_OWN: usize = 8;
 
 /// The entropy model of a codec.
 pub trait Model: Debug + Clone + Copy + PartialEq + Eq + Send + Sync + 'static {
-    /// The first line of [`Model::FILE`], up to its colon.
+    /// First line of [`Model::FILE`], up to its colon.
     const TITLE: &'static str;
-    /// The file of the format that has the contexts' distributions and the built-in sets.
+    /// File of the format with the distribution of each context and the built-in sets.
     const FILE: &'static str;
     const FAMILIES: &'static [Family];
-    /// Values of the symbols of each distribution.
+    /// Alphabet size of each distribution.
     const ALPHABETS: &'static [u8];
 
-    /// The distribution of a context.
+    /// Returns the index of the distribution of a context.
     fn cluster_of(context: usize) -> usize;
 
-    /// The built-in sets alone.
+    /// Returns the built-in sets, without own ones.
     fn built_in() -> &'static Tables<Self>;
 }
 
-/// The distributions of a model.
+/// A table set: all distributions of a model.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TableSet<M>(Arc<[Distribution]>, PhantomData<M>);
 
 impl<M: Model> TableSet<M> {
-    /// As many distributions as the model has.
+    /// Creates a set; the number of distributions must be that of the model.
     pub fn new(distributions: &[Distribution]) -> TableSet<M> {
         debug_assert_eq!(distributions.len(), M::ALPHABETS.len());
         TableSet(distributions.into(), PhantomData)
@@ -55,7 +55,7 @@ impl<M: Model> TableSet<M> {
     }
 }
 
-/// The sets that payloads of a stream name: the built-in ones, then the stream's own.
+/// Table sets that payloads of a stream refer to: the built-in ones, then the stream's own.
 #[derive(Debug, Clone)]
 pub struct Tables<M> {
     sets: Arc<Vec<TableSet<M>>>,
@@ -77,13 +77,13 @@ impl<M: Model> Default for Tables<M> {
 }
 
 impl<M: Model> Tables<M> {
-    /// The built-in sets of a model, for [`Model::built_in`].
+    /// Creates the built-in sets of a model, for [`Model::built_in`].
     pub fn of_format<const CLUSTERS: usize>(sets: &[[Distribution; CLUSTERS]]) -> Tables<M> {
         let tables = Tables::of_sets(sets.iter().map(|set| TableSet::new(set)).collect());
         Tables { built_in: sets.len(), ..tables }
     }
 
-    /// These sets alone: none is built in.
+    /// Creates tables of these sets only, without the built-in ones.
     pub fn of_sets(sets: Vec<TableSet<M>>) -> Tables<M> {
         Tables { sets: Arc::new(sets), built_in: 0 }
     }
@@ -97,12 +97,12 @@ impl<M: Model> Tables<M> {
         &self.sets
     }
 
-    /// Sets that are not built in.
+    /// Returns the sets that are not built in.
     pub fn own(&self) -> &[TableSet<M>] {
         &self.sets[self.built_in..]
     }
 
-    /// Reads `count` sets of a stream's own.
+    /// Reads `count` own sets of a stream.
     pub fn read(fields: &mut Fields<'_>, count: u8) -> Result<Tables<M>> {
         let count = usize::from(count);
         if count > MAX_OWN {
@@ -119,7 +119,7 @@ impl<M: Model> Tables<M> {
         self.own().len() as u8
     }
 
-    /// Writes the own sets, the reverse of [`Tables::read`].
+    /// Writes the own sets, as [`Tables::read`] reads them.
     pub fn write(&self, out: &mut Vec<u8>) {
         for set in self.own() {
             for (distribution, &alphabet) in set.distributions().iter().zip(M::ALPHABETS) {

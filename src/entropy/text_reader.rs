@@ -1,5 +1,5 @@
-//! Reads entropy tables in the text form of formats/color-tables.txt (entropy.md 4). The compiler reads the
-//! built-in sets with it, an encoder the set of a stream.
+//! Reader of entropy tables in the text form of formats/color-tables.txt (entropy.md 4). It parses the built-in sets at
+//! compile time, and the own sets of a stream in an encoder.
 
 use crate::entropy::distribution::SLOTS;
 use crate::entropy::{Distribution, Family, SYMBOLS};
@@ -11,13 +11,14 @@ pub enum Fault {
     TooLarge {
         most: u16,
     },
-    /// An encoder needs a frequency of at least 1 for each symbol.
+    /// A frequency of 0: an encoder needs at least 1 for each symbol.
     NoFrequency,
     /// Frequencies that do not sum to 4096.
     Sum(u32),
 }
 
-/// The first fault stays, with its line, and what is read from there on has no meaning: the compiler has no `?`.
+/// Keeps the first fault and its line; values that are read after it have no meaning. Functions at compile time cannot use
+/// `?`.
 #[derive(Debug)]
 pub struct TextReader<'a> {
     text: &'a [u8],
@@ -31,7 +32,7 @@ impl<'a> TextReader<'a> {
         TextReader { text, at: 0, line: 1, fault: None }
     }
 
-    /// The first fault and its line.
+    /// Returns the first fault and its line.
     pub const fn fault(&self) -> Option<(Fault, usize)> {
         match self.fault {
             Some(fault) => Some((fault, self.line)),
@@ -43,7 +44,7 @@ impl<'a> TextReader<'a> {
         self.line
     }
 
-    /// Whether only blanks and comments are left.
+    /// True if only whitespace and comments remain.
     pub const fn is_at_end(&mut self) -> bool {
         let mut in_comment = false;
         while self.fault.is_none() && self.at < self.text.len() {
@@ -61,12 +62,12 @@ impl<'a> TextReader<'a> {
         self.at == self.text.len()
     }
 
-    /// A number of the contexts' part: the distribution of a context, counted from the first of all families.
+    /// Reads the cluster of a context of `family`; returns its index among the clusters of all families.
     pub const fn cluster(&mut self, family: Family) -> u8 {
         (family.first_cluster + self.number(family.clusters as u16 - 1) as usize) as u8
     }
 
-    /// The distributions of all clusters, whose symbols have as many values as `alphabets` says.
+    /// Reads the distributions of all clusters; `alphabets` has their alphabet sizes.
     pub const fn set<const CLUSTERS: usize>(&mut self, alphabets: &[u8; CLUSTERS]) -> [Distribution; CLUSTERS] {
         let mut set = [Distribution::CERTAIN; CLUSTERS];
         let mut cluster = 0;

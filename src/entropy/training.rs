@@ -1,24 +1,24 @@
-//! Table sets from counts of symbols: payloads are grouped by the set that codes them in the fewest bits.
+//! Trains table sets from symbol counts: payloads are grouped by the set that codes them in the fewest bits.
 
 use crate::entropy::prices::cheapest;
 use crate::entropy::{Counts, Model, PricedTables, Prices, TableSet, Tables};
 
-/// Most rounds of grouping.
+/// Maximum iterations of grouping.
 const ROUNDS: usize = 8;
-/// A trained set has seen each symbol as often as it is among so many of its cluster in the built-in sets: symbols that
-/// training footage lacks occur in other footage.
+/// Weight, in symbols per cluster, of the built-in sets as a prior of a trained set: symbols that are missing in the training
+/// footage occur in other footage.
 const PRIOR_SYMBOLS: u64 = 64;
 
-/// Symbols of a payload, and the size of what codes them.
+/// Symbol counts of a payload, and its size.
 #[derive(Debug)]
 pub struct PayloadCounts<M> {
     pub counts: Counts<M>,
     pub bytes: u64,
-    /// Bits of the symbols with the payload's set.
+    /// Bits of the symbols with the payload's own table set.
     pub bits: f64,
 }
 
-/// Counts of payloads, from which sets are trained.
+/// Symbol counts of payloads, from which sets are trained.
 #[derive(Debug)]
 pub struct Trainer<M> {
     payloads: Vec<PayloadCounts<M>>,
@@ -37,12 +37,12 @@ impl<M: Model> Trainer<M> {
         self.payloads.iter().map(|payload| payload.counts.total()).sum()
     }
 
-    /// Bytes of all payloads.
+    /// Total bytes of all payloads.
     pub fn bytes(&self) -> u64 {
         self.payloads.iter().map(|payload| payload.bytes).sum()
     }
 
-    /// Bytes of the same symbols where each payload has the cheapest set of these tables.
+    /// Total bytes if each payload uses the cheapest set of these tables.
     pub fn bytes_with(&self, tables: &PricedTables<M>) -> u64 {
         let saved_bits = self.payloads.iter().map(|payload| payload.bits - tables.cheapest(&payload.counts).1);
         (self.bytes() as f64 - saved_bits.sum::<f64>() / 8.0).round() as u64
@@ -50,7 +50,7 @@ impl<M: Model> Trainer<M> {
 
     /// Trains `sets` table sets.
     pub fn train(&self, sets: usize) -> Vec<TableSet<M>> {
-        // The first groups are payloads in the order of their number of symbols.
+        // The initial groups are payloads sorted by their number of symbols.
         let mut order: Vec<usize> = (0..self.payloads.len()).collect();
         order.sort_by_key(|&at| (self.payloads[at].counts.total(), at));
         let mut group_of = vec![0; self.payloads.len()];
@@ -74,7 +74,7 @@ impl<M: Model> Trainer<M> {
     fn sets_of(&self, group_of: &[usize], sets: usize) -> Vec<TableSet<M>> {
         let built_in = Tables::<M>::default();
         let mut sums = vec![prior(&built_in); sets];
-        // A symbol counts as PRIOR_SYMBOLS are of the frequencies of all built-in sets.
+        // The prior has 4096 counts per built-in set and cluster, and weighs as much as PRIOR_SYMBOLS symbols.
         let scale = 4096 * built_in.sets().len() as u64 / PRIOR_SYMBOLS;
         for (payload, &group) in self.payloads.iter().zip(group_of) {
             sums[group].add(&payload.counts, scale);
@@ -102,7 +102,7 @@ mod tests {
     use crate::depth::predictive::tables::Predictive;
     use crate::entropy::SYMBOLS;
 
-    /// Payloads of one symbol of the first cluster, so many times.
+    /// Payloads that have `count` times one symbol of the first cluster.
     fn payloads(symbols: &[(usize, u64)]) -> Trainer<Transform> {
         let payload = |&(symbol, count): &(usize, u64)| {
             let mut counts = Counts::default();
@@ -120,7 +120,7 @@ mod tests {
         let mut found = [frequencies(one), frequencies(two)];
         found.sort_unstable();
         assert!(found[0][0] < 50 && found[0][1] > 4000 && found[1][0] > 4000 && found[1][1] < 50, "{found:?}");
-        // 25,000 symbols of next to no bits are left of 32,000 bits.
+        // The payloads have 32,000 bits; with the trained sets, 25,000 symbols take nearly none.
         let tables = PricedTables::new(Tables::with_own(trainer.train(2)));
         assert_eq!(trainer.bytes(), 4000);
         assert!(trainer.bytes_with(&tables) < 200, "{}", trainer.bytes_with(&tables));

@@ -1,8 +1,9 @@
 //! Source views of a scene (Epipolar 3.3.1).
 //!
-//! A source view has layers: the nearest surfaces, and those behind them that an output view may see. All hits of a pixel's ray are found
-//! at once (Epipolar 7.4), which are the layers of depth peeling, and those are left out that no output view sees. Of hits at one distance
-//! one is a layer: listing 3.2 of the thesis asks for a depth that is not less than that of the last layer, which finds that layer again.
+//! A source view has layers: the nearest surfaces first, then the surfaces behind them that an output view may see. All hits of a
+//! pixel's ray are found in one pass (Epipolar 7.4), which gives the layers of depth peeling; hits that no output view sees are
+//! left out. Of several hits at the same distance, only one becomes a layer. (Listing 3.2 of the thesis accepts depths that are
+//! not less than that of the last layer, and so finds the last layer again.)
 
 mod bands;
 mod hierarchical;
@@ -22,7 +23,7 @@ pub use hierarchical::hierarchical;
 pub use settings::{AcquireSettings, Acquisition, Culling, Hierarchy, Places, SourcePlacement, StoppingRule};
 use tracer::SourceTracer;
 
-/// Whole source views of a scene, by their places.
+/// Acquires whole source views of a scene, sorted by position.
 pub fn acquire<'a>(
     seen: impl Into<DrawnScene<'a>>,
     views: &OutputViews,

@@ -1,4 +1,4 @@
-//! Where views are interpolated: the CPU, or a device above this module.
+//! Backends that interpolate views: the CPU, or a device backend of a higher module.
 
 use std::ops::Range;
 
@@ -9,7 +9,8 @@ use crate::error::Result;
 use crate::monitor::Monitor;
 
 pub trait Backend {
-    /// Some of the views between sources: the same bits on any backend, but for highlights. The monitor advances by one for each scanline.
+    /// Interpolates the views in `range`. All backends return the same bits, except for highlights. The monitor advances by one
+    /// per scanline.
     fn views(
         &self,
         of: &Interpolator<'_>,
@@ -17,13 +18,13 @@ pub trait Backend {
         monitor: &dyn Monitor,
     ) -> Result<(Vec<InterpolatedView>, Counters)>;
 
-    /// [`Moves::eroded`], the same number on any backend.
+    /// Returns [`Moves::eroded`], which is the same number on all backends.
     fn eroded(&self, moves: &Moves) -> Result<u64> {
         Ok(moves.eroded())
     }
 }
 
-/// All threads of the CPU.
+/// CPU backend, which uses all threads.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Cpu;
 

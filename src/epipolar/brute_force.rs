@@ -1,4 +1,4 @@
-//! Every output view at its own eye: the truth, and the baseline of all times.
+//! Brute-force rendering of every output view from its own eye: the ground truth, and the baseline of all times.
 
 use half::f16;
 use rayon::prelude::*;
@@ -11,7 +11,7 @@ use crate::monitor::Monitor;
 use crate::scene::SceneAtTime;
 use crate::scene::capture::{Pass, PassSettings, PixelTracer, SamplePattern, capture_view, mean_light};
 
-/// The picture from a place on the line, as `capture` renders it.
+/// Renders the view from a position on the line, with the same result as `capture`.
 pub fn render(
     scene: &SceneAtTime,
     (views, offset_m): (&OutputViews, f64),
@@ -23,7 +23,7 @@ pub fn render(
     images.color.ok_or_else(|| Error::invalid("a capture of colour without colour"))
 }
 
-/// The same picture, of triangles that are drawn.
+/// Renders the same view from triangles that a rasteriser draws.
 pub fn draw(
     seen: DrawnScene<'_>,
     (views, offset_m): (&OutputViews, f64),

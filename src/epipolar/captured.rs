@@ -1,4 +1,4 @@
-//! Source views of captured images: those of a dataset or a container whose cameras stand on one line and look across it.
+//! Source views from captured images: those of a dataset or a container whose cameras stand on one line and look across it.
 
 use glam::DVec3;
 
@@ -8,31 +8,31 @@ use crate::evaluate::reference::{Reference, ReferenceImage};
 use crate::image::{Face, FrameRange};
 use crate::math::Camera;
 
-/// Metres by which a camera may stand beside the line, as a part of its length.
+/// Maximum distance of a camera from the line, as a fraction of the line's length.
 const BESIDE_LINE: f64 = 1e-4;
-/// Difference of axes and windows of cameras that count as alike.
+/// Tolerance within which the axes and windows of two cameras count as equal.
 const ALIKE: f64 = 1e-6;
 
-/// Images as source views.
+/// Captured images as source views.
 #[derive(Debug)]
 pub struct CapturedSources {
-    /// In the middle of the line, as people see: cube faces are stored mirrored.
+    /// Camera in the middle of the line. Its image is not mirrored, unlike stored cube faces.
     pub camera: Camera,
     pub size: [u32; 2],
-    /// Metres from the first source to the last.
+    /// Distance from the first source to the last, in metres.
     pub length_m: f64,
-    /// Planar distance of the plane that does not move from source to source, `+inf` for parallel windows.
+    /// Planar distance of the plane that does not move between sources; `+inf` for parallel windows.
     pub focus_m: f64,
     pub sources: Vec<SourceView>,
 }
 
 impl CapturedSources {
-    /// Refuses probes, by name, without an image of a face in a frame.
+    /// Fails if one of the named probes has no image of `face` in `frame`.
     pub fn check_probes(reference: &Reference, probes: &[String], face: Face, frame: u32) -> Result<()> {
         probes.iter().try_for_each(|probe| find(reference, probe, face, Some(frame)).map(drop))
     }
 
-    /// Frames that all of some probes, by name, have images of a face in.
+    /// Returns the frames in which all named probes have an image of `face`. Fails if there are none.
     pub fn frames(reference: &Reference, probes: &[String], face: Face) -> Result<FrameRange> {
         let mut common: Option<FrameRange> = None;
         for probe in probes {
@@ -44,7 +44,7 @@ impl CapturedSources {
         common.ok_or_else(no_probes)
     }
 
-    /// The images of some probes, by name, and one face, in a frame.
+    /// Reads the images of the named probes, for one face and one frame.
     pub fn read(reference: &mut Reference, probes: &[String], face: Face, frame: u32) -> Result<CapturedSources> {
         let images =
             probes.iter().map(|probe| find(reference, probe, face, Some(frame))).collect::<Result<Vec<_>>>()?;
@@ -62,7 +62,7 @@ impl CapturedSources {
         let (least, most) = (along(left), along(last));
         let middle = camera.eye() + 0.5 * (least + most) * right;
         let turned_in = across(left) - across(last);
-        // Where windows move against their cameras, the plane that stays is at the focus.
+        // If windows shift relative to their cameras, the plane that does not move is the plane of focus.
         let focus_m = if turned_in > ALIKE { (most - least) / turned_in } else { f64::INFINITY };
         let line = ProbeLine { first: camera, size, middle, length_m: most - least, focus_m };
         for (&image, camera) in images.iter().zip(&cameras) {
@@ -82,14 +82,14 @@ impl CapturedSources {
     }
 }
 
-/// Middle of a camera's image at distance 1, to the right.
+/// Returns the horizontal centre of a camera's window at distance 1, positive to the right.
 fn across(camera: &Camera) -> f64 {
     0.5 * camera.window().u.iter().sum::<f64>()
 }
 
-/// The line that the cameras of probes stand on.
+/// The line on which the cameras of the probes stand.
 struct ProbeLine {
-    /// Of the first probe that is named.
+    /// Camera of the first named probe.
     first: Camera,
     size: [u32; 2],
     middle: DVec3,
@@ -98,12 +98,12 @@ struct ProbeLine {
 }
 
 impl ProbeLine {
-    /// Where the middle of an image lies at distance 1 whose camera stands at a place.
+    /// Returns the horizontal centre of the window at distance 1 that a camera at `eye` should have.
     fn across_at(&self, eye: DVec3) -> f64 {
         across(&self.first) - (eye - self.first.eye()).dot(self.first.axes()[1]) / self.focus_m
     }
 
-    /// In the middle of the line.
+    /// Returns the camera in the middle of the line.
     fn camera(&self) -> Result<Camera> {
         let camera = self.first.moved(self.middle - self.first.eye());
         if self.focus_m == f64::INFINITY {
@@ -151,7 +151,7 @@ fn no_probes() -> Error {
     Error::Usage("name the probes whose images are the source views".into())
 }
 
-/// The image of a probe and face, in a frame or in any.
+/// Returns the index of the image of a probe and face, in the given frame or in any frame.
 fn find(reference: &Reference, probe: &str, face: Face, frame: Option<u32>) -> Result<usize> {
     let is_it = |image: &ReferenceImage| {
         image.probe == probe && image.face == face && frame.is_none_or(|frame| image.frames.contains(frame))
@@ -173,12 +173,12 @@ fn is_mirrored(camera: &Camera) -> bool {
     forward.cross(right).dot(down) < 0.0
 }
 
-/// The camera whose picture is not mirrored.
+/// Returns the camera, mirrored back if its image is stored mirrored.
 fn seen(camera: Camera) -> Camera {
     if is_mirrored(&camera) { camera.mirrored() } else { camera }
 }
 
-/// The image of a probe that stands so many metres to the right of the middle.
+/// Reads the image of a probe that is `offset_m` metres to the right of the middle.
 fn source(reference: &mut Reference, (image, frame): (usize, u32), offset_m: f64) -> Result<SourceView> {
     let (camera, [width, height]) = (reference.images[image].camera(frame), reference.images[image].size);
     let truth = reference.truth(image, frame)?;

@@ -1,34 +1,35 @@
-//! Primitive coalescing (Epipolar 3.4.3): runs of lines that move together.
+//! Primitive coalescing (Epipolar 3.4.3): merges lines that move together into runs.
 //!
-//! A run is a block of 2^n neighbours of one surface, aligned to a multiple of its length, whose disparities differ by no more than the
-//! threshold. A view draws it as one primitive: all of its lines move by the middle of their disparities, so that no column is wrong by
-//! more than half of the threshold, and keep their own depths. The blocks are the nodes of a pyramid of least and greatest disparities,
-//! found from the finest level up.
+//! A run is a block of 2^n neighbouring lines of one surface, aligned to a multiple of its length, whose disparities differ by at
+//! most the threshold. A view draws it as one primitive: all of its lines move by the midpoint of the block's minimum and maximum
+//! disparity, so that no column is off by more than half of the threshold. Lines keep their own depths. The blocks are the nodes
+//! of a pyramid of minimum and maximum disparities, which is searched from the finest level up.
 //!
-//! Listings 3.12 and 3.13 of the thesis compare depths, where the error in columns depends on the distance, too; mark what ends a run by
-//! a depth of 1, which a pixel may have; and look up the node of the image's width, not of the pixel's column.
+//! Listings 3.12 and 3.13 of the thesis compare depths, although the error in columns also depends on the distance; mark the end
+//! of a run by a depth of 1, which a pixel may have; and look up the pyramid node at the image's width instead of the pixel's
+//! column.
 
 use super::lines::{COLUMN_BITS, Line};
 
-/// Levels of the pyramid above single pixels.
+/// Number of pyramid levels above single pixels.
 const LEVELS: u32 = 6;
-/// Parts of a pixel in disparities.
+/// Disparity units per pixel.
 const DISPARITY_PARTS: f64 = 4096.0;
 
-/// What the lines of a run have in common.
+/// Condition under which lines are merged into a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum Coalescing {
-    /// Each line is alone.
+    /// Each line is a run of its own.
     #[default]
     Off,
-    /// Disparities that differ by so many pixels over the baseline at most, which bounds the error.
+    /// Maximum difference of disparities, in pixels over the baseline. This bounds the error in columns.
     Disparity(f64),
-    /// Planar distances that differ by so many metres at most, as in the thesis.
+    /// Maximum difference of planar distances, in metres, as in the thesis.
     Depth(f64),
 }
 
 impl Coalescing {
-    /// Whether lines between these may be one run.
+    /// Returns true if lines whose disparities lie between these two may form one run.
     fn joins(self, [least, most]: [&Line; 2]) -> bool {
         match self {
             Coalescing::Off => false,
@@ -43,25 +44,25 @@ impl Coalescing {
     }
 }
 
-/// Lines of one surface in columns that follow each other, which move together.
+/// Lines of one surface in consecutive columns, which move together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Run {
     /// Index of the first line.
     pub first: u32,
-    /// Lines, a power of two.
+    /// Number of lines, a power of two.
     pub length: u32,
-    /// Column of the first line in its own view, 1/256 pixels.
+    /// Column of the first line in its own view, in 1/256 pixels.
     pub column: i32,
-    /// 1/4096 pixels over the baseline.
+    /// Disparity in 1/4096 pixels over the baseline.
     pub disparity: i32,
     pub source: u16,
-    /// Whether the next run begins with the next pixel of the same surface.
+    /// True if the next run begins with the next pixel of the same surface.
     pub joins_next: bool,
-    /// Whether the lines are of the first layer.
+    /// True if the lines belong to the first layer.
     pub is_first: bool,
 }
 
-/// All lines of a scanline, and the runs that they form, both in their order.
+/// All lines of a scanline, and the runs that they form, in the same order.
 #[derive(Debug, Clone, Default)]
 pub struct LineRuns {
     pub lines: Vec<Line>,
@@ -74,14 +75,14 @@ impl LineRuns {
     }
 }
 
-/// Divides lines into the longest runs.
+/// Divides lines into runs of maximum length.
 fn runs(lines: &[Line], coalescing: Coalescing) -> Vec<Run> {
     let mut runs = Vec::with_capacity(lines.len());
     let mut at = 0;
     while at < lines.len() {
         let column = lines[at].column >> COLUMN_BITS;
         let mut length = 1;
-        // Disparity rises with the distance.
+        // Disparity increases with distance, so these lines also have the minimum and maximum depth.
         let [mut least, mut most] = [lines[at]; 2];
         for level in 1..=LEVELS {
             let longer = 1usize << level;
@@ -152,16 +153,16 @@ mod tests {
         disparities[11] += 5000;
         let uneven = lines(&disparities);
         assert_eq!(lengths(&uneven, by(1.0)), [8, 2, 1, 1, 4]);
-        // With a larger threshold all are one, in the middle of them.
+        // With a larger threshold all lines form one run, at the midpoint of their disparities.
         assert_eq!(lengths(&uneven, by(2.0)), [16]);
         assert_eq!(runs(&uneven, by(2.0))[0].disparity, 4096 + 2500);
-        // Without one, and across an edge, none are.
+        // Lines are not merged with a threshold of 0, nor across an edge.
         assert_eq!(lengths(&uneven, by(0.0)), [1; 16]);
         let mut parted = lines(&[0; 4]);
         parted[0].joins_next = false;
         assert_eq!(lengths(&parted, by(9.0)), [1, 1, 2]);
         assert_eq!(runs(&parted, by(9.0)).iter().map(|run| run.joins_next).collect::<Vec<_>>(), [false, true, false]);
-        // A surface that goes on behind another one is not drawn as the first layer there.
+        // A surface that continues behind another one is a new run, as it is no longer in the first layer.
         let mut behind = lines(&[0; 4]);
         behind[3].is_first = false;
         assert_eq!(lengths(&behind, by(9.0)), [2, 1, 1]);

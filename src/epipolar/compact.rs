@@ -1,22 +1,22 @@
-//! Active pixels of a layer of a source view: those that show a surface (Epipolar 3.3.2).
+//! Active pixels of a layer of a source view: the pixels that show a surface (Epipolar 3.3.2).
 //!
-//! Behind the first layer most pixels show nothing. Compacted, the others follow each other without gaps, so that a device that draws
-//! layers gives those back alone.
+//! Behind the first layer most pixels are empty. A compacted list stores only the others, so that a device that draws layers
+//! transfers only these.
 
-/// A pixel's number, row by row, and what it shows.
+/// A pixel's index in row-major order, and its value.
 pub type ActivePixel = [u32; 2];
 
-/// Active pixels of each row; 0 shows nothing.
+/// Returns the number of active pixels in each row; a value of 0 is an empty pixel.
 pub fn counts(shown: &[u32], width: usize) -> Vec<u32> {
     shown.chunks(width.max(1)).map(|row| row.iter().filter(|shown| **shown != 0).count() as u32).collect()
 }
 
-/// The active pixels in their order.
+/// Returns the active pixels in order.
 pub fn compact(shown: &[u32]) -> Vec<ActivePixel> {
     (0..).zip(shown).filter(|(_, shown)| **shown != 0).map(|(pixel, shown)| [pixel, *shown]).collect()
 }
 
-/// Puts active pixels back into a picture in which nothing is shown. Pixels beyond its end are left out.
+/// Writes active pixels into an empty picture. Pixels beyond its end are ignored.
 pub fn spread(active: &[ActivePixel], picture: &mut [u32]) {
     for &[pixel, shown] in active {
         if let Some(at) = picture.get_mut(pixel as usize) {

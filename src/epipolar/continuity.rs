@@ -1,32 +1,34 @@
-//! Which neighbours on a scanline show one surface.
+//! Continuity test: which neighbouring pixels of a scanline show the same surface.
 //!
-//! A plane's inverse distance is linear along a scanline. Two neighbours are taken for one surface where their inverse distances differ
-//! little, or lie on the line through those of the next pixel on either side: so slanted and curved surfaces are closed at any angle, and
-//! edges stay open. Behind others, a surface changes its layer wherever they begin or end: [`Surfaces`] follows it through all layers.
+//! The inverse distance of a plane is linear along a scanline. Two neighbours belong to one surface if their inverse distances
+//! differ little, or if they lie on a straight line with that of the next pixel on either side. Slanted and curved surfaces are
+//! therefore closed at any angle, and edges stay open. A surface behind others changes its layer wherever an occluder begins or
+//! ends; [`Surfaces`] follows it through all layers.
 
 use super::source::SourcePixel;
 
-/// Columns, between the two views that are farthest apart, by which one surface may differ from a plane.
+/// Maximum deviation of a surface from a plane, in columns between the two views that are farthest apart.
 const TOLERANCE_COLUMNS: f64 = 1.0;
 
-/// Judges neighbours by their inverse distances.
+/// Continuity test of neighbouring pixels by their inverse distances.
 #[derive(Debug, Clone, Copy)]
 pub struct Continuity {
-    /// Largest difference of inverse distances, 1/m.
+    /// Maximum difference of inverse distances, 1/m.
     tolerance: f64,
 }
 
 impl Continuity {
-    /// `columns` is how far a surface at 1 m moves between the two views that are farthest apart: focal pixels times metres.
+    /// `columns` is the number of columns by which a surface at 1 m moves between the two views that are farthest apart: focal
+    /// length in pixels times metres.
     pub fn new(columns: f64) -> Continuity {
         Continuity { tolerance: TOLERANCE_COLUMNS / columns }
     }
 
-    /// Whether a pixel and the next one show one surface, given the inverse distances of the pixel before, of both, and of the pixel
-    /// after: 0 for the background, `None` where there is no pixel.
+    /// Returns true if a pixel and the next one show the same surface. Takes the inverse distances of the pixel before, of both
+    /// pixels, and of the pixel after: 0 for the background, `None` where there is no pixel.
     pub fn joins(&self, before: Option<f64>, [here, next]: [f64; 2], after: Option<f64>) -> bool {
         let is_small = |difference: f64| difference.abs() <= self.tolerance;
-        // The sky is no surface's neighbour.
+        // The background does not join any surface.
         if (here == 0.0) != (next == 0.0) {
             return false;
         }
@@ -35,19 +37,19 @@ impl Continuity {
     }
 }
 
-/// No pixel.
+/// Index that stands for no pixel.
 const NONE: u32 = u32::MAX;
 
-/// The pixels of a scanline of a source view, joined in surfaces.
+/// Pixels of a scanline of a source view, linked into surfaces.
 #[derive(Debug)]
 pub struct Surfaces {
-    /// By pixel, the next one to the right of its surface, or [`NONE`].
+    /// For each pixel, the next pixel to the right on the same surface, or [`NONE`].
     right: Vec<u32>,
-    /// By pixel, whether it is the next one of another.
+    /// For each pixel, true if a pixel to the left links to it.
     pub has_left: Vec<bool>,
 }
 
-/// Pixels by column, those of a column from the nearest on.
+/// Pixels grouped by column, from near to far within a column.
 struct Columns<'a> {
     pixels: &'a [SourcePixel],
     order: Vec<u32>,
@@ -55,7 +57,7 @@ struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    /// Of pixels by layer, then by column.
+    /// Takes pixels sorted by layer, then by column.
     fn new(pixels: &'a [SourcePixel]) -> Columns<'a> {
         let ends = pixels
             .iter()
@@ -78,7 +80,7 @@ impl<'a> Columns<'a> {
         self.starts.len() - 1
     }
 
-    /// None beyond the last column.
+    /// Returns the pixels of a column; empty beyond the last column.
     fn of(&self, column: usize) -> &[u32] {
         match self.starts.get(column..column + 2) {
             Some(&[from, to]) => &self.order[from as usize..to as usize],
@@ -90,7 +92,7 @@ impl<'a> Columns<'a> {
         f64::from(self.pixels[pixel as usize].depth_m).recip()
     }
 
-    /// The pixel of a column whose inverse distance is the nearest to one.
+    /// Returns the pixel of a column whose inverse distance is closest to `inverse`.
     fn nearest(&self, column: usize, inverse: f64) -> Option<u32> {
         let apart = |pixel: &u32| (self.inverse(*pixel) - inverse).abs();
         self.of(column).iter().copied().min_by(|a, b| apart(a).total_cmp(&apart(b)))
@@ -98,12 +100,13 @@ impl<'a> Columns<'a> {
 }
 
 impl Surfaces {
-    /// Of pixels by layer, then by column. Each joins one on either side at most: the one of its own layer if it shows the same surface,
-    /// else that with the nearest inverse distance if this is mutual. So what is culled behind a layer does not change how it is joined.
+    /// Takes pixels sorted by layer, then by column. Each pixel joins at most one pixel on either side: the one of its own layer
+    /// if both show the same surface, otherwise the one with the nearest inverse distance if that choice is mutual. Culling
+    /// behind a layer therefore does not change the links within the layer.
     pub fn new(pixels: &[SourcePixel], continuity: Continuity) -> Surfaces {
         let columns = Columns::new(pixels);
         let mut surfaces = Surfaces { right: vec![NONE; pixels.len()], has_left: vec![false; pixels.len()] };
-        // By pixel, that which it is the next one of.
+        // For each pixel, the pixel whose right neighbour it is.
         let mut left = vec![NONE; pixels.len()];
         for column in 1..columns.count() {
             let joins = |here: u32, next: u32, left: &[u32]| {
@@ -140,7 +143,7 @@ impl Surfaces {
         surfaces
     }
 
-    /// The next pixel of a pixel's surface.
+    /// Returns the next pixel to the right on the surface of a pixel.
     pub fn right(&self, pixel: usize) -> Option<usize> {
         Some(self.right[pixel]).filter(|&right| right != NONE).map(|right| right as usize)
     }
@@ -162,7 +165,7 @@ mod tests {
         assert!(continuity.joins(None, [0.3, 0.304], None));
         assert!(continuity.joins(None, [0.0, 0.0], None));
         assert!(!continuity.joins(None, [0.0, 0.001], None));
-        // Without a baseline all is one surface, and nothing moves.
+        // Without a baseline nothing moves, and all pixels count as one surface.
         assert!(Continuity::new(0.0).joins(None, [0.3, 0.5], None));
     }
 }

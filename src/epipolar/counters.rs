@@ -1,4 +1,4 @@
-//! What the stages did, and what threads spent on them.
+//! Counts of the work that the stages did, and the thread time that they took.
 
 use serde::Serialize;
 
@@ -8,38 +8,39 @@ use super::stages::Stages;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Counters {
     pub source_views: u64,
-    /// Of the source view with the most.
+    /// Number of layers of the source view that has the most.
     pub source_layers: u64,
-    /// Pixels of all layers of all source views.
+    /// Number of pixels in all layers of all source views.
     pub source_pixels: u64,
-    /// Surfaces that lie so close behind another one that no view sees them.
+    /// Number of surfaces that are left out because they lie so close behind another one that no view sees them.
     pub offset_skipped: u64,
-    /// Surfaces behind a pixel that hides them from all views.
+    /// Number of pixels that hide everything behind them from all views.
     pub masked_pixels: u64,
-    /// Primitives that each view draws: lines, and runs of lines that move together as one.
+    /// Number of primitives that each view draws: single lines, and runs of lines that move together.
     pub lines: u64,
-    /// Pixels of sources that share the primitive of a run, beside the first of each run.
+    /// Number of source pixels that were merged into runs, not counting the first pixel of each run.
     pub coalesced_pixels: u64,
-    /// Pixels of output views that lines and the spans between them cover, once for each.
+    /// Number of output pixels covered by lines and the spans between them, counted once per line or span.
     pub fragments: u64,
-    /// Fragments that were nearer than all before them; on a device, where fragments have no order, pixels that are covered.
+    /// Number of fragments that were nearer than all before them. On a device, where fragments have no order: number of covered
+    /// pixels.
     pub depth_tests_won: u64,
-    /// Places along lines where highlights are computed.
+    /// Number of splits at which highlights are computed.
     pub splits: u64,
-    /// Pixels that nothing covers.
+    /// Number of output pixels that no line covers.
     pub hole_pixels: u64,
-    /// Pixels that are ray cast in an output view: holes, mirrors and glass.
+    /// Number of output pixels that are ray cast: holes, mirrors and glass.
     pub traced_pixels: u64,
-    /// Pixels of output views that show each layer of a source; 0 on devices.
+    /// Number of output pixels that show each layer of a source; 0 on devices.
     #[serde(skip)]
     pub pixels_by_layer: [u64; MAX_LAYERS],
-    /// What threads spent on stages that they do scanline by scanline, summed.
+    /// Thread time of the stages that run scanline by scanline, summed over all threads.
     #[serde(skip)]
     pub threads: Stages,
 }
 
 impl Counters {
-    /// With those of source views.
+    /// Returns the counters with those of source views set.
     #[must_use]
     pub fn of_sources(self, sources: &[SourceView]) -> Counters {
         Counters {
@@ -51,7 +52,7 @@ impl Counters {
     }
 
     pub fn add(&mut self, other: &Counters) {
-        // Destructured so that a new field is not forgotten here.
+        // Destructured so that the compiler reports a new field that is not added.
         let Counters {
             source_views,
             source_layers,

@@ -1,8 +1,9 @@
-//! Surfaces that pixels show: by rays, or by the triangles that a rasteriser found at them (Epipolar 3.1 to 3.3).
+//! Surfaces that pixels show, found by ray tracing or from the triangles that a rasteriser draws (Epipolar 3.1 to 3.3).
 //!
-//! A drawing names triangles alone. Hits are computed from them as for rays, so that distances and light have the same bits wherever both
-//! find the same triangle; edges of triangles may lie a part of a pixel elsewhere. Where a ray misses the triangle that was drawn,
-//! and where there are more than [`MAX_DRAWN`], the ray is traced.
+//! A drawing contains only triangle numbers. Hits are computed from these triangles with the same code as for traced rays, so
+//! that distances and radiance are bit-exact wherever both methods find the same triangle. Triangle edges may differ by a
+//! fraction of a pixel. A ray is traced if it misses the triangle that was drawn, or if [`MAX_DRAWN`] triangles were drawn at its
+//! pixel.
 
 use std::ops::Range;
 
@@ -14,24 +15,26 @@ use crate::monitor::Monitor;
 use crate::scene::capture::{PixelTracer, Viewpoint};
 use crate::scene::{FirstHit, SceneAtTime};
 
-/// Triangles behind each other that are drawn at most; pixels with more are traced.
+/// Maximum number of triangles drawn behind each other. Pixels that reach it are traced.
 pub const MAX_DRAWN: usize = 32;
-/// Bytes of numbers of triangles that are held at once.
+/// Maximum size in bytes of the triangle numbers in memory.
 const MAX_DRAWN_BYTES: usize = 256 << 20;
 
-/// Pixels of a flat image.
+/// Rectangle of pixels of a flat image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PixelWindow {
     pub columns: Range<i32>,
     pub rows: Range<u32>,
 }
 
-/// Numbers of triangles among those of all meshes of a scene, from 1; 0 for none. Layers, nearest first, of pixels row by row.
+/// Triangle numbers, counted from 1 over all meshes of a scene; 0 is no triangle. One list per layer, nearest first, each in
+/// row-major order.
 pub type TriangleLayers = Vec<Vec<u32>>;
 
-/// Draws the triangles of a scene.
+/// Rasteriser of the triangles of a scene.
 pub trait TriangleDrawing: Sync {
-    /// Those at a place in each pixel, 0.5 its middle, at most so many behind each other. `None` where rays are to be traced instead.
+    /// Returns the triangles at one position within each pixel (0.5 is the centre), at most `most_layers` behind each other.
+    /// Returns `None` if rays are to be traced instead.
     fn draw(
         &self,
         from: &Viewpoint,
@@ -41,7 +44,7 @@ pub trait TriangleDrawing: Sync {
     ) -> Result<Option<TriangleLayers>>;
 }
 
-/// A scene, and what draws its triangles, if anything does.
+/// A scene, and the rasteriser of its triangles, if there is one.
 #[derive(Clone, Copy)]
 pub struct DrawnScene<'a> {
     pub scene: &'a SceneAtTime,
@@ -54,7 +57,7 @@ impl<'a> From<&'a SceneAtTime> for DrawnScene<'a> {
     }
 }
 
-/// What pixels of a window show.
+/// Surfaces that the pixels of a window show.
 pub struct PixelHits<'a> {
     scene: &'a SceneAtTime,
     drawn: Option<DrawnPixels>,
@@ -62,21 +65,22 @@ pub struct PixelHits<'a> {
 
 struct DrawnPixels {
     window: PixelWindow,
-    /// At the middles of pixels.
+    /// Triangles at pixel centres.
     middles: TriangleLayers,
-    /// By sample, the nearest ones.
+    /// For each sample, the nearest triangle at every pixel.
     samples: Vec<Vec<u32>>,
 }
 
 impl<'a> DrawnScene<'a> {
-    /// Scanlines whose triangles are drawn at once: so many columns, layers and samples.
+    /// Returns the number of scanlines whose triangles are drawn at once, for the given numbers of columns and of layers and
+    /// samples.
     pub fn rows_at_once(&self, columns: usize, drawn: usize) -> u32 {
         let bytes = size_of::<u32>() * columns.max(1) * drawn.max(1);
         let rows = (MAX_DRAWN_BYTES / bytes) as u32 / PixelTracer::TILE * PixelTracer::TILE;
         if self.drawing.is_some() { rows.max(PixelTracer::TILE) } else { u32::MAX }
     }
 
-    /// Draws a window, if drawings are at hand, with so many layers at the middles of pixels, and the nearest ones at samples.
+    /// Draws a window if there is a rasteriser: `layers` layers at pixel centres, and the nearest triangles at `samples`.
     pub fn hits(
         &self,
         from: &Viewpoint,
@@ -111,13 +115,13 @@ fn draw(
 }
 
 impl PixelHits<'_> {
-    /// All surfaces at the middle of a pixel, as [`SceneAtTime::all_hits`].
+    /// Returns all surfaces at the centre of a pixel, as [`SceneAtTime::all_hits`] does.
     pub fn all(&self, pixel: [i32; 2], ray: &Ray, candidates: &[usize]) -> Vec<FirstHit> {
         let candidates = candidates.iter().copied();
         let Some(drawn) = &self.drawn else { return self.scene.all_hits(ray, candidates) };
         let at = drawn.index(pixel);
         let numbers: Vec<u32> = drawn.middles.iter().map(|layer| layer[at]).take_while(|number| *number > 0).collect();
-        // A triangle beside the one that was drawn, or one behind all that were.
+        // The ray is traced if it misses one of the drawn triangles, or if there may be more triangles than were drawn.
         let met = numbers.iter().map(|&number| self.scene.hit_of_triangle(ray, number as usize - 1));
         let (Some(met), true) = (met.collect::<Option<Vec<_>>>(), numbers.len() < MAX_DRAWN) else {
             return self.scene.all_hits(ray, candidates);
@@ -126,12 +130,12 @@ impl PixelHits<'_> {
         self.scene.with_objects(solid, ray, candidates)
     }
 
-    /// The nearest surface at the middle of a pixel, as [`SceneAtTime::first_hit`].
+    /// Returns the nearest surface at the centre of a pixel, as [`SceneAtTime::first_hit`] does.
     pub fn nearest(&self, pixel: [i32; 2], ray: &Ray, candidates: &[usize]) -> Option<FirstHit> {
         self.first_of(pixel, self.drawn.as_ref().and_then(|drawn| drawn.middles.first()), ray, candidates)
     }
 
-    /// The nearest surface at a sample of a pixel.
+    /// Returns the nearest surface at a sample of a pixel.
     pub fn first(&self, pixel: [i32; 2], sample: usize, ray: &Ray, candidates: &[usize]) -> Option<FirstHit> {
         self.first_of(pixel, self.drawn.as_ref().and_then(|drawn| drawn.samples.get(sample)), ray, candidates)
     }
@@ -157,7 +161,7 @@ impl DrawnPixels {
 }
 
 impl PixelWindow {
-    /// Tangents at its edges: left and right, top and bottom.
+    /// Returns the tangents of the window's edges: left and right, then top and bottom.
     pub fn tangents(&self, from: &Viewpoint) -> [[f64; 2]; 2] {
         let corner = |column: i32, row: u32| from.projection.plane([f64::from(column), f64::from(row)]);
         let [left, top] = corner(self.columns.start, self.rows.start);
@@ -170,7 +174,7 @@ impl PixelWindow {
     }
 }
 
-/// Forward, right and down in the world, of length 1; `None` for a panorama.
+/// Returns the world-space unit vectors forward, right and down; `None` for a panorama.
 pub fn axes(from: &Viewpoint) -> Option<[DVec3; 3]> {
     from.projection.axes().map(|axes| axes.map(|axis| from.turned(axis)))
 }

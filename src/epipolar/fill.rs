@@ -1,4 +1,4 @@
-//! Pixels of output views that lines do not show: holes, mirrors and glass (Epipolar 7.1).
+//! Filling of output pixels that lines do not show: holes, mirrors and glass (Epipolar 7.1).
 
 use half::f16;
 use rayon::prelude::*;
@@ -12,29 +12,30 @@ use crate::monitor::Monitor;
 use crate::scene::SceneAtTime;
 use crate::scene::capture::{PixelTracer, SamplePattern};
 
-/// Columns that share a list of objects in view.
+/// Number of columns that share a list of objects in view.
 const TILE: usize = PixelTracer::TILE as usize;
 
-/// The scene that pixels are ray cast in.
+/// Scene and sample positions for ray casting.
 #[derive(Debug, Clone, Copy)]
 pub struct Truth<'a> {
     pub scene: &'a SceneAtTime,
     pub samples: &'a SamplePattern,
 }
 
-/// What is done about holes.
+/// How holes are filled.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum HoleFilling {
-    /// They are ray cast.
+    /// Holes are ray cast.
     #[default]
     Trace,
-    /// They show the nearest pixel of their scanline that is covered.
+    /// Holes copy the nearest covered pixel of their scanline.
     Nearest,
-    /// They are black. Alpha is 0.
+    /// Holes are black and have an alpha of 0.
     Blank,
 }
 
-/// Fills the pixels that lines do not show; answers the number that was ray cast. Mirrors and glass always are, where the scene is known.
+/// Fills the pixels that lines do not show, and returns the number of pixels that were ray cast. Mirrors and glass are always ray
+/// cast if the scene is known.
 pub fn fill(
     view: &mut InterpolatedView,
     truth: Option<Truth<'_>>,
@@ -87,7 +88,7 @@ fn repeat_nearest(color: &mut [[f16; 3]], coverage: &mut [Coverage]) {
     }
 }
 
-/// The picture of a view: alpha is 0 in what stayed open.
+/// Returns the picture of a view; alpha is 0 in pixels that were not filled.
 pub fn picture(view: &InterpolatedView) -> Result<RenderedImage> {
     let alpha = view.coverage.map(|coverage| f32::from(u8::from(*coverage == Coverage::Covered)));
     let color: Plane<[f32; 3]> = view.color.map(|light| light.map(f16::to_f32));

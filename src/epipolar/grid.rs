@@ -1,8 +1,8 @@
-//! Grids of views (Epipolar 7.2): the lowest row and the highest from sources of their own, then the columns between these two rows, in the
-//! same kernel turned by 90°.
+//! Grids of views (Epipolar 7.2). The lowest and the highest row are interpolated from source views of their own; the columns
+//! between these two rows are then interpolated by the same kernel, turned by 90°.
 //!
-//! Enters: a scene and the rows of a grid. Leaves: pictures, column by column. The plain way, [`super::pipeline::interpolate`] row by row, is
-//! the reference: it acquires sources for each row.
+//! Takes a scene and the rows of a grid, and returns pictures column by column. The reference method is to run
+//! [`super::pipeline::interpolate`] for each row, which acquires sources for each row.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -18,26 +18,26 @@ use crate::error::Result;
 use crate::image::Plane;
 use crate::monitor::Monitor;
 
-/// Columns whose two sources are made at once.
+/// Number of columns whose two sources are made at once.
 pub const COLUMNS_AT_ONCE: usize = 4;
 
-/// The rows of a grid.
+/// Rows of a grid of views.
 #[derive(Debug, Clone)]
 pub struct GridViews {
-    /// The views of a row in the middle.
+    /// Views of a row at the middle height.
     pub row: OutputViews,
-    /// Heights of the rows, rising.
+    /// Heights of the rows in metres, in ascending order.
     pub ups_m: Vec<f64>,
 }
 
 impl GridViews {
-    /// So many rows over a height in metres, around the views of a row.
+    /// Creates `rows` rows, spread evenly over `height_m` metres around the given row.
     pub fn new(row: OutputViews, rows: u32, height_m: f64) -> GridViews {
         let part = |at: u32| if rows < 2 { 0.0 } else { f64::from(at) / f64::from(rows - 1) - 0.5 };
         GridViews { row, ups_m: (0..rows.max(1)).map(|at| height_m * part(at)).collect() }
     }
 
-    /// The views of a row, the lowest first.
+    /// Returns the views of a row; row 0 is the lowest.
     pub fn views_of(&self, row: usize) -> Result<OutputViews> {
         self.row.raised(self.ups_m[row])
     }
@@ -46,7 +46,7 @@ impl GridViews {
         self.ups_m.len() * self.row.offsets_m.len()
     }
 
-    /// Views of a row, by their places, among some that are counted row by row.
+    /// Returns the part of `range` that lies in a row, as indices within the row. `range` counts views row by row.
     pub fn in_row(&self, range: &Range<usize>, row: usize) -> Range<usize> {
         let count = self.row.offsets_m.len();
         let place = |at: usize| at.clamp(row * count, (row + 1) * count) - row * count;
@@ -55,19 +55,20 @@ impl GridViews {
 }
 
 impl Request<'_, GridViews> {
-    /// Whether a view is asked for, by its row and its place there.
+    /// Returns true if a view is requested, given its row and its index in the row.
     fn wants(&self, row: usize, view: usize) -> bool {
         let number = row * self.views.row.offsets_m.len() + view;
         self.wanted.iter().any(|range| range.contains(&number))
     }
 }
 
-/// Steps that a run over all columns reports to its monitor, one for each line of a column. (Those of its few sources hardly count.)
+/// Returns the number of steps that a run over all columns reports to its monitor: one per line of a column. (The few source
+/// views are negligible.)
 pub fn steps(grid: &GridViews) -> u64 {
     grid.row.offsets_m.len() as u64 * u64::from(grid.row.size[0])
 }
 
-/// Renders the views of a grid that are asked for, and gives each with its row and its place there, column by column.
+/// Renders the requested views of a grid column by column, and passes each to `take` with its row and its index in the row.
 pub fn interpolate_grid<'a>(
     seen: impl Into<DrawnScene<'a>>,
     request: &Request<'_, GridViews>,
@@ -94,7 +95,7 @@ pub fn interpolate_grid<'a>(
         (0..grid.row.offsets_m.len()).filter(|&view| (0..=last_row).any(|row| request.wants(row, view))).collect();
     let mut at = 0;
     while at < columns.len() {
-        // Neighbours, at most so many.
+        // Consecutive columns, at most [`COLUMNS_AT_ONCE`].
         let first = columns[at];
         let count = columns[at..].iter().zip(first..).take_while(|(column, next)| **column == *next).count();
         let block = first..first + count.min(COLUMNS_AT_ONCE);
@@ -131,7 +132,7 @@ pub fn interpolate_grid<'a>(
     Ok(summary)
 }
 
-/// A picture of so many columns and rows, turned: its right column becomes the first row.
+/// Turns a source view of the given size by 90°: its right column becomes the first row.
 fn turned_source(view: SourceView, [width, _]: [u32; 2], offset_m: f64) -> SourceView {
     let mut rows = vec![SourceRow::default(); width as usize];
     for (down, row) in (0..).zip(view.rows) {
@@ -147,12 +148,12 @@ fn turned_source(view: SourceView, [width, _]: [u32; 2], offset_m: f64) -> Sourc
             out.pixels.push(SourcePixel { column: down, light, ..pixel });
         }
     }
-    // Stable: by layer, then by column.
+    // The sort is stable, so pixels are sorted by layer, then by column.
     rows.iter_mut().for_each(|row| row.pixels.sort_by_key(|pixel| pixel.layer));
     SourceView { offset_m, rows: rows.into_iter().map(SourceRow::fitted).collect(), layers: view.layers }
 }
 
-/// A turned view as it is seen.
+/// Turns a view back to its upright orientation.
 fn turned_back(view: &InterpolatedView) -> InterpolatedView {
     let [height, width] = [view.color.width(), view.color.height()];
     let color = Plane::from_fn(width, height, |x, y| view.color.get(y, width - 1 - x));

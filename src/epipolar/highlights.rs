@@ -1,33 +1,33 @@
-//! Highlights along a line: piecewise linear between splits (Epipolar 3.5, 7.3).
+//! Highlights along the line of eyes, as piecewise linear functions between splits (Epipolar 3.5, 7.3).
 //!
-//! While the eye moves from the first view to the last, nothing else does. Splits stand at both ends, where the mirror direction of each
-//! light meets the line of eyes best, and then where the chord errs most, up to a limit.
+//! Only the eye moves from the first view to the last. Splits are placed at both ends, then where the mirror direction of each
+//! light comes closest to the line of eyes, and then where linear interpolation has the largest error, up to a limit.
 //!
-//! Listing 3.16 of the thesis divides by 0 where the best place is the first view, and with one split; listing 3.17 takes the line of eyes
-//! from right to left, and the left point of a quad for its right one. Light itself is that of the scene, not that of listing 3.14 and
-//! equation 3.4, which lack the exponent.
+//! Listing 3.16 of the thesis divides by 0 if the best position is the first view, and if there is one split. Listing 3.17
+//! follows the line of eyes from right to left, and uses the left point of a quad for its right one. Radiance is computed by the
+//! scene's own shading, not by listing 3.14 and equation 3.4, which lack the exponent.
 
 use glam::DVec3;
 
 use super::views::OutputViews;
 use crate::scene::shading::Gloss;
 
-/// Splits of a line at most, beside its ends, unless given.
+/// Default maximum number of splits of a line, not counting its ends.
 pub const DEFAULT_SPLITS: usize = 8;
-/// Radiance by which a chord may err: half of the smallest step of 8-bit codes.
+/// Tolerated radiance error of linear interpolation: half of the smallest step of 8-bit codes.
 const MIN_ERROR: f64 = 0.5 / 255.0 / 12.92;
 
-/// A place, 0 at the first view to 1 at the last, and the radiance towards it.
+/// Position from 0 at the first view to 1 at the last, and the radiance towards it.
 type Split = (f64, DVec3);
 
-/// Radiance of highlights along the line of eyes.
+/// Radiance of a highlight along the line of eyes.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Highlight {
-    /// As [`Self::places`].
+    /// See [`Self::places`].
     splits: Vec<(f64, DVec3)>,
 }
 
-/// The line of eyes.
+/// Line from the eye of the first view to that of the last.
 #[derive(Debug, Clone, Copy)]
 pub struct EyeLine {
     first: DVec3,
@@ -41,10 +41,11 @@ impl EyeLine {
         EyeLine { first, along: last - first }
     }
 
-    /// Where the angle between a direction from a point and the eye is least, 0 to 1.
+    /// Returns the position, 0 to 1, at which the angle between a direction from a point and the eye is smallest.
     ///
-    /// With `a` from the point to the first eye, `b` along the line and `r` the direction, the cosine r·(a + t b)/|a + t b| is stationary at
-    /// t = ((r·a)(a·b) − (r·b)|a|²) / ((r·b)(a·b) − (r·a)|b|²). (Listing 3.15 intersects two lines instead, which hardly ever meet.)
+    /// With `a` from the point to the first eye, `b` along the line and `r` the direction, the cosine r·(a + t b)/|a + t b| is
+    /// stationary at t = ((r·a)(a·b) − (r·b)|a|²) / ((r·b)(a·b) − (r·a)|b|²). (Listing 3.15 intersects two lines instead, which
+    /// hardly ever meet.)
     pub fn best_place(&self, point: DVec3, direction: DVec3) -> f64 {
         let (a, b) = (self.first - point, self.along);
         let cosine = |place: f64| (a + place * b).normalize_or_zero().dot(direction);
@@ -61,8 +62,9 @@ impl EyeLine {
 }
 
 impl Highlight {
-    /// Of a surface, with at most `limit` splits between the ends: at the best places of its lights, of which those come first whose
-    /// radiance is farthest above the chord between the ends; then in the middle of the interval whose chord errs most.
+    /// Computes the highlight of a surface with at most `limit` splits between the ends. Splits are placed at the best positions
+    /// of its lights, those first whose radiance is farthest above linear interpolation between the ends. Further splits halve
+    /// the interval with the largest interpolation error.
     pub fn new(gloss: &Gloss, eyes: &EyeLine, limit: usize) -> Highlight {
         let at = |place: f64| (place, gloss.towards(eyes.eye(place)));
         let first = at(0.0);
@@ -78,7 +80,7 @@ impl Highlight {
         best.truncate(limit);
         best.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut splits = [vec![first], best, vec![last]].concat();
-        // The middle of an interval, and by how much the chord errs there.
+        // Returns the split in the middle of an interval, and the interpolation error at its position.
         let probe = |pair: &[Split]| {
             let middle = at(0.5 * (pair[0].0 + pair[1].0));
             (middle, (middle.1 - 0.5 * (pair[0].1 + pair[1].1)).abs().max_element())
@@ -95,17 +97,18 @@ impl Highlight {
         Highlight { splits }
     }
 
-    /// Splits, ends among them.
+    /// Returns the number of splits, including the ends.
     pub fn splits(&self) -> usize {
         self.splits.len()
     }
 
-    /// Places of the splits, 0 at the first view to 1 at the last, rising, and the radiance towards each.
+    /// Returns the positions of the splits, from 0 at the first view to 1 at the last, in ascending order, with the radiance
+    /// towards each.
     pub fn places(&self) -> &[(f64, DVec3)] {
         &self.splits
     }
 
-    /// Radiance at a place, 0 to 1.
+    /// Returns the radiance at a position, 0 to 1.
     pub fn at(&self, place: f64) -> DVec3 {
         let after = self.splits.partition_point(|split| split.0 <= place);
         match (after.checked_sub(1).map(|before| self.splits[before]), self.splits.get(after)) {
@@ -125,7 +128,8 @@ mod tests {
 
     const EYES: EyeLine = EyeLine { first: DVec3::new(-1.0, 1.0, 0.0), along: DVec3::new(2.0, 0.0, 0.0) };
 
-    /// The gloss of a floor where the middle eye sees it, 4 m away, under lamps of some radiances.
+    /// Returns the gloss of a floor under lamps of the given positions and radiances, at the point 4 m away that the middle eye
+    /// sees.
     fn gloss(lamps: &[([f64; 3], f64)]) -> Gloss {
         let floor = Quad { corner: DVec3::new(-9.0, 0.0, 9.0), u: DVec3::X * 18.0, v: DVec3::NEG_Z * 18.0 };
         let phong = Phong { weight: DVec3::splat(0.5), exponent: 2000.0 };
@@ -148,7 +152,8 @@ mod tests {
         }
     }
 
-    /// A lamp whose highlight is brightest towards an eye: as far behind the floor's point as the eye is before it.
+    /// Returns a lamp whose highlight is brightest towards an eye: the lamp is as far behind the floor's point as the eye is in
+    /// front of it.
     fn lamp_at(place: f64, radiance: f64) -> ([f64; 3], f64) {
         ([-EYES.eye(place).x, 1.0, -8.0], radiance)
     }
@@ -163,11 +168,11 @@ mod tests {
         };
         for wanted in [&[0.0, 1.0][..], &[0.0, 0.8, 1.0], &[0.0, 0.5, 0.8, 1.0], &[0.0, 0.2, 0.5, 0.8, 1.0]] {
             let found = places(wanted.len() - 2);
-            // Hits are placed in single precision.
+            // Hit points are in single precision.
             let is_near = found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-6);
             assert!(found.len() == wanted.len() && is_near, "{found:?} {wanted:?}");
         }
-        // The others divide the intervals in the middle, where the chord errs most.
+        // Further splits halve the intervals, where the interpolation error is largest.
         let many = places(20);
         assert!(many.len() == 22 && many.windows(2).all(|pair| pair[0] < pair[1]), "{many:?}");
     }
@@ -179,7 +184,7 @@ mod tests {
         let highlight = Highlight::new(&gloss, &EYES, 1);
         let brightest = gloss.towards(EYES.eye(place));
         assert!(brightest.x > 0.01 && (highlight.at(place) / brightest - 1.0).abs().max_element() < 1e-4);
-        // An even spread would have its split in the middle, where the highlight is dark.
+        // Evenly spaced splits include the middle, where the highlight is dark.
         let even = Highlight { splits: [0.0, 0.5, 1.0].map(|at| (at, gloss.towards(EYES.eye(at)))).into() };
         assert!(even.at(place).x < 0.1 * brightest.x, "{} {}", even.at(place), brightest);
     }
@@ -209,7 +214,7 @@ mod tests {
             let searched = (0..=1000).map(|at| cosine(f64::from(at) / 1000.0)).fold(f64::NEG_INFINITY, f64::max);
             assert!((0.0..=1.0).contains(&best) && cosine(best) >= searched - 1e-9, "{direction}: {best}");
         }
-        // Eyes in one place, and a point at the first of them.
+        // All eyes in one place, and a point at the first eye.
         let still = EyeLine { along: DVec3::ZERO, ..eyes };
         assert!((0.0..=1.0).contains(&still.best_place(point, DVec3::Z)));
         assert!((0.0..=1.0).contains(&eyes.best_place(eyes.first, DVec3::Z)));

@@ -1,4 +1,4 @@
-//! Whole output views from the lines of source views (Epipolar 3.3.2).
+//! Interpolation of whole output views from the lines of source views (Epipolar 3.3.2).
 
 use std::cell::OnceCell;
 use std::ops::Range;
@@ -21,20 +21,20 @@ use crate::image::Plane;
 use crate::monitor::Monitor;
 use crate::scene::shading::Gloss;
 
-/// What a pixel of an output view got.
+/// Coverage of a pixel of an output view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coverage {
     Covered,
-    /// No line covers it.
+    /// No line covers the pixel.
     Hole,
-    /// It shows a mirror or glass.
+    /// The pixel shows a mirror or glass.
     Optical,
 }
 
-/// An output view before its holes are filled.
+/// Output view before hole filling.
 #[derive(Debug, Clone)]
 pub struct InterpolatedView {
-    /// Linear light; 0 where it is not covered.
+    /// Linear RGB; 0 in pixels that are not covered.
     pub color: Plane<[f16; 3]>,
     pub coverage: Plane<Coverage>,
 }
@@ -42,7 +42,7 @@ pub struct InterpolatedView {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InterpolateSettings {
     pub coalesce: Coalescing,
-    /// Splits of a line at most, beside its ends.
+    /// Maximum number of splits of a line, not counting its ends.
     pub splits: usize,
 }
 
@@ -52,12 +52,12 @@ impl Default for InterpolateSettings {
     }
 }
 
-/// Interpolates views between sources, which are in their order.
+/// Interpolator of views between sources, which are sorted by position.
 #[derive(Debug)]
 pub struct Interpolator<'a> {
     pub views: &'a OutputViews,
     pub sources: &'a [SourceView],
-    /// Scanlines of the sources that are interpolated.
+    /// Scanlines of the sources to interpolate.
     pub rows: Range<usize>,
     pub space: LineSpace,
     settings: InterpolateSettings,
@@ -75,13 +75,13 @@ impl<'a> Interpolator<'a> {
         Interpolator { views, sources, rows, settings, space, eyes: EyeLine::new(views) }
     }
 
-    /// Of some scanlines of the sources alone: views are strips of so many.
+    /// Restricts the interpolator to the given scanlines of the sources. Views are then strips of this height.
     #[must_use]
     pub fn of_rows(self, rows: Range<usize>) -> Interpolator<'a> {
         Interpolator { rows, ..self }
     }
 
-    /// Some of the views.
+    /// Interpolates the views in `range`.
     pub fn views(&self, range: Range<usize>, monitor: &dyn Monitor) -> Result<(Vec<InterpolatedView>, Counters)> {
         let [width, height] = [self.views.size[0], self.rows.len() as u32];
         let rows: Vec<(Vec<ViewRow>, Counters)> = self
@@ -105,7 +105,7 @@ impl<'a> Interpolator<'a> {
         Ok(((0..range.len()).into_par_iter().map(view).collect::<Result<_>>()?, counters))
     }
 
-    /// The lines of a scanline, counted.
+    /// Returns the lines of a scanline, and counters of them.
     pub fn lines(&self, row: usize) -> (LineRuns, Counters) {
         let lines = LineRuns::new(self.space.lines(self.sources, row), self.settings.coalesce);
         let drawn = lines.runs.len() as u64;
@@ -113,24 +113,24 @@ impl<'a> Interpolator<'a> {
         (lines, Counters { lines: drawn, coalesced_pixels, ..Counters::default() })
     }
 
-    /// The pixel that a line of a scanline stands for.
+    /// Returns the source pixel of a line.
     pub fn source_pixel(&self, row: usize, line: &Line) -> &SourcePixel {
         &self.sources[usize::from(line.source)].rows[row].pixels[line.pixel as usize]
     }
 
-    /// Splits of a line at most, ends among them.
+    /// Returns the maximum number of splits of a line, including its ends.
     pub fn most_splits(&self) -> usize {
         self.settings.splits.saturating_add(2)
     }
 
-    /// Place of a view on the line of eyes, 0 for the first to 1 for the last.
+    /// Returns the position of a view on the line of eyes, from 0 for the first to 1 for the last.
     pub fn eye_place(&self, view: usize) -> f64 {
         let offsets_m = &self.views.offsets_m;
         let baseline_m = self.views.baseline_m();
         if baseline_m > 0.0 { (offsets_m[view] - offsets_m[0]) / baseline_m } else { 0.0 }
     }
 
-    /// Whether a scanline has lines with highlights.
+    /// Returns true if a scanline has lines with highlights.
     pub fn has_gloss(&self, row: usize) -> bool {
         self.sources.iter().any(|source| !source.rows[row].gloss.is_empty())
     }
@@ -160,8 +160,8 @@ impl<'a> Interpolator<'a> {
 }
 
 impl Interpolator<'_> {
-    /// Some of the views as source views, with the surfaces behind their pixels (Epipolar 7.2); what nothing covers has no pixel. And what
-    /// threads spent on that.
+    /// Returns the views in `range` as source views, with the surfaces behind their pixels (Epipolar 7.2), and the thread time
+    /// spent. Uncovered positions have no pixel.
     pub fn layered(
         &self,
         range: Range<usize>,
@@ -195,7 +195,7 @@ impl Interpolator<'_> {
         let mut rows = Vec::with_capacity(range.len());
         for view in range {
             let mut out = SourceRow::default();
-            // Nothing is nearer than a depth of 0.
+            // All lines are behind a depth of 0.
             let mut nearest = vec![0; self.views.size[0] as usize];
             for layer in 0..layers {
                 let winners: Vec<Option<Winner>> = slice.behind(view, &nearest, &mut counters).collect();
@@ -221,7 +221,7 @@ impl Interpolator<'_> {
     }
 }
 
-/// Pixels in percent that two sources leave open in a view between them.
+/// Returns the percentage of pixels that no line covers in a view between two sources.
 pub fn hole_percent(views: &OutputViews, sources: &[&SourceView], offset_m: f64) -> f64 {
     let offsets_m: Vec<f64> = sources.iter().map(|source| source.offset_m).collect();
     let between = views.at(vec![offsets_m[0], offset_m, offsets_m[offsets_m.len() - 1]]);
@@ -235,19 +235,18 @@ pub fn hole_percent(views: &OutputViews, sources: &[&SourceView], offset_m: f64)
     100.0 * holes as f64 / views.size.map(f64::from).iter().product::<f64>()
 }
 
-/// Light of the lines of a scanline.
+/// Shader of the lines of a scanline.
 #[derive(Debug)]
 pub struct Shader<'a> {
     of: &'a Interpolator<'a>,
     lines: &'a [Line],
     row: usize,
-    /// By line, where one wins; empty in a scanline without gloss.
+    /// For each line, its highlight, computed when the line first wins a pixel. Empty in a scanline without gloss.
     highlights: Vec<OnceCell<Highlight>>,
 }
 
 impl<'a> Shader<'a> {
     pub fn new(of: &'a Interpolator<'a>, lines: &'a [Line], row: usize) -> Shader<'a> {
-        // A scanline without gloss has no highlight.
         let highlights = vec![OnceCell::new(); if of.has_gloss(row) { lines.len() } else { 0 }];
         Shader { of, lines, row, highlights }
     }
@@ -256,12 +255,12 @@ impl<'a> Shader<'a> {
         self.of.source_pixel(self.row, line)
     }
 
-    /// Places where highlights were computed.
+    /// Returns the number of splits at which highlights were computed.
     pub fn splits(&self) -> u64 {
         self.highlights.iter().filter_map(OnceCell::get).map(|highlight| highlight.splits() as u64).sum()
     }
 
-    /// What a pixel of a view shows.
+    /// Returns the linear RGB and the coverage of a pixel of a view.
     pub fn pixel(&self, winner: Option<Winner>, view: usize) -> ([f16; 3], Coverage) {
         let Some(Winner { line: at, beside, weight }) = winner else { return ([f16::ZERO; 3], Coverage::Hole) };
         let line = &self.lines[at as usize];
@@ -284,7 +283,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Light without highlights; a mirror beside the line takes no part in it.
+    /// Returns the radiance without highlights. A mirror or glass beside the line is not blended in.
     fn steady(&self, Winner { line, beside, weight }: Winner) -> [f16; 3] {
         let [pixel, other] = [line, beside].map(|at| self.source_pixel(&self.lines[at as usize]));
         match other.light {
@@ -294,7 +293,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// A pixel of a view, by its view, layer and column, as one of a source.
+    /// Converts a pixel of a view, given its view, layer and column, to a source pixel.
     fn source_of(
         &self,
         winner: Winner,
@@ -315,7 +314,7 @@ impl<'a> Shader<'a> {
         SourcePixel { column, depth_m: pixel.depth_m, layer: layer as u8, light, steady, own }
     }
 
-    /// The highlight of a line; `None` where it has none.
+    /// Returns the highlight of a line; `None` if it has none.
     pub fn highlight(&self, line: usize) -> Option<&Highlight> {
         let cell = self.highlights.get(line)?;
         let Light::Gloss(gloss) = self.source_pixel(&self.lines[line]).light else { return None };

@@ -1,18 +1,19 @@
-//! Dynamic layer reduction (Epipolar 3.4.4): how many layers the sources of the next frame have, by what the last frame showed.
+//! Dynamic layer reduction (Epipolar 3.4.4): derives the number of source layers of the next frame from the pixels of the last
+//! frame.
 
 use super::source::MAX_LAYERS;
 
-/// Shares of an output view's pixels, in percent.
+/// Thresholds, as percentages of an output view's pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LayerReduction {
-    /// Where fewer pixels show the last layer, the next frame has one layer less.
+    /// The next frame has one layer less if a smaller percentage of pixels shows the last layer.
     pub least_percent: f64,
-    /// Where more do, it has one more.
+    /// The next frame has one layer more if a larger percentage of pixels shows the last layer.
     pub most_percent: f64,
 }
 
 impl LayerReduction {
-    /// Layers of the next frame: 1 to `most_layers`. `pixels` is the number of all.
+    /// Returns the number of layers of the next frame, 1 to `most_layers`. `pixels` is the number of all output pixels.
     pub fn next(&self, layers: usize, most_layers: usize, pixels_by_layer: [u64; MAX_LAYERS], pixels: u64) -> usize {
         let of_last = pixels_by_layer.get(layers.saturating_sub(1)).copied().unwrap_or(0);
         let percent = 100.0 * of_last as f64 / pixels.max(1) as f64;
@@ -37,7 +38,7 @@ mod tests {
         let mut counts = [0; MAX_LAYERS];
         counts[..3].copy_from_slice(&[9000, 985, 15]);
         assert_eq!(reduction.next(3, 10, counts, 10_000), 3);
-        // Nothing shows the fourth one; the second shows more than a percent.
+        // No pixel shows the fourth layer; more than a percent show the second.
         assert_eq!(reduction.next(4, 10, counts, 10_000), 3);
         assert_eq!(reduction.next(2, 10, counts, 10_000), 3);
         assert_eq!(reduction.next(2, 2, counts, 10_000), 2);

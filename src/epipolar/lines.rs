@@ -1,60 +1,62 @@
 //! Pixels of source views as lines in epipolar space, in integers (Epipolar 3.3.2).
 //!
-//! A line has a column in its own view, in 1/256 of a pixel, and a disparity: the columns by which it moves from the first output view to
-//! the last, in 1/4096 of a pixel. In another view it is moved by a part of that, the view's place relative to the line's own in units of
-//! 2^-24 of the baseline. The CPU and devices compute columns and keys from these integers alone.
+//! A line has a column in its own view, in 1/256 pixels, and a disparity: the number of columns by which it moves from the first
+//! output view to the last, in 1/4096 pixels. In another view it moves by a fraction of its disparity: the position of the view
+//! relative to the line's source, in units of 2^-24 of the baseline. The CPU and devices compute columns and keys from these
+//! integers alone.
 
 use super::continuity::{Continuity, Surfaces};
 use super::source::{SourcePixel, SourceView};
 use super::views::OutputViews;
 
-/// Parts of a pixel in columns.
+/// Number of fractional bits of columns.
 pub const COLUMN_BITS: u32 = 8;
 const DISPARITY_BITS: u32 = 12;
 const PLACE_BITS: u32 = 24;
-/// Columns that a line moves at most: more leaves every image.
+/// Maximum number of columns that a line moves. A larger move leaves every image.
 const MAX_COLUMNS: f64 = (1 << (30 - DISPARITY_BITS)) as f64;
-/// 1/256 pixels that a line moves at most, so that sums and differences of columns fit 32 bits.
+/// Maximum move of a line in 1/256 pixels, such that sums and differences of columns fit 32 bits.
 const MAX_MOVED: i64 = 1 << 29;
-/// Baselines from the first view at which a source may stand.
+/// Maximum distance between a source and a view, in baselines.
 const MAX_PLACE: f64 = 64.0;
-/// Tangent of the steepest slant, from the scanline, of a surface that still fills pixels.
+/// Tangent of the steepest slant, measured from the scanline, at which a surface still fills pixels.
 pub const STEEPEST: f64 = 6.0;
 
-/// A line of a scanline.
+/// A source pixel as a line in epipolar space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Line {
-    /// Column of the pixel's middle in its own view, 1/256 pixels.
+    /// Column of the pixel's centre in its own view, in 1/256 pixels.
     pub column: i32,
-    /// 1/4096 pixels over the baseline.
+    /// Disparity in 1/4096 pixels over the baseline.
     pub disparity: i32,
-    /// Bits of the planar distance as a single float, which rise with it.
+    /// Bits of the planar distance as an `f32`; they increase with the distance.
     pub depth: u32,
-    /// The pixel, in [`super::source::SourceRow::pixels`] of its source.
+    /// Index of the pixel in [`super::source::SourceRow::pixels`] of its source.
     pub pixel: u32,
     pub source: u16,
-    /// Whether the next line shows the next pixel of the same surface.
+    /// True if the next line shows the next pixel of the same surface.
     pub joins_next: bool,
-    /// Whether it is of the first layer.
+    /// True if the line belongs to the first layer.
     pub is_first: bool,
 }
 
-/// Places of sources and views along the baseline, and the bias of keys.
+/// Positions of sources and views along the baseline, and the bias of keys.
 #[derive(Debug, Clone)]
 pub struct LineSpace {
-    /// By source and view: how far the view stands to the right of the source, in 2^-24 of the baseline.
+    /// For each source and view, the distance of the view to the right of the source, in 2^-24 of the baseline.
     places: Vec<Vec<i32>>,
     continuity: Continuity,
-    /// By source: 1/4096 pixels over the baseline of a surface at 1/1 m, and at the focus.
+    /// A surface has a disparity of `at_infinity - scale / depth_m`, in 1/4096 pixels over the baseline.
     scale: f64,
     at_infinity: f64,
-    /// Added to the key of a line that is seen a whole baseline beside its source.
+    /// Added to the key of a line in a view that is one baseline away from the line's source.
     bias: u32,
 }
 
-/// Columns, in 1/256 pixels, by which a line with this disparity has moved at a place: their product, rounded to nearest, halves up.
+/// Returns the columns, in 1/256 pixels, by which a line with this disparity has moved at a relative position: their product,
+/// rounded to nearest, halves up.
 ///
-/// On devices the product is of two 32-bit limbs.
+/// Devices compute the product from two 32-bit limbs.
 pub fn moved(disparity: i32, place: i32) -> i32 {
     const SHIFT: u32 = DISPARITY_BITS - COLUMN_BITS + PLACE_BITS;
     let columns = (i64::from(disparity) * i64::from(place) + (1 << (SHIFT - 1))) >> SHIFT;
@@ -62,7 +64,7 @@ pub fn moved(disparity: i32, place: i32) -> i32 {
 }
 
 impl LineSpace {
-    /// Of the sources' places in metres, to the right of the middle of the views.
+    /// Takes the positions of the sources in metres to the right of the middle of the views.
     pub fn new(views: &OutputViews, source_offsets_m: &[f64]) -> LineSpace {
         let baseline_m = views.baseline_m();
         let place = |source_m: f64, view_m: f64| {
@@ -74,8 +76,8 @@ impl LineSpace {
             .map(|&source_m| views.offsets_m.iter().map(|&view_m| place(source_m, view_m)).collect())
             .collect();
         let columns = views.focal_pixels() * baseline_m;
-        // The farther a view is from the source, the more another source's sample of the same surface may differ in depth: by half a pixel
-        // times its slant.
+        // Another source's sample of the same surface may differ in depth by up to half a pixel times the slant. The bias of a
+        // key increases with the distance between view and source.
         let bias = (STEEPEST * 0.5 / views.focal_pixels()).min(0.5);
         let units = f64::from(1 << DISPARITY_BITS);
         LineSpace {
@@ -87,17 +89,17 @@ impl LineSpace {
         }
     }
 
-    /// Place of a view relative to a source.
+    /// Returns the position of a view relative to a source, in 2^-24 of the baseline.
     pub fn place(&self, source: usize, view: usize) -> i32 {
         self.places[source][view]
     }
 
-    /// What a key is raised by at a place, as a part of the distance in units of 2^-23.
+    /// Returns the bias of a key at a relative position, as a fraction of the distance in units of 2^-23.
     pub fn bias_at(&self, place: i32) -> u32 {
         ((u64::from(self.bias) * u64::from(place.unsigned_abs())) >> PLACE_BITS) as u32
     }
 
-    /// A depth behind which lines show another surface than a line with this depth, from whichever source.
+    /// Returns a depth behind which all lines, of any source, show another surface than a line of the given depth.
     pub fn behind(&self, depth: u32) -> u32 {
         depth.saturating_add(2 * self.bias)
     }
@@ -107,7 +109,8 @@ impl LineSpace {
         (self.at_infinity - self.scale / f64::from(depth_m)).clamp(-most, most).round() as i32
     }
 
-    /// The lines of a scanline of all sources, in their order; those of a source surface by surface, from left to right.
+    /// Returns the lines of a scanline of all sources, in the order of sources. The lines of a source are sorted by surface, from
+    /// left to right.
     pub fn lines<'s>(&self, sources: impl IntoIterator<Item = &'s SourceView>, row: usize) -> Vec<Line> {
         let of = |(source, view): (usize, &SourceView)| self.lines_of(source as u16, &view.rows[row].pixels);
         sources.into_iter().enumerate().flat_map(of).collect()
@@ -151,7 +154,7 @@ mod tests {
 
     #[test]
     fn a_surface_behind_leaves_has_no_pinholes() {
-        // A curtain, slanted so that the last view sees it twice as wide, before a wall; leaves hide every third pixel of it.
+        // A curtain in front of a wall, slanted so that the last view sees it twice as wide; leaves hide every third pixel of it.
         let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, Lens::new(60.0)).unwrap();
         let views =
             OutputViews::new(camera.with_aspect(2.0), [64, 32], 3, Spread::Baseline(0.5), f64::INFINITY).unwrap();
@@ -161,7 +164,7 @@ mod tests {
         };
         let curtain = |column: i32| (2.0 - f64::from(column - 34) * 0.04).recip() as f32;
         let is_leaf = |column: i32| column % 3 == 1;
-        // Nothing of the curtain moves over the left border.
+        // No part of the curtain moves across the left border.
         let columns = 34..64;
         let mut pixels: Vec<SourcePixel> =
             columns.clone().map(|at| pixel(at, if is_leaf(at) { 0.3 } else { curtain(at) }, 0)).collect();

@@ -1,4 +1,4 @@
-//! Memory that a run takes, and how it keeps within a budget: fewer scanlines at once, and views in a file.
+//! Memory need of a run, and the plan that keeps it within a budget: fewer scanlines at once, and views in a file.
 
 use std::path::Path;
 
@@ -18,56 +18,57 @@ use crate::memory::{Budget, Need};
 use crate::monitor::Monitor;
 use crate::scene::SceneAtTime;
 
-/// Scanlines that are acquired to measure what all take.
+/// Number of scanlines that are acquired to measure the need of all.
 const MEASURED_ROWS: u32 = 8;
-/// Bytes of all output views above which they are held in a file, unless a budget says more or less.
+/// Total bytes of all output views above which they are stored in a file, unless a budget sets another limit.
 const USUAL_VIEW_BYTES: u64 = 2 << 30;
-/// Bytes of bands of sources, and of strips of views, that are enough for speed.
+/// Bytes of bands of sources, and of strips of views, that are enough for full speed.
 const USUAL_BAND_BYTES: u64 = 256 << 20;
 const USUAL_STRIP_BYTES: u64 = 128 << 20;
-/// Strips have as many scanlines for each thread, unless these are too wide.
+/// Number of scanlines of a strip per thread, unless scanlines are too wide for that.
 const STRIP_ROWS_A_THREAD: u64 = 16;
-/// Part of a budget for strips.
+/// Divisor of the budget that gives the size of strips.
 const STRIPS_OF_BUDGET: u64 = 8;
-/// Bytes of a pixel of an output view that waits for others.
+/// Bytes per pixel of an output view that is in memory until its last strip is complete.
 const VIEW_PIXEL_BYTES: u64 = (size_of::<[f16; 3]>() + size_of::<Coverage>()) as u64;
-/// Bytes of a pixel of a strip, in rows, as planes or for a file.
+/// Bytes per pixel of a strip: as rows, and as planes or as bytes for a file.
 const STRIP_PIXEL_BYTES: u64 = size_of::<([f16; 3], Coverage)>() as u64 + VIEW_PIXEL_BYTES;
-/// Bytes of a pixel of a view that is read from a file, of its picture in single precision with alpha, and of what that is written by: half
-/// floats, their channels, and the compressed file.
+/// Bytes per pixel of a view that is read from a file, of its single-precision picture with alpha, and of the buffers that write
+/// the picture: half floats, their channels, and the compressed file.
 const PICTURE_PIXEL_BYTES: u64 = 8 + 16 + 3 * 8;
-/// Bytes of a line's highlight: its cell, and some splits.
+/// Bytes of a line's highlight: its cell and some splits.
 const HIGHLIGHT_BYTES: usize = 32 + 4 * 32;
-/// Bytes of a line while its scanline is interpolated: itself, its run, what a view draws of both, and the highlight.
+/// Bytes of a line while its scanline is interpolated: the line, its run, the state of both in a view, and the highlight.
 const LINE_BYTES: usize = size_of::<Line>() + size_of::<Run>() + 8 + HIGHLIGHT_BYTES;
-/// Threads take unequal parts of bands and strips, and the heap of each keeps the room of its largest: 1/5 more.
+/// Threads take unequal shares of bands and strips, and each heap keeps the memory of its largest share, which adds 1/5.
 const HEAPS_PART: u64 = 5;
-/// Allocations of more bytes take no freed memory again.
+/// Size in bytes above which allocations do not reuse freed memory.
 const REUSED_BYTES: u64 = 16 << 20;
-/// Bytes of the hits of a ray, while a scanline is acquired.
+/// Bytes of the hits of a ray while a scanline is acquired.
 const HIT_BYTES: u64 = 3 * 72;
 
-/// Source views that a run needs.
+/// Memory need of the source views of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct SourceNeed {
-    /// Bytes for each pixel of an output view.
+    /// Bytes per pixel of an output view.
     pub pixel_bytes: f64,
-    /// Lines for each pixel of an output view.
+    /// Lines per pixel of an output view.
     pub pixel_lines: f64,
-    /// Whether they are acquired by bands; else they are all there from the beginning.
+    /// True if sources are acquired in bands; otherwise all of them are in memory from the start.
     pub by_bands: bool,
-    /// Whether columns of a grid are made, each with all its views.
+    /// True if columns of a grid are made, each with all of its views.
     pub by_columns: bool,
 }
 
 impl SourceNeed {
-    /// Of so many images.
+    /// Returns the need of `count` images.
     pub fn images(count: u32) -> SourceNeed {
         let pixel_bytes = f64::from(count) * size_of::<SourcePixel>() as f64;
         SourceNeed { pixel_bytes, pixel_lines: f64::from(count), by_bands: false, by_columns: false }
     }
 
-    /// Of a scene: as some scanlines, spread over the picture, say. Hierarchical acquisitions have as many sources as are allowed.
+    /// Measures the need of a scene on some scanlines that are spread over the picture. A hierarchical acquisition is assumed to
+    /// use the maximum number of sources.
     pub fn measured(
         scene: &SceneAtTime,
         views: &OutputViews,
@@ -104,49 +105,50 @@ impl SourceNeed {
         })
     }
 
-    /// Of a grid that is made by columns: of two rows, of the columns between them that are made at once, and of one that is turned.
+    /// Returns the need of a grid that is made by columns: two rows, the columns between them that are made at once, and one
+    /// turned column.
     #[must_use]
     pub fn by_columns(self) -> SourceNeed {
         let pixel_bytes = (3.0 + grid::COLUMNS_AT_ONCE as f64) * self.pixel_bytes;
         SourceNeed { pixel_bytes, by_bands: false, by_columns: true, ..self }
     }
 
-    /// Bytes of so many pixels of an output view.
+    /// Returns the bytes for the given number of pixels of an output view.
     fn bytes(&self, pixels: u64) -> u64 {
         (self.pixel_bytes * pixels as f64) as u64
     }
 }
 
-/// How a run keeps within a budget.
+/// Plan that keeps a run within a budget.
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub at_once: RowsAtOnce,
     pub storage: Storage,
-    /// Bytes that it takes, with what is loaded.
+    /// Memory of the run in bytes, including what is loaded.
     pub bytes: u64,
 }
 
-/// What a run may take.
+/// Limits of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits<'a> {
     pub budget: Budget,
-    /// Bytes that are there already, or that others hold: the scene, a quilt, pictures that are compared.
+    /// Bytes that are already in use, or that are reserved for others: the scene, a quilt, pictures to compare.
     pub held: u64,
-    /// Part of `held` that loading freed, and views that wait in memory take again.
+    /// Part of `held` that is free after loading, and that views in memory reuse.
     pub freed: u64,
     pub threads: usize,
-    /// A place for a file of views.
+    /// Folder for a file of views.
     pub folder: &'a Path,
 }
 
-/// Plans `count` views, those of a line or of a column. An error is a budget that does not suffice.
+/// Plans the memory for `count` views of a line or of a column. Fails if the budget is too small.
 pub fn plan(views: &OutputViews, count: usize, sources: SourceNeed, limits: &Limits<'_>) -> Result<Plan> {
     let Limits { budget, held, freed, threads, folder } = *limits;
     let [width, height] = views.size.map(u64::from);
     let (count, threads) = (count as u64, threads as u64);
     let in_heaps = |bytes: u64| if threads > 1 { bytes + bytes / HEAPS_PART } else { bytes };
     let whole = if sources.by_bands { 0 } else { sources.bytes(width * height) };
-    // A widened window has twice as many columns.
+    // A widened window has up to twice as many columns.
     let hits = 2 * width * u64::from(SourceBands::ROWS) * HIT_BYTES * threads;
     let lines = (sources.pixel_lines * (width * LINE_BYTES as u64) as f64) as u64 * threads;
     let strip_row = STRIP_PIXEL_BYTES * count * width;
@@ -157,7 +159,7 @@ pub fn plan(views: &OutputViews, count: usize, sources: SourceNeed, limits: &Lim
     };
     let fixed = held + whole + hits.max(in_heaps(lines + strip_rows * strip_row));
     let each = if sources.by_bands { in_heaps(sources.bytes(width * u64::from(SourceBands::ROWS))) } else { 0 };
-    // Columns are taken as they are made.
+    // Columns are passed on as they are made, so views are not collected.
     let all_views = if sources.by_columns { 0 } else { count * width * height * VIEW_PIXEL_BYTES };
     let is_reused = width * height * size_of::<[f16; 3]>() as u64 <= REUSED_BYTES;
     let new_views = all_views.saturating_sub(if is_reused { freed } else { 0 });
@@ -165,13 +167,13 @@ pub fn plan(views: &OutputViews, count: usize, sources: SourceNeed, limits: &Lim
     let in_memory = fits && all_views <= budget.bytes.unwrap_or(USUAL_VIEW_BYTES);
     let (waiting, storage) =
         if in_memory { (new_views, Storage::Memory) } else { (0, Storage::File(folder.to_owned())) };
-    // Holes are filled when all bands are done.
+    // Holes are filled after all bands are interpolated.
     let filling = held + whole + width * height * (VIEW_PIXEL_BYTES + PICTURE_PIXEL_BYTES);
     let fixed = waiting + fixed.max(filling.saturating_sub(each));
     let need = Need { what: "interpolating", fixed, each, instead: "smaller views" };
     let bands = height.div_ceil(u64::from(SourceBands::ROWS)).max(1) as usize;
     let usual = usize::try_from(USUAL_BAND_BYTES / each.max(1)).unwrap_or(usize::MAX).clamp(1, bands);
-    // As many in the last turn as in others.
+    // Divides the bands evenly, so that the last turn has as many as the others.
     let turns = bands.div_ceil(budget.at_once(&need, usual)?);
     let at_once = bands.div_ceil(turns);
     let at_once_rows = RowsAtOnce { acquired: SourceBands::ROWS * at_once as u32, interpolated: strip_rows as u32 };
@@ -205,7 +207,7 @@ mod tests {
         assert!(few.storage == Storage::Memory && few.at_once.acquired > SourceBands::ROWS, "{few:?}");
         let tight = of(2, Some(245)).unwrap();
         assert!(tight.storage == Storage::Memory && tight.at_once.acquired == SourceBands::ROWS, "{tight:?}");
-        // Views take again what loading freed.
+        // Views reuse the memory that loading freed.
         let limits =
             Limits { budget: Budget::UNLIMITED, held: 100_000_000, freed: 20_000_000, threads: 2, folder: &folder };
         assert_eq!(plan(&views, 2, need, &limits).unwrap().bytes, few.bytes - 20_000_000);

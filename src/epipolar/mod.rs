@@ -1,23 +1,24 @@
-//! Hundreds of views on a line, from few source views (Epipolar: de Quilletes).
+//! Interpolation of hundreds of views on a line from few source views (Epipolar: de Quilletes).
 //!
-//! All cameras look in one direction, and the line that they stand on is parallel to their scanlines. A point of the scene is then on the
-//! same scanline of every view, and its column is a linear function of the camera's place: a line in epipolar space.
+//! All cameras look in one direction, and their line is parallel to their scanlines. A point of the scene is therefore on the
+//! same scanline of every view, and its column is a linear function of the camera's position: a line in epipolar space.
 //!
-//! Enters: a scene, or captured images with depth, and the output views. Leaves: their pictures.
-//! Scanlines do not depend on each other, and are acquired and interpolated in bands. Stages, each in a file that bears its name:
+//! Takes a scene, or captured images with depth, and the output views; returns the pictures of these views. Scanlines are
+//! independent of each other, and are acquired and interpolated in bands. Each stage is in a file of its own:
 //!
-//! 1. [`views`]: the output views (3.1), with an off-axis window where they converge.
-//! 2. [`acquire`]: source views with all surfaces that an output view may see (3.3.1), by [`visibility`] (3.4.1, 3.4.2); [`captured`] reads them
-//!    from images.
-//! 3. [`lines`]: the pixels of source views as lines in integers, [`coalesce`]d in runs (3.4.3); [`slice`]: their winners in one
-//!    scanline of all output views (3.3.2); [`interpolate`]: whole views.
-//! 4. [`highlights`]: light that depends on the eye (3.5).
+//! 1. [`views`]: the output views (3.1), with off-axis windows if they converge.
+//! 2. [`acquire`]: source views with all surfaces that an output view may see (3.3.1), as determined by [`visibility`] (3.4.1,
+//!    3.4.2); [`captured`] reads source views from images.
+//! 3. [`lines`]: the pixels of source views as lines in integers, [`coalesce`]d into runs (3.4.3); [`slice`]: the winning lines
+//!    of one scanline of all output views (3.3.2); [`interpolate`]: whole views.
+//! 4. [`highlights`]: radiance that depends on the eye (3.5).
 //! 5. [`fill`]: pixels that no line covers.
 //!
-//! [`backend`]: stages 3 and 4 on the CPU, or elsewhere, and [`drawing`] of triangles for stage 2, whose active pixels are [`compact`].
-//! [`erosion`] is a stopping rule of stage 2. [`grid`] makes columns between two
-//! rows (7.2). [`layers`] decides between the frames of a sequence how many layers are acquired (3.4.4). [`pipeline`] runs all stages,
-//! band by band; [`stages`] are timed; views gather in [`view_store`], and [`memory`] plans what a run takes. [`brute_force`] renders every view, which is the truth.
+//! [`backend`] runs stages 3 and 4 on the CPU or on a device. [`drawing`] finds surfaces for stage 2 by rasterising triangles,
+//! and [`compact`] lists the active pixels. [`erosion`] is a stopping rule of stage 2. [`grid`] interpolates columns between two
+//! rows (7.2). [`layers`] sets the number of layers for the next frame of a sequence (3.4.4). [`pipeline`] runs all stages, band
+//! by band; [`stages`] measures their durations; [`view_store`] collects views; [`memory`] plans the memory of a run.
+//! [`brute_force`] renders every view as ground truth.
 
 pub mod acquire;
 pub mod backend;

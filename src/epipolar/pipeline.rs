@@ -1,4 +1,4 @@
-//! All stages, from a scene to the pictures of its output views.
+//! Runs all stages, from a scene to the pictures of its output views.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -24,36 +24,36 @@ pub struct Settings {
     pub acquire: AcquireSettings,
     pub interpolate: InterpolateSettings,
     pub holes: HoleFilling,
-    /// Results do not depend on it.
+    /// Number of scanlines in work. The results do not depend on it.
     pub at_once: RowsAtOnce,
     pub storage: Storage,
-    /// Also return each picture before hole filling.
+    /// True if each picture is also returned before hole filling.
     pub keeps_unfilled: bool,
 }
 
-/// Scanlines in work.
+/// Number of scanlines in work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RowsAtOnce {
-    /// Those that are acquired, where sources are acquired by bands.
+    /// Number of scanlines acquired at once, if sources are acquired in bands.
     pub acquired: u32,
-    /// Of these, those that are interpolated.
+    /// Number of acquired scanlines that are interpolated at once.
     pub interpolated: u32,
 }
 
-/// What is to be rendered, and where: some of the views of a line or of a grid.
+/// Views of a line or a grid to render, the settings, and the backend.
 #[derive(Clone)]
 pub struct Request<'a, V = OutputViews> {
     pub views: &'a V,
-    /// Numbers of views, rising; those of a grid are counted row by row.
+    /// Ranges of view numbers, in ascending order. Views of a grid are numbered row by row.
     pub wanted: Vec<Range<usize>>,
     pub settings: &'a Settings,
     pub backend: &'a dyn Backend,
 }
 
-/// A source view, in a report.
+/// Report of a source view.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SourceReport {
-    /// Metres to the right of the middle of the output views.
+    /// Position in metres to the right of the middle of the output views.
     pub offset_m: f64,
     pub layers: u32,
 }
@@ -66,14 +66,14 @@ impl SourceReport {
 
 #[derive(Debug, Clone, Default)]
 pub struct Summary {
-    /// Durations, those of stages on the same threads as one.
+    /// Elapsed times. Stages that run on the same threads are counted as one.
     pub passed: Stages,
     pub counters: Counters,
     pub sources: Vec<SourceReport>,
 }
 
 impl Summary {
-    /// Adds a run over other views or another frame. Sources stay those of the first.
+    /// Adds a run over other views or another frame. The sources of the first run are kept.
     pub fn add(&mut self, other: Summary) {
         self.passed = self.passed + other.passed;
         self.counters.add(&other.counters);
@@ -82,7 +82,7 @@ impl Summary {
         }
     }
 
-    /// Adds the sources of some scanlines.
+    /// Adds the sources of a band of scanlines.
     fn add_band(&mut self, sources: &[SourceView], counters: Counters) {
         let source_views = if self.sources.is_empty() { counters.source_views } else { 0 };
         self.counters.add(&Counters { source_views, ..counters });
@@ -94,19 +94,20 @@ impl Summary {
         }
     }
 
-    /// Durations of all stages, which add up to that of the run.
+    /// Returns the durations of all stages, which add up to that of the run.
     pub fn stages(&self) -> Stages {
         self.passed.divided(&self.counters.threads)
     }
 }
 
 impl<'a> Request<'a> {
-    /// All views, on the CPU.
+    /// Requests all views, on the CPU.
     pub fn all(views: &'a OutputViews, settings: &'a Settings) -> Request<'a> {
         Request { views, wanted: std::iter::once(0..views.offsets_m.len()).collect(), settings, backend: &Cpu }
     }
 
-    /// Steps that a run reports to its monitor, one for each scanline of a source or of all views.
+    /// Returns the number of steps that a run reports to its monitor: one per scanline for each source and for each range of
+    /// views.
     pub fn steps(&self) -> u64 {
         if self.wanted.is_empty() {
             return 0;
@@ -120,7 +121,7 @@ impl<'a> Request<'a> {
     }
 }
 
-/// Renders some of the output views of a scene, and gives each picture with its number, in order.
+/// Renders the requested output views of a scene, and passes each picture with its number to `take`, in order.
 pub fn interpolate<'a>(
     seen: impl Into<DrawnScene<'a>>,
     request: &Request<'_>,
@@ -152,7 +153,7 @@ pub fn interpolate<'a>(
     request.finish((store, summary), truth, monitor, take)
 }
 
-/// Renders some of the output views between source views, which are in their order.
+/// Renders the requested output views from source views, which are sorted by position.
 pub fn between(
     (sources, truth): (&[SourceView], Option<Truth<'_>>),
     request: &Request<'_>,
@@ -172,7 +173,8 @@ impl Request<'_> {
         ViewStore::new(&self.settings.storage, self.views.size, count)
     }
 
-    /// Interpolates some scanlines of sources, the first of which is one of the views, in strips.
+    /// Interpolates scanlines of the sources in strips. `first_row` is the scanline of the views that corresponds to the first
+    /// scanline of the sources.
     fn band(
         &self,
         (sources, first_row): (&[SourceView], usize),
@@ -197,7 +199,7 @@ impl Request<'_> {
         Ok(())
     }
 
-    /// Fills the holes of all views.
+    /// Fills the holes of all views, and passes the pictures to `take`.
     fn finish(
         &self,
         (mut store, mut summary): (ViewStore, Summary),
@@ -221,16 +223,16 @@ impl Request<'_> {
     }
 }
 
-/// A range in parts of so many, the last one shorter.
+/// Divides a range into parts of `length`; the last one may be shorter.
 fn parts(range: Range<usize>, length: u32) -> impl Iterator<Item = Range<usize>> {
     let length = length.max(1) as usize;
     range.clone().step_by(length).map(move |first| first..(first + length).min(range.end))
 }
 
-/// A picture of an output view.
+/// Picture of an output view.
 #[derive(Debug, Clone)]
 pub struct Picture {
     pub filled: RenderedImage,
-    /// Before holes were filled: alpha is 0 there; `None` unless it is kept.
+    /// Picture before hole filling, with an alpha of 0 in holes; `None` unless it is kept.
     pub unfilled: Option<RenderedImage>,
 }

@@ -1,13 +1,14 @@
 //! A slice: one scanline of all output views (Epipolar 3.3.2).
 //!
-//! Enters: the lines of a scanline, in runs. Leaves: the line that every pixel of every view shows. The lines of a run cover the pixels
-//! from that which the column of the first lies in, each one; where the next run shows the same surface and has parted from it, both cover
-//! the pixels between them. Of all that cover a pixel the one with the least key wins: a line of the first layer in the view of its own
-//! source, else the nearest, with a bias by the distance from the source; then the first in the order of runs. The lines of a run cover
-//! different pixels, so that the order of runs is that of lines.
+//! Takes the lines of a scanline, in runs, and finds the line that each pixel of each view shows. The lines of a run cover one
+//! pixel each, starting at the pixel that contains the column of the first line. If the next run shows the same surface and has
+//! moved apart, the span of pixels between both is covered, too. Of all lines that cover a pixel, the one with the smallest key
+//! wins: a line of the first layer in the view of its own source, otherwise the nearest line, with a bias by the distance from
+//! its source; ties go to the first run. The lines of a run cover different pixels, so the order of runs is the order of lines.
 //!
-//! Listing 3.7 of the thesis replaces what a pixel shows and never puts anything where nothing was. In listing 3.9 the right end of a quad
-//! moves the other way than its left end (appendix B.4 has the sign right), and its loop over splits runs one too far.
+//! Listing 3.7 of the thesis only replaces the value of pixels that already have one, and never fills an empty pixel. In listing
+//! 3.9 the right end of a quad moves in the opposite direction to its left end (appendix B.4 has the correct sign), and the loop
+//! over splits runs one iteration too far.
 
 use std::ops::Range;
 
@@ -15,37 +16,38 @@ use super::coalesce::{LineRuns, Run};
 use super::counters::Counters;
 use super::lines::{COLUMN_BITS, LineSpace, moved};
 
-/// Key of a pixel that nothing covers.
+/// Key of a pixel that no line covers.
 const NOTHING: u64 = u64::MAX;
-/// Columns between parted lines, 1/256 pixels, from which 255 times as many may not fit 32 bits: weights are of whole pixels there.
+/// Distance between neighbouring lines, in 1/256 pixels, from which weights are computed in whole pixels, so that 255 times the
+/// distance fits 32 bits.
 const FAR_APART: i32 = 1 << 22;
 
-/// What a pixel shows.
+/// The line that a pixel shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Winner {
     /// Index of the line.
     pub line: u32,
-    /// The line beside it that it is blended with, and the weight of that in 255ths; 0 without one.
+    /// Neighbouring line to blend with, and its weight in 1/255; the weight is 0 without blending.
     pub beside: u32,
     pub weight: u8,
 }
 
-/// The winners of one scanline of a view.
+/// Drawing of the lines of one scanline into one view at a time.
 pub struct Slice<'a> {
     space: &'a LineSpace,
     runs: &'a [Run],
-    /// Of lines.
+    /// Depth of each line.
     depths: Vec<u32>,
     width: u32,
-    /// Of the first line of each run, in the view.
+    /// Column of the first line of each run, in the view.
     columns: Vec<i32>,
     pixels: PixelKeys,
 }
 
-/// What the pixels of a view hold while runs are drawn, by column.
+/// State of the pixels of a view while runs are drawn, by column.
 struct PixelKeys {
     keys: Vec<u64>,
-    /// Depths that lines must lie behind; empty where all are drawn.
+    /// For each pixel, the depth that lines must lie behind; empty if all lines are drawn.
     nearest: Vec<u32>,
 }
 
@@ -61,13 +63,14 @@ impl<'a> Slice<'a> {
         }
     }
 
-    /// The winners in a view, by column; `None` in holes.
+    /// Returns the winners in a view, by column; `None` in holes.
     pub fn view(&mut self, view: usize, counters: &mut Counters) -> impl Iterator<Item = Option<Winner>> + '_ {
         self.draw(view, counters);
         (0..self.width).map(|column| self.winner(column))
     }
 
-    /// The winners among the lines behind some depths, by column: bits of planar distances, as lines have them.
+    /// Returns the winners among the lines that lie behind `depths`, by column. Depths are bits of planar distances, as those of
+    /// lines.
     pub fn behind(
         &mut self,
         view: usize,
@@ -81,7 +84,7 @@ impl<'a> Slice<'a> {
         (0..self.width).map(|column| self.winner(column))
     }
 
-    /// Draws all runs.
+    /// Draws all runs into a view.
     pub fn draw(&mut self, view: usize, counters: &mut Counters) {
         self.pixels.keys.fill(NOTHING);
         let mut at = 0;
@@ -109,7 +112,7 @@ impl<'a> Slice<'a> {
             let depths = &self.depths[run.first as usize..];
             let first = self.columns[at] >> COLUMN_BITS;
             let end = first + run.length as i32;
-            // Its own view shows the first layer as it was, whatever lies before it between the middles of pixels.
+            // The source's own view shows the first layer unchanged, whatever is in front of it between pixel centres.
             let is_own = run.is_first && place == 0;
             let word = (at as u64) << 1;
             let columns = clipped(first, end);
@@ -134,13 +137,13 @@ impl<'a> Slice<'a> {
         }
         let (at, is_span) = (((key as u32) >> 1) as usize, key & 1 == 1);
         let (run, first) = (&self.runs[at], self.columns[at]);
-        // The line of the run, and its column. Between two runs it is the last one.
+        // The line of the run, and its column. In a span between two runs it is the last line of the first run.
         let last = run.length as i32 - 1;
         let of_run = if is_span { last } else { column as i32 - (first >> COLUMN_BITS) };
         let (line, line_column) = (run.first + of_run as u32, first + (of_run << COLUMN_BITS));
         let middle = ((column as i32) << COLUMN_BITS) + (1 << (COLUMN_BITS - 1));
         let right_of_line = middle - line_column;
-        // A line before the middle of the pixel is blended with the one after it, and the other way round.
+        // A line to the left of the pixel's centre is blended with the next line, a line to the right of it with the line before.
         let beside = match right_of_line {
             0 => None,
             1.. if of_run < last => Some((line + 1, 1 << COLUMN_BITS)),
@@ -151,7 +154,7 @@ impl<'a> Slice<'a> {
                 (line - 1, self.columns[before] + (last << COLUMN_BITS) - line_column)
             }),
         };
-        // Lines that have come closer, or changed places, are not blended.
+        // Lines that coincide, or that have changed places, are not blended.
         let parted = beside.filter(|(_, parted)| parted.signum() == right_of_line.signum());
         let Some((beside, parted)) = parted else { return Some(Winner { line, beside: line, weight: 0 }) };
         let shift = if parted.abs() >= FAR_APART { COLUMN_BITS } else { 0 };
@@ -161,7 +164,7 @@ impl<'a> Slice<'a> {
 }
 
 impl PixelKeys {
-    /// Covers columns, by the depth of each; keys follow from depths.
+    /// Covers a range of columns. `depths` has one depth per column, from which `key` computes the key.
     fn put(
         &mut self,
         columns: Range<usize>,
@@ -221,7 +224,7 @@ mod tests {
         SourceView { offset_m, rows: vec![SourceRow { pixels, gloss: Vec::new() }], layers: 1 }
     }
 
-    /// The winners of each view.
+    /// Returns the winners of each view.
     fn winners(views: &OutputViews, sources: &[SourceView]) -> (Vec<Line>, Vec<Vec<Option<Winner>>>, Counters) {
         let (runs, all, counters) = winners_of_runs(views, sources, Coalescing::Off);
         (runs.lines, all, counters)
@@ -243,7 +246,7 @@ mod tests {
 
     #[test]
     fn runs_of_equal_disparities_show_the_same_as_their_lines() {
-        // Walls at several distances with a slant between them, and what is behind; two sources.
+        // Walls at several distances with a slanted wall between them, and a wall behind; two sources.
         let depth_m = |column: i32| match column.rem_euclid(40) {
             at @ 0..13 => 1.0 + at as f32 * 0.02,
             13..29 => 3.0,
@@ -287,7 +290,7 @@ mod tests {
         for (count, focus_m) in [(1, f64::INFINITY), (2, f64::INFINITY), (33, 2.0), (400, 7.0)] {
             for depth_m in [0.3f32, 1.0, 1.7, 55.0, 1e6, f32::INFINITY] {
                 let views = views(count, 0.2, focus_m);
-                // Wide enough for all views.
+                // The plane is wide enough for all views.
                 let plane = (-600..600).map(|column| pixel(column, depth_m, 0)).collect();
                 let (lines, all, counters) = winners(&views, &[source(0.0, plane)]);
                 for (view, winners) in all.iter().enumerate() {
@@ -302,7 +305,7 @@ mod tests {
                         );
                     }
                 }
-                // Nothing is covered twice.
+                // No pixel is covered twice.
                 assert_eq!(counters.fragments, u64::from(WIDTH * count), "{depth_m} {count}");
             }
         }
@@ -324,7 +327,8 @@ mod tests {
 
     #[test]
     fn a_fence_hides_its_own_columns_and_shows_the_wall_between() {
-        // Posts of two pixels at 1 m before a wall at 4 m, as the first view sees them and with what is behind.
+        // Posts of two pixels at 1 m in front of a wall at 4 m, as the first view sees them, with the wall behind as a second
+        // layer.
         let views = views(9, 0.4, f64::INFINITY);
         let is_post = |column: i32| column.rem_euclid(8) < 2;
         let mut pixels: Vec<SourcePixel> =
@@ -334,14 +338,14 @@ mod tests {
         let depth = |winner: &Winner| f32::from_bits(lines[winner.line as usize].depth);
         for (view, winners) in all.iter().enumerate() {
             let moved = (0.2 + views.offsets_m[view]) * views.columns_per_metre(1.0);
-            // Posts that leave the image at the left have no others that follow at the right.
+            // Posts that leave the image at the left are not followed by others at the right.
             for (column, winner) in winners.iter().enumerate().take(WIDTH as usize - 28) {
                 let at = (column as f64 + 0.5 - moved).floor() as i32;
                 let expected = if is_post(at) { 1.0 } else { 4.0 };
                 assert_eq!(winner.as_ref().map(depth), Some(expected), "view {view}, column {column}");
             }
         }
-        // Without the second layer, what was behind the posts is missing.
+        // Without the second layer, the wall behind the posts is missing.
         let first: Vec<SourcePixel> = pixels.into_iter().filter(|pixel| pixel.layer == 0).collect();
         let holes = winners(&views, &[source(-0.2, first)]).1[8][..32].iter().filter(|winner| winner.is_none()).count();
         assert!(holes >= 4, "{holes}");
@@ -351,7 +355,7 @@ mod tests {
     fn sources_show_themselves_in_their_own_view_and_nearer_ones_win_elsewhere() {
         let views = views(5, 0.2, f64::INFINITY);
         let plane = |depth_m: f32| (-40..100).map(|column| pixel(column, depth_m, 0)).collect::<Vec<_>>();
-        // The second one is a little nearer.
+        // The second source's plane is slightly nearer.
         let sources = [source(-0.1, plane(2.0)), source(0.1, plane(1.999))];
         let (lines, all, _) = winners(&views, &sources);
         let source_of = |view: usize| {
@@ -360,7 +364,7 @@ mod tests {
             first
         };
         assert_eq!([0, 1, 3, 4].map(source_of), [0, 0, 1, 1]);
-        // In its own view a line is not blended with others.
+        // In the view of its own source, a line is not blended with others.
         assert!(all[0].iter().flatten().all(|winner| winner.weight == 0));
     }
 
@@ -374,7 +378,7 @@ mod tests {
         let covered: Vec<usize> = (0..WIDTH as usize).filter(|&column| all[2][column].is_some()).collect();
         let (first, last) = (covered[0], covered[covered.len() - 1]);
         assert_eq!(covered, (first..=last).collect::<Vec<_>>());
-        // Two surfaces part, and nothing is between them.
+        // Two surfaces move apart, and the gap between them stays empty.
         let step = (0..40).map(|column| pixel(column, if column < 30 { 1.0 } else { 4.0 }, 0)).collect();
         let (_, all, _) = winners(&views, &[source(-0.25, step)]);
         let holes = all[2][..30].iter().filter(|winner| winner.is_none()).count();
@@ -384,9 +388,9 @@ mod tests {
 
     #[test]
     fn lines_far_outside_stay_there_and_are_blended_across() {
-        // As far as there are places, and farther than 32 bits hold.
+        // The largest position, where the product does not fit 32 bits.
         assert_eq!([moved(1 << 30, 1 << 30), moved(1 << 30, -1 << 30)], [1 << 29, -1 << 29]);
-        // A steep plane whose pixels part by more than 100,000 columns, around the image.
+        // A steep plane around the image, whose pixels move apart by more than 100,000 columns.
         let views = views(3, 4000.0, 1.0);
         let steep = |column: i32| pixel(column, (1.0 / (2.5 - f64::from(column))) as f32, 0);
         let (_, all, _) = winners(&views, &[source(-2000.0, (0..3).map(steep).collect())]);

@@ -1,40 +1,40 @@
-//! Source views: what is visible from a place on the line, and what lies behind it.
+//! Source views: the surfaces that are visible from a position on the line, and the surfaces behind them.
 
 use half::f16;
 
 use crate::scene::shading::Gloss;
 
-/// Layers of a source view at most.
+/// Maximum number of layers of a source view.
 pub const MAX_LAYERS: usize = 10;
 
-/// Where a pixel's light comes from.
+/// How a pixel's radiance depends on the eye.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Light {
-    /// The same from every eye.
+    /// Radiance does not depend on the eye.
     Steady,
-    /// With highlights: an index into [`SourceRow::gloss`].
+    /// Radiance has highlights; index into [`SourceRow::gloss`].
     Gloss(u32),
-    /// A mirror or glass: no line in epipolar space.
+    /// A mirror or glass, which is not a line in epipolar space.
     Traced,
 }
 
-/// A pixel of a layer with a surface, or with the background.
+/// A pixel of a layer that shows a surface or the background.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SourcePixel {
-    /// Column in the picture from this place; a widened window has some below 0, and beyond its width.
+    /// Column in the picture from the source's position. Widened windows have columns below 0 and beyond the width.
     pub column: i32,
     /// Planar distance in metres, above 0; `+inf` for the background.
     pub depth_m: f32,
-    /// 0 for the nearest surface.
+    /// Index of the layer; 0 is the nearest surface.
     pub layer: u8,
     pub light: Light,
     /// Radiance in other views, without highlights.
     pub steady: [f16; 3],
-    /// All light, as the picture from this place shows it: in the first layer, the mean over the pixel.
+    /// Total radiance in the picture from the source's position; in the first layer, the mean over the pixel.
     pub own: [f16; 3],
 }
 
-/// A scanline: its pixels by layer, then by column.
+/// A scanline: its pixels, sorted by layer, then by column.
 #[derive(Debug, Clone, Default)]
 pub struct SourceRow {
     pub pixels: Vec<SourcePixel>,
@@ -42,7 +42,7 @@ pub struct SourceRow {
 }
 
 impl SourceRow {
-    /// Without room for more: many rows are held.
+    /// Returns the row without spare capacity, as many rows are kept in memory.
     #[must_use]
     pub fn fitted(mut self) -> SourceRow {
         self.pixels.shrink_to_fit();
@@ -50,7 +50,7 @@ impl SourceRow {
         self
     }
 
-    /// Memory that it takes.
+    /// Returns the size of the row in memory, in bytes.
     pub fn bytes(&self) -> u64 {
         size_of_val(&self.pixels[..]) as u64 + self.gloss.iter().map(Gloss::bytes).sum::<u64>()
     }
@@ -58,16 +58,17 @@ impl SourceRow {
 
 #[derive(Debug, Clone)]
 pub struct SourceView {
-    /// Metres to the right of the middle of the output views.
+    /// Position in metres to the right of the middle of the output views.
     pub offset_m: f64,
-    /// As many as output views have.
+    /// Scanlines: those of the output views, or a band of them.
     pub rows: Vec<SourceRow>,
-    /// With any pixel.
+    /// Number of layers that have any pixel.
     pub layers: u32,
 }
 
 impl SourceView {
-    /// An image as a source view, by columns and rows: light, and planar distances in metres; `None` where nothing is known.
+    /// Creates a source view from an image. `pixel` returns the planar distance in metres and the radiance at a column and row;
+    /// `None` if they are unknown.
     pub fn of_image(
         offset_m: f64,
         [width, height]: [u32; 2],
@@ -86,14 +87,14 @@ impl SourceView {
         SourceView { offset_m, rows: (0..height).map(row).collect(), layers: 1 }
     }
 
-    /// With all pixels so many columns farther to the left.
+    /// Returns the view with all pixels moved to the left by `columns`.
     #[must_use]
     pub fn moved_left(mut self, columns: i32) -> SourceView {
         self.rows.iter_mut().flat_map(|row| &mut row.pixels).for_each(|pixel| pixel.column -= columns);
         self
     }
 
-    /// With the pixels of its rows.
+    /// Creates a source view from its rows.
     pub fn of_rows(offset_m: f64, rows: Vec<SourceRow>) -> SourceView {
         let layers = |row: &SourceRow| row.pixels.last().map_or(0, |pixel| u32::from(pixel.layer) + 1);
         let layers = rows.iter().map(layers).max().unwrap_or(0);
@@ -105,7 +106,7 @@ impl SourceView {
     }
 }
 
-/// Sources by their place, each place once: their order in a list does not matter.
+/// Sorts sources by position and keeps one per position, so that their order in the input does not matter.
 pub fn in_order(mut sources: Vec<SourceView>) -> Vec<SourceView> {
     sources.sort_by(|a, b| a.offset_m.total_cmp(&b.offset_m));
     sources.dedup_by(|a, b| a.offset_m == b.offset_m);

@@ -1,8 +1,8 @@
-//! How long stages take.
+//! Durations of stages.
 //!
-//! Some stages are done scanline by scanline on the same threads: masks while sources are acquired; lines, winners and light while
-//! views are interpolated. Threads count what they spend in each, and what passed is divided in that proportion, so that all stages
-//! add up to what the run took.
+//! Some stages run scanline by scanline on the same threads: masks during acquisition; lines, winners and radiance during
+//! interpolation. Threads measure the time that they spend in each stage, and elapsed time is divided in that proportion, so that
+//! the durations of all stages add up to that of the run.
 
 use std::time::{Duration, Instant};
 
@@ -11,25 +11,25 @@ use serde::Serialize;
 use crate::json;
 use crate::math::add_members;
 
-/// A duration of each stage: as it passed, or of threads, summed.
+/// A duration for each stage: elapsed time, or the sum over all threads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Stages {
-    /// Surfaces of source views, their light, and where sources are needed (3.3.1).
+    /// Surfaces of source views, their radiance, and the choice of source positions (3.3.1).
     #[serde(serialize_with = "json::seconds")]
     pub acquire: Duration,
-    /// Which hidden surfaces an output view may see (3.4.1, 3.4.2).
+    /// Tests of which hidden surfaces an output view may see (3.4.1, 3.4.2).
     #[serde(serialize_with = "json::seconds")]
     pub mask: Duration,
-    /// Active pixels into lines and runs of lines (3.3.2, 3.4.3).
+    /// Conversion of active pixels to lines and runs of lines (3.3.2, 3.4.3).
     #[serde(serialize_with = "json::seconds")]
     pub filter: Duration,
-    /// Winners of pixels (3.3.2), and putting views together.
+    /// Winners of pixels (3.3.2), and assembly of views.
     #[serde(serialize_with = "json::seconds")]
     pub interpolate: Duration,
-    /// Light of pixels, with highlights (3.5).
+    /// Radiance of pixels, with highlights (3.5).
     #[serde(serialize_with = "json::seconds")]
     pub light: Duration,
-    /// Pixels that lines do not show (7.1).
+    /// Filling of pixels that lines do not show (7.1).
     #[serde(serialize_with = "json::seconds")]
     pub fill: Duration,
 }
@@ -42,7 +42,8 @@ impl Stages {
         [acquire, mask, filter, interpolate, light, fill].into_iter().sum()
     }
 
-    /// With the acquisition and the interpolation divided among the stages that are done on the same threads, as these spent their time.
+    /// Returns the durations with acquisition and interpolation divided among the stages that run on the same threads, in
+    /// proportion to the thread time of each.
     #[must_use]
     pub fn divided(self, threads: &Stages) -> Stages {
         let [acquire, mask] = shares(self.acquire, [threads.acquire, threads.mask]);
@@ -52,7 +53,7 @@ impl Stages {
     }
 }
 
-/// A duration in proportion to others; all of it is the first's where these are 0.
+/// Divides a duration in proportion to others. If these are 0, the first part gets all of it.
 fn shares<const N: usize>(whole: Duration, of: [Duration; N]) -> [Duration; N] {
     let sum = of.iter().sum::<Duration>().as_secs_f64();
     let mut shares = of.map(|part| if sum > 0.0 { whole.mul_f64(part.as_secs_f64() / sum) } else { Duration::ZERO });
@@ -60,7 +61,7 @@ fn shares<const N: usize>(whole: Duration, of: [Duration; N]) -> [Duration; N] {
     shares
 }
 
-/// Tells what passed since it was asked last.
+/// Stopwatch that returns the time since its last reading.
 pub struct Lap(Instant);
 
 impl Lap {

@@ -1,4 +1,5 @@
-//! Output views while they are put together from strips of scanlines: in memory, or in a file where they need more than that.
+//! Storage of output views while they are assembled from strips of scanlines: in memory, or in a file if they need more than
+//! that.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -12,22 +13,22 @@ use crate::error::{Error, Result};
 use crate::files::DiskFile;
 use crate::image::Plane;
 
-/// Bytes of a pixel in a file: three half floats, and the coverage.
+/// Bytes per pixel in a file: three half floats, and the coverage.
 const PIXEL_BYTES: usize = 8;
 
-/// Pixels that a job reads.
+/// Minimum number of pixels that a job reads.
 const PIXELS_A_JOB: usize = 1 << 16;
 
-/// Where output views wait for their last strip.
+/// Storage of output views until their last strip is complete.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub enum Storage {
     #[default]
     Memory,
-    /// An unlinked temporary file in this folder: 8 bytes a pixel of all views.
+    /// Unlinked temporary file in this folder: 8 bytes per pixel of all views.
     File(PathBuf),
 }
 
-/// Output views, of which strips are known.
+/// Output views that are assembled from strips.
 pub(super) struct ViewStore {
     size: [u32; 2],
     held: Held,
@@ -50,7 +51,7 @@ impl ViewStore {
         Ok(ViewStore { size, held })
     }
 
-    /// Puts a strip into each view from one on.
+    /// Writes one strip into each view, starting at view `first_view`.
     pub fn put(&mut self, [first_view, first_row]: [usize; 2], strips: &[InterpolatedView]) -> Result<()> {
         let width = self.size[0] as usize;
         match &mut self.held {
@@ -70,7 +71,7 @@ impl ViewStore {
         Ok(())
     }
 
-    /// A view whose strips are all known. It is no longer there then.
+    /// Returns a view whose strips are all complete. Each view can be taken once.
     pub fn take(&mut self, view: usize) -> Result<InterpolatedView> {
         match &mut self.held {
             Held::Memory(views) => Ok(std::mem::replace(&mut views[view], blank([0; 2]))),
@@ -108,7 +109,7 @@ fn code_of(coverage: Coverage) -> u16 {
     }
 }
 
-/// The reverse of [`code_of`].
+/// Inverse of [`code_of`].
 fn coverage_of(code: u16) -> Coverage {
     match code {
         0 => Coverage::Covered,
@@ -165,7 +166,7 @@ mod tests {
                 assert!(found.color == expected.color && found.coverage == expected.coverage, "{storage:?} {view}");
             }
         }
-        // The file has no name.
+        // The file is unlinked.
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
         let missing = ViewStore::new(&Storage::File(folder.path().join("none")), size, 1);
         assert!(missing.is_err());

@@ -8,33 +8,33 @@ use crate::math::Camera;
 use crate::math::camera::rotation;
 use crate::scene::capture::Viewpoint;
 
-/// Output views at most.
+/// Maximum number of output views.
 pub const MAX_VIEWS: u32 = 4096;
 
-/// How output views are spread along their line.
+/// Spacing of output views along their line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Spread {
-    /// Evenly over so many metres.
+    /// Even spacing over a length in metres.
     Baseline(f64),
-    /// Evenly in the angle, in degrees, in which they stand around the focus, as the makers of displays have it.
+    /// Even angles around the focus, over a total angle in degrees, as makers of displays specify it.
     Cone(f64),
 }
 
-/// Cameras with one orientation on a line along their right axis, view 0 at the left.
+/// Cameras with one orientation on a line along their right axis; view 0 is at the left.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OutputViews {
-    /// In the middle of the line.
+    /// Camera in the middle of the line.
     camera: Camera,
     pub size: [u32; 2],
-    /// Metres from the middle to the right, rising.
+    /// Positions in metres to the right of the middle, in ascending order.
     pub offsets_m: Vec<f64>,
-    /// Planar distance of the plane that does not move from view to view, `+inf` for cameras whose windows are in their middle.
+    /// Planar distance of the plane that does not move between views; `+inf` for cameras whose windows do not shift.
     pub focus_m: f64,
 }
 
 impl OutputViews {
-    /// `count` views around a camera, whose aspect is that of the images where pixels are square. The focus is a planar distance in
-    /// metres, above 0; `+inf` for parallel views.
+    /// Creates `count` views around a camera, whose aspect is that of the images if pixels are square. The focus is a planar
+    /// distance in metres, above 0; `+inf` for parallel views.
     pub fn new(camera: Camera, size: [u32; 2], count: u32, spread: Spread, focus_m: f64) -> Result<OutputViews> {
         if !(1..=MAX_VIEWS).contains(&count) {
             return Err(Error::Usage(format!("{count} `views`: 1 to {MAX_VIEWS} were expected")));
@@ -42,7 +42,7 @@ impl OutputViews {
         if focus_m.is_nan() || focus_m <= 0.0 {
             return Err(Error::Usage(format!("a `focus` of {focus_m} m: a distance above 0 was expected")));
         }
-        // From -1/2 at the left to 1/2 at the right.
+        // Position from -1/2 at the left to 1/2 at the right.
         let place = |view: u32| if count == 1 { 0.0 } else { f64::from(view) / f64::from(count - 1) - 0.5 };
         let offset: Box<dyn Fn(u32) -> f64> = match spread {
             Spread::Baseline(metres) if metres.is_finite() && metres >= 0.0 => {
@@ -66,13 +66,14 @@ impl OutputViews {
         Ok(OutputViews { camera, size, offsets_m: (0..count).map(offset).collect(), focus_m })
     }
 
-    /// Columns by which the window of a source in the middle is wider on each side: as many as surfaces move by between it and the views
-    /// at the ends, at most half of its width. `columns_per_metre` is the largest of all its pixels.
+    /// Returns the number of columns by which the window of a source in the middle is widened on each side: the distance that
+    /// surfaces move between it and the views at the ends, at most half of the width. `columns_per_metre` is the maximum over all
+    /// pixels.
     pub fn wider_columns(&self, columns_per_metre: f64) -> u32 {
         ((columns_per_metre * 0.5 * self.baseline_m()).ceil() as u32).min(self.size[0] / 2)
     }
 
-    /// The same views with so many columns more on each side.
+    /// Returns the same views with `columns` more columns on each side.
     pub fn widened(&self, columns: u32) -> Result<OutputViews> {
         let width = self.size[0] + 2 * columns;
         let aspect = self.camera.aspect() * f64::from(width) / f64::from(self.size[0]);
@@ -80,14 +81,14 @@ impl OutputViews {
         Ok(OutputViews { camera, size: [width, self.size[1]], ..self.clone() })
     }
 
-    /// The same camera at other places, rising.
+    /// Returns the same camera at other positions, which are in ascending order.
     #[must_use]
     pub fn at(&self, offsets_m: Vec<f64>) -> OutputViews {
         OutputViews { offsets_m, ..self.clone() }
     }
 
-    /// The views above each other at a place of these ones, turned by 90°: from the highest down, with the rows of pictures from the
-    /// right column to the left. `ups_m` are their heights, rising.
+    /// Returns the views above each other at one position on the line, turned by 90°: from the highest down, with the columns of
+    /// upright pictures as rows, from right to left. `ups_m` are their heights in metres, in ascending order.
     pub fn column(&self, offset_m: f64, ups_m: &[f64]) -> Result<OutputViews> {
         let camera = self.camera(offset_m)?.turned();
         let offsets_m = ups_m.iter().rev().map(|up_m| -up_m).collect();
@@ -98,18 +99,18 @@ impl OutputViews {
         self.offsets_m.len() as u32
     }
 
-    /// Metres from the first view to the last.
+    /// Returns the distance from the first view to the last, in metres.
     pub fn baseline_m(&self) -> f64 {
         let [first_m, last_m] = self.ends_m();
         last_m - first_m
     }
 
-    /// Places of the first view and the last.
+    /// Returns the positions of the first and the last view, in metres.
     pub fn ends_m(&self) -> [f64; 2] {
         [self.offsets_m.first(), self.offsets_m.last()].map(|at| at.copied().unwrap_or(0.0))
     }
 
-    /// The same views so many metres higher. The plane of focus does not move.
+    /// Returns the same views `up_m` metres higher. The plane of focus does not move.
     pub fn raised(&self, up_m: f64) -> Result<OutputViews> {
         let [middle, down] = self.window_middle();
         let raised = self.camera.moved(-up_m * self.camera.axes()[2]);
@@ -117,23 +118,23 @@ impl OutputViews {
         Ok(OutputViews { camera, ..self.clone() })
     }
 
-    /// Pixels of a unit of the plane at distance 1, across.
+    /// Returns the horizontal focal length in pixels.
     pub fn focal_pixels(&self) -> f64 {
         f64::from(self.size[0]) / (2.0 * self.camera.half()[0])
     }
 
-    /// Columns by which a surface at a planar distance moves for each metre that the camera moves to the right.
+    /// Returns the number of columns by which a surface at a planar distance moves per metre that the camera moves to the right.
     pub fn columns_per_metre(&self, depth_m: f64) -> f64 {
         self.focal_pixels() * (self.focus_m.recip() - depth_m.recip())
     }
 
-    /// A camera at so many metres to the right of the middle.
+    /// Returns the camera `offset_m` metres to the right of the middle.
     pub fn camera(&self, offset_m: f64) -> Result<Camera> {
         let [middle, down] = self.window_middle();
         self.camera.moved_right(offset_m).off_axis([middle - offset_m / self.focus_m, down])
     }
 
-    /// Its pixels.
+    /// Returns the viewpoint of that camera, with the projection of its pixels.
     pub fn viewpoint(&self, offset_m: f64) -> Viewpoint {
         let [width, height] = self.size.map(f64::from);
         let [half_width, half_height] = self.camera.half();
@@ -211,7 +212,7 @@ mod tests {
                     let camera = views.camera(0.4).unwrap();
                     camera.project(point - camera.eye()).unwrap().0[1] * 30.0
                 };
-                // As a camera that moves to the right sees it move to the left.
+                // Moves as surfaces do to the left when the camera moves to the right.
                 let moved = -0.25 * views.columns_per_metre(depth_m);
                 assert!((row(&raised) - row(&views) - moved).abs() < 1e-9, "{focus_m} {depth_m}");
                 let viewpoint = raised.viewpoint(0.4);

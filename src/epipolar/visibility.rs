@@ -1,27 +1,29 @@
-//! What an output view may see behind a pixel of a source view (Epipolar 3.4.1, 3.4.2).
+//! Tests of what an output view may see behind a pixel of a source view (Epipolar 3.4.1, 3.4.2).
 
 use super::continuity::Continuity;
 
-/// How far output views reach to both sides of a source view.
+/// Distance from a source view to the outermost output views on both sides.
 #[derive(Debug, Clone, Copy)]
 pub struct Reach {
-    /// Columns by which a surface at 1 m moves between the source and the views farthest to its left and right.
+    /// Numbers of columns by which a surface at 1 m moves between the source and the views farthest to its left and to its right.
     pub columns: [f64; 2],
 }
 
-/// Distance behind a surface within which no view sees anything past one of its pixels (Epipolar equation 3.1, after Lee et al.), `+inf`
-/// where that is everything.
+/// Returns the distance behind a surface within which no view sees anything past one of its pixels (Epipolar equation 3.1, after
+/// Lee et al.); `+inf` if nothing behind it is visible.
 ///
-/// Pixels at the distance of the surface cast an umbra behind them where the eye moves by more than their width, here a tangent: that of two
-/// pixels within a surface. Seen from `reach_m` to the side, a point δ behind their middle has moved by reach δ/(d + δ) across them. The
-/// paper takes half of the baseline for the reach, which is right for a source in the middle; for one at an end it is the whole. Its
-/// formula has a pole where the eye moves by exactly the width, and is negative below: there nothing behind the pixels is seen.
+/// Pixels at the distance of the surface cast an umbra if the eye moves by more than their width. `width` is a tangent: that of
+/// two pixels within a surface. From an eye `reach_m` to the side, a point δ behind their centre has moved by reach δ/(d + δ)
+/// across them. The paper uses half of the baseline as the reach, which is right for a source in the middle; for a source at an
+/// end the reach is the whole baseline. The paper's formula has a pole where the eye moves by exactly the width, and is negative
+/// below; in both cases nothing behind the pixels is visible.
 pub fn hidden_m(depth_m: f64, width: f64, reach_m: f64) -> f64 {
     let (width_m, baseline_m) = (depth_m * width, 2.0 * reach_m);
     if baseline_m <= width_m { f64::INFINITY } else { depth_m * width_m / (baseline_m - width_m) }
 }
 
-/// Whether each pixel of a layer and the next one show one surface, by inverse distances as for [`sees_past`].
+/// Returns true for each pixel of a layer that shows the same surface as the next pixel. Inverse distances are as for
+/// [`sees_past`].
 pub fn joined(inverse: &[Option<f64>], continuity: Continuity) -> Vec<bool> {
     let of = |at: usize| inverse.get(at).copied().flatten();
     let joins = |at: usize| {
@@ -31,14 +33,14 @@ pub fn joined(inverse: &[Option<f64>], continuity: Continuity) -> Vec<bool> {
     (0..inverse.len()).map(joins).collect()
 }
 
-/// Whether an output view may see past each pixel of a layer, by the inverse distances of its pixels, 0 for the background; `None` where
-/// the layer has no pixel; and by [`joined`].
+/// Returns true for each pixel of a layer that an output view may see past. Takes the inverse distances of the pixels (0 for the
+/// background, `None` where the layer has no pixel) and the result of [`joined`].
 ///
-/// A view to the right shows what lies behind a pixel on a line between the pixel's own and the place that infinity has: if the pixels on
-/// that way are one surface, all of it is hidden. The surface is continuous where no edge lies between: counts of edges, summed from
-/// the left, are equal at both ends.
+/// A view to the right shows the points behind a pixel on a segment from the pixel to the position of a point at infinity. If all
+/// pixels of that segment show one surface, everything behind the pixel is hidden. This holds if no edge lies between: the
+/// cumulative counts of edges from the left are equal at both ends.
 pub fn sees_past(inverse: &[Option<f64>], joined: &[bool], reach: Reach) -> Vec<bool> {
-    // Edges to the left of each pixel.
+    // Number of edges to the left of each pixel.
     let mut edges = Vec::with_capacity(inverse.len());
     let mut count = 0u32;
     for at in 0..inverse.len() {
@@ -78,7 +80,7 @@ mod tests {
         let continuity = Continuity::new(100.0);
         let wall = vec![Some(0.5); 40];
         let sees = |layer: &[Option<f64>], columns| sees_past(layer, &joined(layer, continuity), Reach { columns });
-        // Beside the borders of the image anything may come into view.
+        // Anything may come into view near the borders of the image.
         let past = sees(&wall, [10.0, 0.0]);
         assert!(past[..6].iter().all(|sees| *sees) && !past[6..].iter().any(|sees| *sees), "{past:?}");
         assert!(!sees(&wall, [0.0; 2]).contains(&true));
@@ -86,9 +88,9 @@ mod tests {
         step[20..].fill(Some(0.25));
         let past = sees(&step, [0.0, 10.0]);
         let behind: Vec<usize> = (0..30).filter(|&at| past[at]).collect();
-        // Those from which the way to infinity, 5 columns of the near wall and one for rounding, crosses the edge.
+        // Pixels whose segment to infinity, 5 columns of the near wall and one for rounding, crosses the edge.
         assert_eq!(behind, [14, 15, 16, 17, 18, 19]);
-        // So near that a pixel moves by more columns than there are numbers.
+        // A surface so near that a pixel moves by more columns than an integer holds.
         assert!(sees(&[Some(1e300), Some(1e300)], [10.0; 2]).iter().all(|sees| *sees));
         // A gap in the layer is an edge.
         let mut gap = wall;

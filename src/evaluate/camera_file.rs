@@ -1,4 +1,4 @@
-//! `cam.json`: cameras, and the frames in which they look.
+//! `cam.json`: cameras, and the frames that they render.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -10,10 +10,10 @@ use crate::evaluate::camera_path::{self, KeyPose};
 use crate::image::FrameRange;
 use crate::math::{Camera, Lens};
 
-/// Bytes of a file at most.
+/// Maximum size of a file in bytes.
 pub const MAX_CAMERA_FILE_BYTES: u64 = 16 << 20;
 
-/// The whole file. Unknown keys are errors.
+/// Content of a camera file. Unknown keys are errors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraFile {
@@ -24,40 +24,40 @@ pub struct CameraFile {
 #[serde(deny_unknown_fields)]
 pub struct CameraEntry {
     pub eye: [f64; 3],
-    /// A point that it looks at; this or `orientation`.
+    /// Target point; either this or `orientation` is required.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub look_at: Option<[f64; 3]>,
-    /// Unit quaternion x, y, z, w that turns a camera that looks along −Z with +Y up; this or `look_at`.
+    /// Unit quaternion x, y, z, w, which rotates a camera that looks along −Z with +Y up; either this or `look_at` is required.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation: Option<[f64; 4]>,
-    /// Up direction, with `look_at`; +Y when absent.
+    /// Up direction, with `look_at`; +Y by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
     /// Vertical field of view in degrees, above 0 and below 180.
     pub fov_y_deg: f64,
-    /// Width of its picture over the height; 1 when absent.
+    /// Width of the image divided by its height; 1 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aspect: Option<f64>,
-    /// The middle of its picture at distance 1, to the right and down: an off-axis window; 0, 0 when absent.
+    /// Offset of the image centre at distance 1, to the right and down (off-axis frustum); 0, 0 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub off_axis: Option<[f64; 2]>,
-    /// Near plane in metres along its axis; 0 when absent.
+    /// Near plane in metres along the viewing axis; 0 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near_m: Option<f64>,
-    /// Far plane in metres along its axis; none when absent.
+    /// Far plane in metres along the viewing axis; none by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub far_m: Option<f64>,
-    /// First and last frame in which it looks; all when absent.
+    /// First and last frame that the camera renders; all by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames: Option<[u32; 2]>,
-    /// Key frame of a moving camera, instead of `frames`: all entries have one, in increasing order. Between them position is
-    /// interpolated linearly, orientation by slerp.
+    /// Key frame of a moving camera, instead of `frames`. If an entry has one, all must have one, in increasing order. Between
+    /// key frames position is interpolated linearly, orientation by slerp.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<u32>,
 }
 
 impl CameraFile {
-    /// The cameras of a file's bytes as perspective probes, to capture their reference images. Near and far are ignored.
+    /// Parses a camera file as perspective probes, for capturing their reference images. Near and far planes are ignored.
     pub fn as_probes(text: &[u8]) -> Result<CameraSet> {
         let (cameras, file) = (Self::parse(text)?, Self::entries(text)?);
         if file.cameras.iter().any(|entry| entry.frame.is_some()) {
@@ -65,7 +65,7 @@ impl CameraFile {
         }
         let probe = |(timed, entry): (&TimedCamera, &CameraEntry)| PlacedCamera {
             fov_y_deg: Some(entry.fov_y_deg),
-            // What a window is beside the axis depends on the aspect.
+            // The off-axis shift is relative to the image size, so it depends on the aspect ratio.
             aspect: entry.aspect.or_else(|| entry.off_axis.map(|_| timed.camera.aspect())),
             frames: entry.frames,
             ..placed(&timed.camera)
@@ -82,7 +82,7 @@ impl CameraFile {
         })
     }
 
-    /// The cameras of a file's bytes.
+    /// Parses a camera file; key poses are interpolated to one camera per frame.
     pub fn parse(text: &[u8]) -> Result<Vec<TimedCamera>> {
         let file = Self::entries(text)?;
         if file.cameras.is_empty() {
@@ -106,7 +106,7 @@ impl CameraFile {
     }
 }
 
-/// A perspective camera as a probe to capture.
+/// Converts a perspective camera to a probe to capture.
 pub fn placed(camera: &Camera) -> PlacedCamera {
     let (half, middle) = (camera.half(), camera.middle());
     let shift = [0, 1].map(|axis| 0.5 * middle[axis] / half[axis]);
@@ -119,7 +119,7 @@ pub fn placed(camera: &Camera) -> PlacedCamera {
     }
 }
 
-/// The perspective camera of a probe to capture, which has a field of view.
+/// Returns the perspective camera of a probe to capture with a field of view.
 pub fn camera_of(placed: &PlacedCamera, fov_y_deg: f64) -> Result<Camera> {
     let lens = Lens { aspect: placed.aspect.unwrap_or(1.0), ..Lens::new(fov_y_deg) };
     let orientation = placed.orientation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
@@ -163,7 +163,7 @@ impl CameraEntry {
         Ok(TimedCamera { camera: camera.off_axis(self.off_axis.unwrap_or_default())?, frames })
     }
 
-    /// The entry of a perspective camera.
+    /// Creates the entry of a perspective camera.
     pub fn of(TimedCamera { camera, frames }: &TimedCamera) -> CameraEntry {
         let Lens { fov_y_deg, aspect, near_m, far_m } = camera.lens();
         CameraEntry {

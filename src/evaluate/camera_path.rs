@@ -11,7 +11,7 @@ pub const MAX_PATH_FRAMES: u32 = 100_000;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimedCamera {
     pub camera: Camera,
-    /// The frames; all where there is no range.
+    /// Frames that the camera renders; `None` for all frames.
     pub frames: Option<FrameRange>,
 }
 
@@ -22,8 +22,9 @@ pub struct KeyPose {
     pub lens: Lens,
 }
 
-/// A camera for each frame from the first pose to the last: position, field of view, aspect and off-axis window are interpolated
-/// linearly, orientation by slerp. Near and far are those of the pose before.
+/// Returns a camera for each frame from the first pose to the last: position, field of view, aspect ratio and off-axis shift are
+/// interpolated linearly, orientation by slerp. Near and far planes are those of the previous pose. Fails if frames do not
+/// increase.
 pub fn interpolate(poses: &[KeyPose]) -> Result<Vec<TimedCamera>> {
     let timed =
         |frame: u32, camera: Camera| TimedCamera { camera, frames: Some(FrameRange { first: frame, last: frame }) };
@@ -89,7 +90,7 @@ mod tests {
             assert!((timed.camera.eye() - DVec3::new(1.0, 0.0, 2.0) * f64::from(at)).length() < 1e-12);
             assert_eq!(timed.frames, Some(FrameRange { first: 2 + at, last: 2 + at }));
         }
-        // The tangent of half a field of view of 50 degrees, at the right edge.
+        // The field of view is 50 degrees, so the direction at the right edge is 25 degrees off the axis.
         let right = cameras[1].camera.direction([1.0, 0.5]).dot(cameras[1].camera.axes()[1]);
         assert!((right - 25f64.to_radians().sin()).abs() < 1e-12);
         assert_eq!(interpolate(&poses[..1]).unwrap().len(), 1);

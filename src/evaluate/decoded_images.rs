@@ -1,4 +1,4 @@
-//! Images of a container, in metres and linear light.
+//! Decoded images of a container, in metres and linear RGB.
 
 use crate::container::ProbeEntry;
 use crate::dataset::{Pose, ProbeInfo, planar_to_distance};
@@ -24,7 +24,7 @@ pub(super) fn pose(&FramePose { frame, position, orientation, .. }: &FramePose) 
     Pose { frame, position, orientation }
 }
 
-/// A probe without the poses of its frames.
+/// Returns a probe without its per-frame poses.
 pub(super) fn still_probe(entry: &ProbeEntry) -> ProbeInfo {
     ProbeInfo {
         name: entry.name.clone(),
@@ -50,7 +50,7 @@ impl DecodedImages {
         self.decoder.primaries()
     }
 
-    /// Light of [`Self::primaries`].
+    /// Decodes colour to linear RGB in [`Self::primaries`].
     pub fn color(&self, stream: usize, frame: u32) -> Result<Vec<ColorPlane>> {
         let header = &self.streams()[stream].header;
         match (self.decoder.face(&self.streams()[stream]).decode(frame)?, header) {
@@ -63,7 +63,7 @@ impl DecodedImages {
         }
     }
 
-    /// Distances, `+inf` for the background.
+    /// Decodes depth to distances in metres; `+inf` for the background.
     pub fn distance_m(&self, stream: usize, frame: u32) -> Result<Vec<DepthPlane>> {
         let stream = &self.streams()[stream];
         let (Picture::Depth(codes), CodecHeader::Depth(header)) =
@@ -91,7 +91,8 @@ impl DecodedImages {
         }
     }
 
-    /// Of all depth streams: a code's step to the power of the bound, and half of one for rounding. None where a codec has no bound.
+    /// Returns the maximum relative depth error over all depth streams, from the step ratio of the codes, their error bound, and
+    /// half a step for rounding; `None` if a codec has no bound.
     pub fn relative_depth_error(&self) -> Option<f64> {
         let error = |stream: &StreamInfo| {
             let (range, codes) = (stream.depth_range()?, stream.error_bound_codes()?);

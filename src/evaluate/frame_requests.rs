@@ -1,4 +1,4 @@
-//! Which cameras look at which frame, in which order.
+//! Assigns cameras to frames, in render order.
 
 use crate::error::{Error, Result};
 use crate::evaluate::TimedCamera;
@@ -9,18 +9,19 @@ use crate::math::Camera;
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameRequest {
     pub frame: u32,
-    /// The cameras, at least one: two of them for two eyes, six for a cube map.
+    /// The cameras, at least one: two for stereo, six for a cube map.
     pub cameras: Vec<Camera>,
 }
 
-/// The frame requests of a path.
+/// Returns the frame requests of a camera path.
 ///
-/// - One camera without frames renders all of `frames`.
-/// - Cameras with frames render those that are in `frames`, one camera after the other. Each of `frames` that is available must have one.
-/// - Several cameras without frames are poses of one camera: the first renders the first of `frames`, and so on. A range
-///   of one frame is rendered by all of them.
+/// - A single camera without frames renders all of `frames`.
+/// - Cameras with frames render those of their frames that are in `frames`, one camera after the other. If `frames` is given,
+///   each of its available frames must have a camera.
+/// - Several cameras without frames are poses of one camera: the first renders the first of `frames`, and so on. If `frames` has
+///   one frame, all of them render it.
 ///
-/// `frames` defaults to `available` for cameras that state theirs, and to the first available one for others.
+/// `frames` defaults to `available` if the cameras have frames, else to the first available frame.
 pub fn frame_requests(
     cameras: &[TimedCamera],
     frames: Option<FrameRange>,
@@ -66,7 +67,7 @@ pub fn frame_requests(
     Ok(requests)
 }
 
-/// Refuses frames that are asked for and that no camera looks in.
+/// Fails if a requested and available frame has no camera.
 fn check_covered(cameras: &[TimedCamera], asked: Option<FrameRange>, available: FrameRange) -> Result<()> {
     let Some((asked, needed)) = asked.and_then(|asked| Some((asked, asked.intersect(available)?))) else {
         return Ok(());
@@ -85,7 +86,7 @@ fn check_covered(cameras: &[TimedCamera], asked: Option<FrameRange>, available: 
     Err(Error::Usage(format!("no camera looks in frame {next} of {asked}; ask for frames of the path, or lengthen it")))
 }
 
-/// Number of frames that cameras state and `frames` asks for, but that are not `available`.
+/// Returns the number of frames that cameras have and `frames` includes, but that are not `available`.
 pub fn missing_frames(cameras: &[TimedCamera], frames: Option<FrameRange>, available: FrameRange) -> u64 {
     let missing = |own: FrameRange| {
         let asked = frames.map_or(Some(own), |frames| own.intersect(frames));
@@ -105,7 +106,7 @@ mod tests {
         FrameRange { first, last }
     }
 
-    /// Cameras that stand at x = 0, 1, 2, ….
+    /// Returns cameras at x = 0, 1, 2, ….
     fn cameras(frames: &[Option<FrameRange>]) -> Vec<TimedCamera> {
         let camera = |(at, &frames): (usize, &Option<FrameRange>)| {
             let eye = DVec3::X * at as f64;
@@ -114,7 +115,7 @@ mod tests {
         frames.iter().enumerate().map(camera).collect()
     }
 
-    /// Frame and camera of each request.
+    /// Returns the frame and the camera number of each request.
     fn of(frames: &[Option<FrameRange>], asked: Option<FrameRange>) -> Vec<(u32, u32)> {
         let requests = frame_requests(&cameras(frames), asked, range(3, 9)).unwrap();
         requests.iter().map(|request| (request.frame, request.cameras[0].eye().x as u32)).collect()
@@ -125,11 +126,11 @@ mod tests {
         let none = None;
         assert_eq!(of(&[none], None), [(3, 0)]);
         assert_eq!(of(&[none], Some(range(4, 6))), [(4, 0), (5, 0), (6, 0)]);
-        // Poses: frozen in time, or one a frame.
+        // Poses: all in one frame, or one per frame.
         assert_eq!(of(&[none, none], None), [(3, 0), (3, 1)]);
         assert_eq!(of(&[none, none], Some(range(7, 7))), [(7, 0), (7, 1)]);
         assert_eq!(of(&[none, none, none], Some(range(4, 6))), [(4, 0), (5, 1), (6, 2)]);
-        // Cameras with frames of their own.
+        // Cameras with their own frames.
         let own = [Some(range(5, 6)), Some(range(6, 6)), Some(range(0, 4))];
         assert_eq!(of(&own, None), [(5, 0), (6, 0), (6, 1), (3, 2), (4, 2)]);
         assert_eq!(of(&own, Some(range(6, 6))), [(6, 0), (6, 1)]);

@@ -1,5 +1,5 @@
-//! Compares rendered pictures with reference images, for every renderer: cameras, rendered images, similarity. Files of cameras, and
-//! point clouds.
+//! Compares rendered images with reference images, independently of the renderer: cameras, rendered images, similarity. Also
+//! camera files and point clouds.
 
 pub mod camera_file;
 pub mod camera_path;

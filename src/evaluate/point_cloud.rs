@@ -1,7 +1,7 @@
-//! A frame of a light field as points of its surfaces, in a PLY file.
+//! Exports the surfaces in a frame of a light field as a point cloud in a PLY file.
 //!
-//! Enters: colour and distances of images, and their cameras. Leaves: binary little-endian PLY with a vertex for each pixel that has a
-//! surface: x, y, z in metres of the world (float), red, green, blue in sRGB (uchar).
+//! Input: colour and distances of images, and their cameras. Output: binary little-endian PLY with one vertex per pixel that
+//! shows a surface: x, y, z in metres in the world (float), red, green, blue in sRGB (uchar).
 
 use std::io::Write;
 
@@ -12,11 +12,11 @@ use crate::evaluate::reference::Reference;
 use crate::image::{CodeSteps, ToneMap};
 use crate::monitor::Monitor;
 
-/// Bytes of a vertex.
+/// Size of a vertex in bytes.
 pub const POINT_BYTES: u64 = 3 * 4 + 3;
 
-/// Writes the points of these images in a frame, and answers their number. Images are those of [`Reference::images`], each with depth; their
-/// order is that of the points, which go row by row. The monitor advances by one for each image.
+/// Writes the points of images in a frame; returns their number. `images` are indices into [`Reference::images`], of images with
+/// depth. Points are in the order of `images`, then in row order. The monitor advances by one for each image.
 pub fn write_ply(
     reference: &mut Reference,
     images: &[usize],

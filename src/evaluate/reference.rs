@@ -1,4 +1,4 @@
-//! Reference images: those of a dataset or a container, with the cameras that see exactly them (CALF 7.2).
+//! Reference images of a dataset or a container, with the cameras that took them (CALF 7.2).
 
 use std::path::{Path, PathBuf};
 
@@ -16,30 +16,30 @@ use crate::math::camera::rotation;
 use crate::math::{Camera, Lens};
 use crate::streams::StreamInfo;
 
-/// A principal point that is at most this many pixels beside the middle of its image is taken to be the middle.
+/// Maximum offset in pixels of a principal point from the image centre at which it is set to the centre.
 const CENTRE_TOLERANCE: f64 = 0.01;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferenceImage {
     pub probe: String,
     pub face: Face,
-    /// By frame; of a still probe that of its first frame alone.
+    /// Cameras by frame; a static probe has one, for its first frame.
     cameras: Vec<(u32, Camera)>,
     pub size: [u32; 2],
     pub frames: FrameRange,
-    /// Group of files (or stream of a container) by kind, and its index there.
+    /// Group of files (or stream of a container), and index of the image in it, for colour, depth and material.
     groups: [Option<[usize; 2]>; 3],
 }
 
 impl ReferenceImage {
-    /// The camera in a frame; the axes of a cube face are mirrored, as its image is. Before and after the frames of a moving probe it
-    /// stands as in the nearest of them.
+    /// Returns the camera in a frame; the axes of a cube face are mirrored, as its image is. Outside the frames of a moving
+    /// probe, returns the camera of the nearest frame.
     pub fn camera(&self, frame: u32) -> Camera {
         let after = self.cameras.partition_point(|(of, _)| *of <= frame);
         self.cameras[after.saturating_sub(1)].1
     }
 
-    /// The cameras with their frames: one for each frame of a moving probe, one for all frames of a still one.
+    /// Iterates over the cameras with their frames: one per frame of a moving probe, one for all frames of a static probe.
     pub fn cameras(&self) -> impl Iterator<Item = (FrameRange, Camera)> {
         let is_still = self.cameras.len() == 1;
         self.cameras.iter().map(move |&(frame, camera)| {
@@ -50,13 +50,13 @@ impl ReferenceImage {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
-    /// Light of Rec. 709.
+    /// Linear RGB in Rec. 709 primaries.
     pub color: ColorPlane,
-    /// Weights of reflection and refraction and index of refraction; none where there is no material.
+    /// Reflection weight, refraction weight and index of refraction; `None` without material.
     pub material: Option<MaterialPlane>,
 }
 
-/// The faces of one group of files in one frame.
+/// The faces of one group of files in one frame: group, frame, planes.
 type Cached<T> = Option<(usize, u32, Vec<T>)>;
 
 #[derive(Debug)]
@@ -68,9 +68,9 @@ enum Images {
 #[derive(Debug)]
 pub struct Reference {
     files: Images,
-    /// By probe and then by face.
+    /// Images by probe, then by face.
     pub images: Vec<ReferenceImage>,
-    /// Files read last: those that hold all faces are read once for all of them.
+    /// The files read last; files that hold all faces are read once for all of them.
     color: Cached<ColorPlane>,
     depth: Cached<DepthPlane>,
     material: Cached<MaterialPlane>,
@@ -78,7 +78,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Opens a container, or a dataset by its manifest or the folder that holds `lightfield.json`.
+    /// Opens a container, or a dataset by its manifest or by the folder that holds `lightfield.json`.
     pub fn open(path: &Path) -> Result<Reference> {
         if is_container(path)? {
             return Reference::of_container(Decoder::open(path)?).map_err(|error| error.in_file(path));
@@ -86,14 +86,14 @@ impl Reference {
         Reference::new(Source::open(path, &SourceOptions::default())?).map_err(|error| error.in_file(path))
     }
 
-    /// The files of a frame's images; none of a container, which is one file.
+    /// Returns the image files of a frame; empty for a container, which is a single file.
     pub fn files(&self, frame: u32) -> Vec<PathBuf> {
         let Images::Dataset(source) = &self.files else { return Vec::new() };
         let groups = source.groups().iter().filter(|group| group.frames.contains(frame));
         groups.filter_map(|group| source.file(group, frame).ok()?).collect()
     }
 
-    /// The image files of all frames, of every kind; none of a container.
+    /// Returns the image files of all frames and kinds; empty for a container.
     pub fn all_files(&self) -> Vec<PathBuf> {
         match &self.files {
             Images::Dataset(source) => source.files().collect(),
@@ -121,7 +121,7 @@ impl Reference {
         Reference::of(Images::Dataset(Box::new(source)), images)
     }
 
-    /// The images of an open container.
+    /// Creates the reference images of an open container.
     pub fn of_container(decoder: Decoder) -> Result<Reference> {
         let files = DecodedImages::new(decoder);
         let streams = || files.streams().iter().enumerate();
@@ -157,7 +157,8 @@ impl Reference {
         Ok(Reference { files, images, color: None, depth: None, material: None, normal: None })
     }
 
-    /// Largest error of distances, as a part of them: that of a container's codec, 0 of a dataset; none where it has no bound.
+    /// Returns the maximum error of distances relative to the distance: that of the codec of a container, 0 for a dataset; `None`
+    /// if the codec has no bound.
     pub fn relative_depth_error(&self) -> Option<f64> {
         match &self.files {
             Images::Dataset(_) => Some(0.0),
@@ -165,7 +166,7 @@ impl Reference {
         }
     }
 
-    /// Distances of an image in a frame, in metres, `+inf` for the background; none where it has no depth.
+    /// Returns the distances of an image in a frame, in metres, `+inf` for the background; `None` without depth.
     pub fn distance_m(&mut self, image: usize, frame: u32) -> Result<Option<DepthPlane>> {
         let [_, depth, _] = self.groups(image)?;
         cached(&mut self.depth, (depth, frame), |group| match &self.files {
@@ -191,7 +192,7 @@ impl Reference {
         Ok(Truth { color, material })
     }
 
-    /// Normals of an image in a frame; none where the dataset has none, and of a container.
+    /// Returns the normals of an image in a frame; `None` for a dataset without normals, and for a container.
     pub fn normal(&mut self, image: usize, frame: u32) -> Result<Option<NormalPlane>> {
         let [color, ..] = self.groups(image)?;
         cached(&mut self.normal, (color, frame), |group| match &self.files {
@@ -213,7 +214,7 @@ fn in_rec709(planes: Vec<ColorPlane>, primaries: Primaries) -> Vec<ColorPlane> {
     }
 }
 
-/// The group of another kind with the same face and frames, and the index of the face in it.
+/// Returns the group of another kind with the same probe, face and frames, and the index of the face in it.
 fn group_of(source: &Source, kind: StreamKind, probe: usize, face: Face, frames: FrameRange) -> Option<[usize; 2]> {
     source.groups().iter().enumerate().find_map(|(at, group)| {
         let same = group.kind == kind && group.probe == probe && group.frames == frames;
@@ -222,7 +223,7 @@ fn group_of(source: &Source, kind: StreamKind, probe: usize, face: Face, frames:
     })
 }
 
-/// The camera that took an image of a container in a frame, as people see it: faces of cube maps are stored mirrored.
+/// Returns the camera of an image of a container in a frame, without mirroring; cube map faces are stored mirrored.
 pub fn upright_camera(decoder: &Decoder, stream: &StreamInfo, frame: u32) -> Result<Camera> {
     let probe = still_probe(decoder.probe(stream));
     let moved = decoder.footage().pose(&probe.name, frame).map(pose);
@@ -233,7 +234,7 @@ pub fn upright_camera(decoder: &Decoder, stream: &StreamInfo, frame: u32) -> Res
     }
 }
 
-/// The cameras of a probe's image by frame, one alone where it stands still.
+/// Returns the cameras of an image of a probe by frame; a static probe has one.
 fn cameras(
     projection: Projection,
     probe: &ProbeInfo,
@@ -267,7 +268,7 @@ fn camera(
     Camera::pinhole(eye, axes, size, [fx, fy, cx, cy]).map_err(named)
 }
 
-/// One face of a group in a frame, read unless it was read last.
+/// Returns a face of a group in a frame, reading the group unless it was the last one read.
 fn cached<T: Clone>(
     held: &mut Cached<T>,
     (place, frame): (Option<[usize; 2]>, u32),
@@ -320,7 +321,7 @@ mod tests {
         assert!(reference.truth(12, 0).is_err() && reference.truth(0, 2).is_err());
     }
 
-    /// A dataset of perspective images of one probe, which is turned.
+    /// Writes a dataset of perspective images of one rotated probe.
     fn perspective(folder: &Path) -> crate::dataset::Manifest {
         let mut plan = PLAN.capture().unwrap();
         let half = 0.5f64.sqrt();

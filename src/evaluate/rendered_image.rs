@@ -1,6 +1,6 @@
-//! A rendered picture as files hold it.
+//! A rendered image, in the forms that files store.
 //!
-//! Enters: linear light and alpha. Leaves: 8-bit codes of Rec. 709 beside alpha, or half floats that are multiplied by it.
+//! Input: linear RGB and alpha. Output: 8-bit Rec. 709 codes with straight alpha, or half floats premultiplied by alpha.
 
 use half::f16;
 
@@ -8,68 +8,68 @@ use crate::error::Result;
 use crate::image::plane::ColorPlane;
 use crate::image::{CodeSteps, Plane, Primaries, ToneMap};
 
-/// What is shown of a surface that no view saw.
+/// Treatment of surfaces that no source view shows (disocclusions).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum HoleFill {
-    /// What views saw behind it, else as [`HoleFill::Nearest`]: alpha is 1.
+    /// The surface behind it that source views show, else the colour of [`HoleFill::Nearest`]; alpha is 1.
     #[default]
     Behind,
-    /// The colour of the texels whose depth is nearest: alpha is 0.
+    /// The colour of the texels with the nearest depth; alpha is 0.
     Nearest,
-    /// Nothing: colour and alpha are 0.
+    /// Blank: colour and alpha are 0.
     Blank,
 }
 
-/// What is shown where no surface is.
+/// Treatment of pixels without a surface.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum BackgroundFill {
-    /// The colour of the background: alpha is 1.
+    /// The colour of the background; alpha is 1.
     #[default]
     Opaque,
-    /// Nothing: alpha is the part of a pixel that surfaces cover, and colour is theirs.
+    /// Transparent: alpha is the coverage by surfaces, and colour is that of the surfaces.
     Transparent,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderedImage {
-    /// Linear light; the mean of what has a colour in a pixel, not multiplied by alpha.
+    /// Linear RGB, the mean of the samples with a colour in a pixel, not premultiplied by alpha.
     pub color: Plane<[f32; 3]>,
-    /// The part of a pixel that shows something that a view saw, or that [`HoleFill::Behind`] fills; of a background only with
+    /// Fraction of a pixel that a source view shows or that [`HoleFill::Behind`] fills. The background is included only with
     /// [`BackgroundFill::Opaque`].
     pub alpha: Plane<f32>,
-    /// Of its light.
+    /// Primaries of the colour.
     pub primaries: Primaries,
-    /// Planes that are stored beside these, of the same size.
+    /// Additional planes of the same size.
     pub aovs: Vec<Aov>,
 }
 
-/// An arbitrary output variable: a plane that a picture file has beside its colour.
+/// An arbitrary output variable: a plane that an image file stores beside its colour.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Aov {
-    /// Name of its channel.
+    /// Channel name.
     pub channel: &'static str,
     pub plane: Plane<f32>,
 }
 
 impl RenderedImage {
-    /// A picture of Rec. 709 light.
+    /// Creates an image in Rec. 709 primaries.
     pub fn new(color: Plane<[f32; 3]>, alpha: Plane<f32>) -> RenderedImage {
         RenderedImage { color, alpha, primaries: Primaries::REC709, aovs: Vec::new() }
     }
 
-    /// A picture without holes.
+    /// Creates an image with alpha 1 in all pixels.
     pub fn opaque(color: &ColorPlane) -> RenderedImage {
         let alpha = Plane::filled(color.width(), color.height(), 1.0);
         RenderedImage::new(color.map(|light| light.map(f16::to_f32)), alpha)
     }
 
-    /// An image of these pixels, row by row: linear light, then alpha.
+    /// Creates an image from pixels in row order: linear RGB, then alpha.
     pub fn of_pixels([width, height]: [u32; 2], pixels: impl Iterator<Item = [f32; 4]>) -> Result<RenderedImage> {
         let (color, alpha) = pixels.map(|[r, g, b, alpha]| ([r, g, b], alpha)).unzip();
         Ok(RenderedImage::new(Plane::new(width, height, color)?, Plane::new(width, height, alpha)?))
     }
 
-    /// The same picture in light of Rec. 709.
+    /// Converts the image to Rec. 709 primaries.
     #[must_use]
     pub fn into_rec709(mut self) -> RenderedImage {
         if let Some(matrix) = self.primaries.conversion_to(Primaries::REC709) {
@@ -88,7 +88,7 @@ impl RenderedImage {
         }
     }
 
-    /// 8-bit codes and alpha; colour is not multiplied by alpha.
+    /// Returns 8-bit codes and alpha; colour is not premultiplied by alpha.
     pub fn rgba_codes(&self, tone: ToneMap) -> Plane<[u8; 4]> {
         let codes = self.codes(tone);
         Plane::from_fn(codes.width(), codes.height(), |x, y| {
@@ -97,7 +97,7 @@ impl RenderedImage {
         })
     }
 
-    /// Light multiplied by alpha, and alpha. With [`HoleFill::Nearest`] light is kept where alpha is 0.
+    /// Returns linear RGB premultiplied by alpha, and alpha. With [`HoleFill::Nearest`], colour is kept where alpha is 0.
     pub fn rgba_light(&self, holes: HoleFill) -> Plane<[f16; 4]> {
         Plane::from_fn(self.color.width(), self.color.height(), |x, y| {
             let alpha = self.alpha.get(x, y);
@@ -108,7 +108,7 @@ impl RenderedImage {
     }
 }
 
-/// The nearest half float that is a number: files hold no NaN and no infinity.
+/// Converts to the nearest finite half float, and NaN to 0: files hold neither NaN nor infinities.
 fn finite(value: f32) -> f16 {
     if value.is_nan() { f16::ZERO } else { f16::from_f32(value.clamp(f16::MIN.to_f32(), f16::MAX.to_f32())) }
 }

@@ -1,4 +1,4 @@
-//! Similarity of rendered pictures and reference images (CALF 7.2): PSNR, PSNR-HVS-M and SSIM of display codes.
+//! Similarity of rendered images and reference images (CALF 7.2): PSNR, PSNR-HVS-M and SSIM of display codes.
 
 use serde::Serialize;
 
@@ -16,30 +16,30 @@ pub struct Similarity {
     pub seen: SquaredError,
     /// Pixels whose reference material reflects or refracts.
     pub effects: SquaredError,
-    /// Of those, the ones that only reflect.
+    /// Pixels of `effects` that only reflect.
     pub mirrors: SquaredError,
-    /// Of those, the ones that refract.
+    /// Pixels of `effects` that refract.
     pub glass: SquaredError,
-    /// Whether the reference has material, so that the three are known.
+    /// True if the reference has material, so that `effects`, `mirrors` and `glass` are known.
     pub has_material: bool,
-    /// Pixels near silhouettes of views, and all others; both empty where these are unknown.
+    /// Pixels near silhouettes of views. This and `elsewhere`, all other pixels, are empty if silhouettes are unknown.
     pub near_silhouettes: SquaredError,
     pub elsewhere: SquaredError,
-    /// Pixels of alpha 0.
+    /// Number of pixels with alpha 0.
     pub hole_pixels: u64,
-    /// Pictures that are large enough for an SSIM.
+    /// Number of images that are large enough for SSIM.
     pub ssim_images: u64,
-    /// Sum of their SSIM.
+    /// Sum of the SSIM of these images.
     pub ssim_sum: f64,
     pub hvs: HvsError,
-    /// Sum of the PSNR in dB of each picture that is not exact.
+    /// Sum of the PSNR in dB of the images that are not exact.
     pub psnr_db_sum: f64,
-    /// Pictures that are not exact.
+    /// Number of images that are not exact.
     pub inexact_images: u64,
     pub images: u64,
 }
 
-/// The figures of a report; those of pixels or pictures that are missing are absent.
+/// Metrics of a report; metrics without pixels or images are omitted.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SimilarityReport {
     psnr_db: Number,
@@ -94,7 +94,7 @@ impl Similarity {
         }
     }
 
-    /// Compares a picture with its reference, both as codes of `tone`.
+    /// Compares an image with its reference, both as codes of `tone`.
     pub fn of(rendered: &RenderedImage, truth: &Truth, tone: ToneMap) -> Result<Similarity> {
         let sizes = [(rendered.color.width(), rendered.color.height()), (truth.color.width(), truth.color.height())];
         if sizes[0] != sizes[1] {
@@ -107,7 +107,8 @@ impl Similarity {
         Similarity::of_codes([&codes[0], &codes[1]], &rendered.alpha, truth.material.as_ref())
     }
 
-    /// Compares codes of a picture with those of its reference; alpha is the picture's, material the reference's, in the same size.
+    /// Compares the codes of an image with those of its reference. `alpha` is that of the image, `material` that of the
+    /// reference, all of the same size.
     pub fn of_codes(
         [shown, wanted]: [&Plane<[u8; 3]>; 2],
         alpha: &Plane<f32>,
@@ -151,7 +152,7 @@ impl Similarity {
         Ok(sum)
     }
 
-    /// Divides the errors of the codes of a picture by whether pixels are near silhouettes of views.
+    /// Adds the errors of an image, divided by whether pixels are near silhouettes of views.
     pub fn add_silhouettes(&mut self, [shown, wanted]: [&Plane<[u8; 3]>; 2], near: &Plane<bool>) {
         for ((shown, wanted), &is_near) in shown.data().iter().zip(wanted.data()).zip(near.data()) {
             let error = if is_near { &mut self.near_silhouettes } else { &mut self.elsewhere };
@@ -160,15 +161,15 @@ impl Similarity {
         }
     }
 
-    /// Root mean square error of pixels near silhouettes of views over that of all others: ghosts of edges raise it. None where there are no
-    /// such pixels, or all others are exact.
+    /// Returns the RMS error of pixels near silhouettes of views divided by that of all other pixels; ghosting at edges increases
+    /// it. `None` if there are no pixels near silhouettes, or if all others are exact.
     pub fn ghost_ratio(&self) -> Option<f64> {
         let mean = |error: &SquaredError| error.sum as f64 / error.samples as f64;
         let ratio = (mean(&self.near_silhouettes) / mean(&self.elsewhere)).sqrt();
         ratio.is_finite().then_some(ratio)
     }
 
-    /// Adds other pictures. The order decides about the last bits.
+    /// Adds the results of other images. The last bits of sums depend on the order.
     pub fn merge(&mut self, other: &Similarity) -> Result<()> {
         self.all.merge(&other.all)?;
         self.seen.merge(&other.seen)?;
@@ -188,33 +189,33 @@ impl Similarity {
         Ok(())
     }
 
-    /// Mean of the PSNR in dB of pictures that are not exact; `+inf` where all are.
+    /// Returns the mean PSNR in dB of the images that are not exact; `+inf` if all are exact.
     pub fn mean_psnr_db(&self) -> f64 {
         if self.inexact_images == 0 { f64::INFINITY } else { self.psnr_db_sum / self.inexact_images as f64 }
     }
 
-    /// Mean SSIM; none where all pictures are too small.
+    /// Returns the mean SSIM; `None` if all images are too small.
     pub fn ssim(&self) -> Option<f64> {
         (self.ssim_images > 0).then(|| self.ssim_sum / self.ssim_images as f64)
     }
 
-    /// Holes, in percent of all pixels.
+    /// Returns the holes in percent of all pixels.
     pub fn hole_percent(&self) -> f64 {
         100.0 * self.hole_pixels as f64 / (self.all.samples / 3).max(1) as f64
     }
 }
 
-/// PSNR in dB; none of no pixels.
+/// Returns the PSNR in dB; `None` without pixels.
 pub fn some_psnr(error: &SquaredError) -> Option<f64> {
     (error.samples > 0).then(|| error.psnr_db())
 }
 
-/// Display codes of a reference, as `encode` makes them.
+/// Returns the display codes of a reference, as `encode` computes them.
 pub fn truth_codes(truth: &Truth, tone: ToneMap) -> Plane<[u8; 3]> {
     color_codes(&truth.color, &EncodeTable::new(&tone)).0
 }
 
-/// The largest difference of the three samples of each pixel, in display codes.
+/// Returns the maximum difference of the three samples of each pixel, in display codes.
 pub fn difference(shown: &Plane<[u8; 3]>, wanted: &Plane<[u8; 3]>) -> Result<Plane<u8>> {
     let largest = |(a, b): (&[u8; 3], &[u8; 3])| (0..3).map(|at| a[at].abs_diff(b[at])).fold(0, u8::max);
     if (shown.width(), shown.height()) != (wanted.width(), wanted.height()) {
@@ -232,7 +233,8 @@ mod tests {
 
     const LINEAR: ToneMap = ToneMap { transfer: Transfer::Linear, exposure_ev: 0.0 };
 
-    /// A picture of 12x12 codes of gray, of which the first `holes` are holes, with what should be there, and its material.
+    /// Returns a gray image of 12x12 pixels of code `shown`, of which the first `holes` are holes, and its reference of code
+    /// `wanted` with material.
     fn pair(shown: u8, wanted: u8, holes: usize, material: &[[f32; 3]]) -> (RenderedImage, Truth) {
         let plane = |code: u8| Plane::filled(12, 12, [f32::from(code) / 255.0; 3]);
         let mut alpha = Plane::filled(12, 12, 1.0);
@@ -249,7 +251,7 @@ mod tests {
     #[test]
     fn figures_are_those_of_a_hand() {
         let (mut rendered, truth) = pair(10, 12, 3, &[[1.0, 0.0, 1.0], [0.2, 0.8, 1.5], [0.0, 0.5, 1.5]]);
-        // One hole is farther off, and one pixel of glass is exact.
+        // One hole has a larger error, and one pixel of glass is exact.
         rendered.color.data_mut()[0] = [22.0 / 255.0; 3];
         rendered.color.data_mut()[2] = [12.0 / 255.0; 3];
         let one = Similarity::of(&rendered, &truth, LINEAR).unwrap();

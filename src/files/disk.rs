@@ -1,5 +1,5 @@
-//! Operations that change files and folders. The crate calls the system for them here only (`clippy.toml`), so that a test can
-//! record what a command does, and in which order (`record`).
+//! Operations that change files and folders. No other module calls the system for these (`clippy.toml`), so that a test can
+//! record the operations of a command in their order (`record`).
 
 use std::fs::File;
 use std::io::{Read, Result, Seek, SeekFrom, Write};
@@ -10,7 +10,7 @@ use super::names::parent_of;
 #[cfg(feature = "internals")]
 use super::record::{self, Operation};
 
-/// An open file that may be written.
+/// An open, writable file.
 #[derive(Debug)]
 pub struct DiskFile {
     file: File,
@@ -18,7 +18,7 @@ pub struct DiskFile {
     handle: record::Handle,
 }
 
-/// Calls the system, and lets recorders know what was done.
+/// Calls the system and reports the operation to recorders.
 macro_rules! recorded {
     ($call:expr, $operation:expr) => {{
         #[cfg(feature = "internals")]
@@ -30,22 +30,22 @@ macro_rules! recorded {
 }
 
 impl DiskFile {
-    /// Creates a file, or empties an existing one.
+    /// Creates a file, or truncates an existing one.
     pub fn create(path: &Path) -> Result<DiskFile> {
         DiskFile::open_as(path, File::options().write(true).create(true).truncate(true), true)
     }
 
-    /// Opens a file with its content, and creates one where there is none.
+    /// Opens a file and keeps its content; creates it if it is missing.
     pub fn open(path: &Path) -> Result<DiskFile> {
         DiskFile::open_as(path, File::options().read(true).write(true).create(true).truncate(false), false)
     }
 
-    /// Opens a pipe or a device.
+    /// Opens a pipe or a device for writing.
     pub fn device(path: &Path) -> Result<File> {
         File::options().write(true).open(path)
     }
 
-    /// A file without a name, which is gone when it is closed.
+    /// Creates a file without a name, which is removed when it is closed.
     pub fn scratch(folder: &Path) -> Result<File> {
         tempfile::tempfile_in(folder)
     }
@@ -67,7 +67,7 @@ impl DiskFile {
         })
     }
 
-    /// The same open file, with the same position.
+    /// Returns a second handle of the same open file; both share one position.
     pub fn try_clone(&self) -> Result<DiskFile> {
         Ok(DiskFile {
             file: self.file.try_clone()?,
@@ -76,7 +76,7 @@ impl DiskFile {
         })
     }
 
-    /// The file for reading, locks and times.
+    /// Returns the file, for reading, locks and times.
     pub fn file(&self) -> &File {
         &self.file
     }
@@ -85,7 +85,7 @@ impl DiskFile {
         recorded!(self.file.set_len(bytes), Operation::SetLen { handle: self.handle.number(), bytes })
     }
 
-    /// Waits until the content is on the disk.
+    /// Waits until the content is on disk.
     pub fn sync(&self) -> Result<()> {
         recorded!(self.file.sync_all(), Operation::Sync { handle: self.handle.number() })
     }
@@ -131,19 +131,19 @@ impl Seek for DiskFile {
     }
 }
 
-/// Waits until the content of a file is on the disk, by its name. The system reports a write that failed since to the first
-/// that asks, also if it has opened the file only now.
+/// Waits until the content of the file at `path` is on disk. The system reports an earlier failed write to the first handle
+/// that syncs, even if that handle was opened after the write.
 pub fn sync_file(path: &Path) -> Result<()> {
-    // Windows syncs what is open for writing only.
+    // Windows syncs only files that are open for writing.
     let open = || File::options().read(true).write(cfg!(windows)).open(path);
     recorded!(open().and_then(|file| file.sync_all()), Operation::SyncFile { path: path.to_path_buf() })
 }
 
-/// Waits until the names in a folder are on the disk, on systems that sync folders.
+/// Waits until the directory entries of a folder are on disk, on systems that sync folders.
 #[cfg(unix)]
 pub fn sync_folder(folder: &Path) -> Result<()> {
     use std::io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
-    // A folder may be writable without being readable.
+    // A folder may be writable but not readable.
     let done = match File::open(folder).and_then(|opened| opened.sync_all()) {
         Err(error) if !matches!(error.kind(), InvalidInput | PermissionDenied | Unsupported) => Err(error),
         _ => Ok(()),
@@ -156,7 +156,7 @@ pub fn sync_folder(folder: &Path) -> Result<()> {
     recorded!(Ok(()), Operation::SyncFolder { path: folder.to_path_buf() })
 }
 
-/// Gives a file or a folder another name; a file of that name is replaced.
+/// Renames a file or a folder. An existing file at `to` is replaced.
 pub fn rename(from: &Path, to: &Path) -> Result<()> {
     recorded!(std::fs::rename(from, to), Operation::Rename { from: from.to_path_buf(), to: to.to_path_buf() })
 }
@@ -170,7 +170,7 @@ pub fn remove_folder(path: &Path) -> Result<()> {
     recorded!(std::fs::remove_dir(path), Operation::Remove { path: path.to_path_buf() })
 }
 
-/// Removes a folder with its content; links are not followed.
+/// Removes a folder with its content; does not follow links.
 pub fn remove_tree(path: &Path) -> Result<()> {
     for entry in std::fs::read_dir(path)? {
         let entry = entry?;
@@ -179,7 +179,7 @@ pub fn remove_tree(path: &Path) -> Result<()> {
     remove_folder(path)
 }
 
-/// Creates a folder and those above it, where they are missing. Returns them, the deepest first; their names are on the disk.
+/// Creates a folder and its missing parents. Returns the created folders, deepest first; their directory entries are on disk.
 pub fn create_folders(folder: &Path) -> Result<Vec<PathBuf>> {
     let missing = folder.ancestors().take_while(|above| !above.as_os_str().is_empty() && !above.exists());
     let missing: Vec<PathBuf> = missing.map(Path::to_path_buf).collect();
@@ -187,28 +187,28 @@ pub fn create_folders(folder: &Path) -> Result<Vec<PathBuf>> {
     for path in missing.iter().rev() {
         match recorded!(std::fs::create_dir(path), Operation::CreateFolder { path: path.clone() }) {
             Ok(()) => made.insert(0, path.clone()),
-            // Another thread or process was faster; a name such as `a/..` is there, too, once `a` is.
+            // Another thread or process has created it. A path such as `a/..` also exists once `a` does.
             Err(_) if path.is_dir() => {}
             Err(error) => return Err(error),
         }
         sync_folder(parent_of(path))?;
     }
-    // A file in the way is an error of the system.
+    // If a file has this name, the system returns the error.
     if missing.is_empty() && !folder.as_os_str().is_empty() && !folder.is_dir() {
         std::fs::create_dir(folder)?;
     }
     Ok(made)
 }
 
-/// Creates a folder with a name of its own.
+/// Creates a folder with a unique name that starts with `begin` and ends with `end`.
 pub fn create_named_folder(parent: &Path, [begin, end]: [&str; 2]) -> Result<PathBuf> {
     let created = tempfile::Builder::new().prefix(begin).suffix(end).tempdir_in(parent);
-    // Its message has the random name in it.
+    // The message of this error contains the random name; only its kind is kept.
     let path = created.map_err(|error| std::io::Error::from(error.kind()))?.keep();
     recorded!(Ok(path.clone()), Operation::CreateFolder { path: path.clone() })
 }
 
-/// Brings a folder's content to the disk: files, then the names of each folder in it.
+/// Syncs the content of a folder: all files first, then the directory entries of each folder.
 pub fn sync_tree(folder: &Path) -> Result<()> {
     use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
     let (mut folders, mut files, mut at) = (vec![folder.to_path_buf()], Vec::new(), 0);
@@ -219,7 +219,7 @@ pub fn sync_tree(folder: &Path) -> Result<()> {
         }
         at += 1;
     }
-    // A disk takes several at once in the time of one.
+    // A disk syncs several files in the time of one.
     files.par_iter().try_for_each(|path| sync_file(path))?;
     folders.iter().rev().try_for_each(|path| sync_folder(path))
 }

@@ -1,14 +1,14 @@
-//! Folders that commands write files into.
+//! Trait of folders that commands write files into.
 
 use std::path::{Path, PathBuf};
 
 use crate::error::Result;
 
-/// A folder that takes files until they appear together.
+/// A folder whose files appear together at the end.
 pub trait FileFolder: Sync {
-    /// The place of a file that an earlier process made, and that is intact.
+    /// Returns the path of a file that an earlier process made, if it is intact.
     fn made(&self, file: &Path) -> Option<PathBuf>;
 
-    /// Writes a file by a path, in folders that are made where they are missing. Returns its bytes.
+    /// Writes a file at a path relative to the folder; creates missing folders. Returns the size of the file in bytes.
     fn write_file(&self, file: &Path, write: &mut dyn FnMut(&Path) -> Result<()>) -> Result<u64>;
 }

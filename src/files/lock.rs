@@ -1,4 +1,4 @@
-//! Files that one process at a time has open.
+//! Files that only one process at a time may open.
 
 use std::fs::{File, TryLockError};
 use std::io::{Error, ErrorKind, Result};
@@ -10,13 +10,13 @@ use super::disk::DiskFile;
 pub struct Locked {
     /// The file; closing it releases the lock.
     pub file: DiskFile,
-    /// False where the file system has no locks, so that other processes may open the file, too.
+    /// False if the file system has no locks; other processes can then open the file, too.
     pub is_locked: bool,
 }
 
-/// Opens or creates a file and locks it until it is closed. `None` where another process has the lock.
+/// Opens or creates a file and locks it until it is closed. Returns `None` if another process holds the lock.
 pub fn open_locked(path: &Path) -> Result<Option<Locked>> {
-    // The previous owner may rename or remove the file between our opening and locking it: then the path is opened again.
+    // The previous owner may rename or remove the file between our open and our lock; the path is then opened again.
     for _ in 0..100 {
         if path.symlink_metadata().is_ok_and(|meta| !meta.is_file()) {
             let message = format!("{} exists and is no plain file", path.display());
@@ -31,7 +31,7 @@ pub fn open_locked(path: &Path) -> Result<Option<Locked>> {
     Ok(None)
 }
 
-/// Whether a lock was acquired, false where there are none; `None` where another process has it.
+/// True if the lock was acquired, false if the file system has no locks, `None` if another process holds it.
 fn lock_state(lock: &std::result::Result<(), TryLockError>) -> Option<bool> {
     match lock {
         Ok(()) => Some(true),
@@ -40,7 +40,7 @@ fn lock_state(lock: &std::result::Result<(), TryLockError>) -> Option<bool> {
     }
 }
 
-/// Whether a path still names this file, and not through a link.
+/// True if the path still names this file, and does so without a link.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -64,7 +64,7 @@ mod tests {
         let first = open_locked(&path).unwrap().unwrap();
         assert!(first.is_locked);
         assert!(open_locked(&path).unwrap().is_none());
-        // A renamed file no longer blocks its old name.
+        // A lock on a renamed file does not apply to its old name.
         std::fs::rename(&path, folder.path().join("b")).unwrap();
         let second = open_locked(&path).unwrap().unwrap();
         drop(first);

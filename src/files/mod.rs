@@ -1,11 +1,11 @@
-//! Files and folders that appear whole or not at all, also where the power fails, and locks between processes.
+//! Files and folders that appear whole or not at all, even after a power failure, and locks between processes.
 //!
-//! Every output of every command is written here. The order is always the same: bytes go to a temporary name, they reach the disk,
-//! the name is changed, and the name reaches the disk. So there is at any time the previous file, the whole new one, or none; and what
-//! a command has written stays once it ends. What a stopped command keeps has lengths and checksums, and a later one with `--resume`
-//! reads it again before it goes on.
+//! All outputs of all commands are written by this module, always in the same order: write under a temporary name, sync,
+//! rename, sync the folder. At any time either the previous file, the complete new file or no file exists, and all output is
+//! on disk when a command ends. Files that an interrupted command keeps have lengths and checksums; a later run with
+//! `--resume` verifies them before it continues.
 //!
-//! | type | content | left by a killed process |
+//! | type | content | after a killed process |
 //! | --- | --- | --- |
 //! | [`write_whole`] | one small file | an empty or unfinished file, which the next run replaces |
 //! | [`OutputFile`] | one file, a pipe or a device | a file and its journal, to resume from |
@@ -13,8 +13,9 @@
 //! | [`PartialFolder`] | a folder of images | a folder, to resume from |
 //! | [`WorkFolder`] | a temporary folder | the same, which the next run removes |
 //!
-//! All are locked, so that no process takes what another still writes for left over. Files of a folder reach the disk together, several
-//! at once: one by one, thousands would each wait for it. `disk` has the operations, of which tests can make a `record`.
+//! Each is locked, so that no process mistakes the unfinished output of a running process for a leftover. Files of a folder
+//! are synced together, several at once; one by one, thousands of files would each wait for the disk. `disk` has the
+//! operations, which tests can `record`.
 
 #![allow(clippy::disallowed_methods)]
 

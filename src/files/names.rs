@@ -1,22 +1,22 @@
-//! Names of outputs: which a file system takes, and hidden ones beside them.
+//! Output names: checks that a file system accepts them, and hidden names beside an output.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 
-/// The folder that a path is in; `.` for a bare name.
+/// Returns the parent folder of a path; `.` for a bare name.
 pub fn parent_of(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Refuses a name that the file system cannot take: too long, or with a NUL. Nothing is created.
+/// Fails if the file system cannot accept the name: too long, or with a NUL character. Creates nothing.
 pub fn check_name(path: &Path) -> Result<()> {
     let refused = |why: &str| Err(Error::Usage(format!("{}: {why}; name another output", shortened(path))));
     let existing = path.ancestors().find(|above| above.is_dir() || above.as_os_str().is_empty());
     let folder = existing.filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let missing = existing.and_then(|existing| path.strip_prefix(existing).ok()).unwrap_or(path);
-    // Where a folder is missing the system does not look at the names in it: each is tried in the folder that is there.
+    // If a folder is missing, the system does not check the names below it; each is checked in the deepest existing folder.
     let names = missing.iter().map(|name| folder.join(name));
     for tried in names.chain([path.to_path_buf()]) {
         match tried.symlink_metadata().map_err(|error| error.kind()) {
@@ -28,7 +28,7 @@ pub fn check_name(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Refuses a name that no file can have, or whose folder is missing.
+/// Fails if no file can have the name, or if its folder is missing.
 pub fn check_file(path: &Path) -> Result<()> {
     check_name(path)?;
     let folder = parent_of(path);
@@ -38,10 +38,10 @@ pub fn check_file(path: &Path) -> Result<()> {
     }
 }
 
-/// Characters of a path in a message, at most.
+/// Maximum characters of a path in a message.
 const MAX_SHOWN: usize = 120;
 
-/// The start of a path that is too long to show.
+/// Returns the path as text, cut at [`MAX_SHOWN`] characters.
 fn shortened(path: &Path) -> String {
     let text = path.display().to_string();
     match text.char_indices().nth(MAX_SHOWN) {
@@ -50,10 +50,11 @@ fn shortened(path: &Path) -> String {
     }
 }
 
-/// Bytes of a hidden name, at most. File systems take 255, less where they encrypt names.
+/// Maximum bytes of a hidden name. File systems allow 255, or fewer if they encrypt names.
 const MAX_HIDDEN_BYTES: usize = 140;
 
-/// A path beside an output: a dot, its name and an ending. Long names are cut, and told apart by their CRC-32.
+/// Returns a path beside an output: a dot, the output's name and `end`. A long name is cut and gets its CRC-32, to stay
+/// unique.
 pub fn hidden_beside(output: &Path, end: &str) -> Option<PathBuf> {
     let name = output.file_name()?;
     let mut hidden = std::ffi::OsString::from(".");

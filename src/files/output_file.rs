@@ -14,15 +14,15 @@ enum Sink {
     Direct(Box<dyn Write + Send>),
 }
 
-/// An output file that gets its name when it is whole; `-` is standard output. Until then its bytes are in a locked file
-/// beside it.
+/// An output file that gets its name when it is complete; `-` is standard output. Until then its bytes are in a locked file
+/// beside the output.
 pub struct OutputFile {
     path: PathBuf,
     sink: Sink,
 }
 
 impl OutputFile {
-    /// Starts a file. An existing one stays until [`Self::commit`]; an unfinished one is removed.
+    /// Starts a file. An existing file stays until [`Self::commit`]; an unfinished one is emptied.
     pub fn create(path: &Path) -> Result<OutputFile> {
         let mut file = Self::open(path)?;
         if let Sink::Partial(partial) = &mut file.sink {
@@ -31,7 +31,7 @@ impl OutputFile {
         Ok(file)
     }
 
-    /// Opens an unfinished file with its content; call [`Self::resume`] before writing.
+    /// Opens an unfinished file and keeps its content; call [`Self::resume`] before writing.
     pub fn open(path: &Path) -> Result<OutputFile> {
         let io = |error| Error::io(path, error);
         let sink = if path == Path::new("-") {
@@ -47,7 +47,7 @@ impl OutputFile {
         Ok(OutputFile { path: path.to_path_buf(), sink })
     }
 
-    /// Whether a later process could resume the file: false for pipes and devices, and once it is committed.
+    /// True if a later process could resume the file; false for pipes and devices, and after [`Self::commit`].
     pub fn is_resumable(&self) -> bool {
         matches!(&self.sink, Sink::Partial(partial) if !partial.is_committed)
     }
@@ -56,7 +56,7 @@ impl OutputFile {
         matches!(&self.sink, Sink::Partial(partial) if partial.is_locked)
     }
 
-    /// Where the bytes are until [`Self::commit`].
+    /// Path of the bytes until [`Self::commit`].
     pub fn work_path(&self) -> &Path {
         match &self.sink {
             Sink::Partial(partial) => &partial.path,
@@ -64,8 +64,8 @@ impl OutputFile {
         }
     }
 
-    /// Lets `check` find the intact chunks of an unfinished file: it gets the bytes of the journal, and the file. `None`
-    /// where nothing was left.
+    /// Calls `check` with the journal's bytes and the unfinished file, to find the intact chunks. Returns `None` if there is
+    /// no journal.
     pub fn recover<T>(&mut self, check: impl FnOnce(&[u8], &mut dyn Read) -> Result<Option<T>>) -> Result<Option<T>> {
         match &mut self.sink {
             Sink::Partial(partial) => partial.recover(check),
@@ -73,7 +73,7 @@ impl OutputFile {
         }
     }
 
-    /// Cuts off all but the intact bytes. Returns where to write the journal.
+    /// Truncates the file to its intact bytes. Returns the writer of the journal.
     pub fn resume(&mut self, intact: Option<IntactBytes>) -> Result<Box<dyn Write + Send>> {
         match &mut self.sink {
             Sink::Partial(partial) => Ok(Box::new(partial.resume(intact)?)),
@@ -81,7 +81,8 @@ impl OutputFile {
         }
     }
 
-    /// Keeps the unfinished file in [`Self::work_path`], also where an error says that bytes may not have reached the disk.
+    /// Keeps the unfinished file at [`Self::work_path`]. An error means that bytes may not have reached the disk; the file is
+    /// kept nevertheless.
     pub fn keep(&mut self) -> std::io::Result<()> {
         match &mut self.sink {
             Sink::Partial(partial) => partial.keep(),
@@ -95,8 +96,8 @@ impl OutputFile {
         }
     }
 
-    /// As [`Self::commit`], with `time` as the time of the last change, which a later run may compare with the times of its sources.
-    /// Those of pipes and devices are left alone.
+    /// As [`Self::commit`], and sets the modification time to `time`, which a later run may compare with the times of its
+    /// sources. Times of pipes and devices are not changed.
     pub fn commit_as_of(&mut self, time: SystemTime) -> Result<()> {
         if let Sink::Partial(partial) = &mut self.sink {
             partial.modified = Some(time);
@@ -104,7 +105,7 @@ impl OutputFile {
         self.commit()
     }
 
-    /// Renames the file to the output after its bytes have reached the disk. After an error it can still be kept.
+    /// Syncs the file and renames it to the output. After an error the file can still be kept.
     pub fn commit(&mut self) -> Result<()> {
         let written = match &mut self.sink {
             Sink::Partial(partial) => partial.commit(),
@@ -130,7 +131,7 @@ impl Write for OutputFile {
     }
 }
 
-/// Writes a file whole: [`OutputFile`] of these bytes.
+/// Writes a complete file: an [`OutputFile`] with these bytes.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     let mut file = OutputFile::create(path)?;
     file.write_all(bytes).map_err(|error| Error::io(path, error))?;

@@ -1,4 +1,4 @@
-//! Output folders, whose files appear together.
+//! Output folders whose files appear together.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -9,16 +9,16 @@ use super::names::{check_name, parent_of};
 use super::work_folder::{WorkFolder, clear_left};
 use crate::error::{Error, Result};
 
-/// An output folder whose files appear only when all of them are written, and are on the disk before.
+/// An output folder whose files appear together, once all of them are written and synced.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
     work: WorkFolder,
-    /// Dropped after the temporary folder in it.
+    /// Dropped after the temporary folder inside it.
     _made: MadeFolders,
 }
 
-/// Parents that were made for a folder; those that are empty are removed at the end.
+/// Parents that were created for a folder; the empty ones are removed on drop.
 #[derive(Debug)]
 pub struct MadeFolders(Vec<PathBuf>);
 
@@ -31,50 +31,52 @@ impl MadeFolders {
 impl Drop for MadeFolders {
     fn drop(&mut self) {
         for folder in &self.0 {
-            // One with files stays.
+            // A folder with files stays.
             let _ = disk::remove_folder(folder);
         }
     }
 }
 
 impl OutputFolder {
-    /// Starts the folder; its parents are made where they are missing.
+    /// Starts the folder; creates missing parents.
     pub fn create(path: &Path) -> Result<OutputFolder> {
         let io = |error| Error::io(path, error);
         check_name(path)?;
         if std::fs::metadata(path).is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: a file, where a folder was expected", path.display())));
         }
-        // Beside the folder, or inside where it exists: it may be a mount point or a link to another disk.
+        // The temporary folder is beside the output, or inside if the output exists: it may be a mount point or a link to
+        // another disk.
         let parent = if path.exists() { path } else { parent_of(path) };
         if std::fs::metadata(parent).is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: a file, where a folder was expected", parent.display())));
         }
         let made = MadeFolders::create(parent).map_err(io)?;
-        // A killed process may have begun before there was the folder.
+        // A killed process that began before the output existed has its temporary folder beside it.
         clear_left(parent_of(path));
         let work = WorkFolder::create(parent).map_err(io)?;
         Ok(OutputFolder { path: path.to_path_buf(), work, _made: made })
     }
 
-    /// Where to write until [`Self::commit`].
+    /// Folder to write into until [`Self::commit`].
     pub fn work_path(&self) -> &Path {
         self.work.files()
     }
 
-    /// Replaces the temporary folder by the final one in an error's path.
+    /// Replaces the temporary folder by the final one in the path of an error.
     pub fn present(&self, error: Error) -> Error {
         name_final_path(error, self.work_path(), &self.path)
     }
 
-    /// Writes a file, by its path until [`Self::commit`], in folders that are made where they are missing. Returns what `write` answers.
+    /// Writes a file at a path relative to the folder; creates missing folders. `write` gets the temporary path; its result
+    /// is returned.
     pub fn write<T>(&self, file: &Path, write: impl FnOnce(&Path) -> Result<T>) -> Result<T> {
         let path = self.work_path().join(file);
         let made = disk::create_folders(parent_of(&path)).map_err(|error| Error::io(&path, error));
         made.and_then(|_| write(&path)).map_err(|error| self.present(error))
     }
 
-    /// Writes a file of these bytes.
+    /// Writes a file with these bytes.
     pub fn write_bytes(&self, file: &Path, bytes: &[u8]) -> Result<()> {
         self.write(file, |path| {
             let written = DiskFile::create(path).and_then(|mut out| out.write_all(bytes));
@@ -82,7 +84,7 @@ impl OutputFolder {
         })
     }
 
-    /// Moves everything to the final folder; files of the same names there are replaced.
+    /// Moves all files to the final folder and replaces files of the same names in it.
     pub fn commit(self) -> Result<()> {
         let moved =
             disk::sync_tree(self.work.files()).and_then(|()| rename_or_move_into(self.work.files(), &self.path));
@@ -113,8 +115,8 @@ pub fn name_final_path(error: Error, from: &Path, to: &Path) -> Error {
     }
 }
 
-/// Gives a folder its final name; or moves its content where there is a folder of that name, which another process may have made a
-/// moment ago. The content is on the disk before, the names are when it returns.
+/// Renames a folder to its final name, or moves its content if a folder of that name exists, which another process may have
+/// just created. The content must be synced before; the directory entries are on disk on return.
 pub fn rename_or_move_into(from: &Path, to: &Path) -> std::io::Result<()> {
     if !to.exists() {
         match disk::rename(from, to) {
@@ -126,7 +128,7 @@ pub fn rename_or_move_into(from: &Path, to: &Path) -> std::io::Result<()> {
     move_into(from, to)
 }
 
-/// Moves the content of a folder: what is in folders first, and JSON last, which describes what is then there.
+/// Moves the content of a folder: subfolders first, then files, and JSON files last, because they describe the other files.
 fn move_into(from: &Path, to: &Path) -> std::io::Result<()> {
     disk::create_folders(to)?;
     let mut entries = Vec::new();

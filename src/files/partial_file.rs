@@ -1,4 +1,4 @@
-//! The unfinished file beside an output, and its journal, from which a later process resumes.
+//! The unfinished file beside an output, and the journal from which a later process resumes.
 
 use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -9,39 +9,39 @@ use super::lock::{Locked, open_locked};
 use super::names::{check_file, hidden_beside, parent_of};
 use crate::error::{Error, Result};
 
-/// Ending of an unfinished file's name, after a dot and the name of the output.
+/// Suffix of an unfinished file's name, after a dot and the name of the output.
 const PARTIAL: &str = ".partial";
-/// Ending of its journal's name.
+/// Suffix of the journal's name.
 const JOURNAL: &str = ".journal";
 
-/// Bytes that are written at once.
+/// Size of the write buffer in bytes.
 const BUFFER_BYTES: usize = 1 << 20;
 
-/// How much of an unfinished file and of its journal is intact, from the start.
+/// Number of intact bytes at the start of an unfinished file and of its journal.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct IntactBytes {
     pub file: u64,
     pub journal: u64,
 }
 
-/// An unfinished file that is locked by this process. Dropping it removes the file, unless it was committed or kept. One
+/// An unfinished file that this process has locked. Dropping it removes the file, unless it was committed or kept. A file
 /// with a journal is kept until [`Self::discard`].
 #[derive(Debug)]
 pub struct PartialFile {
     output: PathBuf,
-    /// Of the unfinished file.
+    /// Path of the unfinished file.
     pub path: PathBuf,
     writer: BufWriter<DiskFile>,
     journal_path: PathBuf,
-    /// May not exist yet.
+    /// `None` if it does not exist yet.
     journal: Option<DiskFile>,
-    /// False where the file system has no locks.
+    /// False if the file system has no locks.
     pub is_locked: bool,
-    /// Why a part of it may not have reached the disk. The system reports this only once.
+    /// Error of a sync: a part of the file may not have reached the disk. The system reports it only once.
     sync_error: Option<String>,
     keep: bool,
     pub is_committed: bool,
-    /// Time of the last change that the output gets; `None` for the real one.
+    /// Modification time of the output; `None` for the actual one.
     pub modified: Option<SystemTime>,
 }
 
@@ -50,7 +50,7 @@ fn beside(output: &Path, end: &str) -> Result<PathBuf> {
 }
 
 impl PartialFile {
-    /// Opens the unfinished file of an output with its content; a new one is empty.
+    /// Opens the unfinished file of an output and keeps its content; a new file is empty.
     pub fn open(output: &Path) -> Result<PartialFile> {
         check_file(output)?;
         let (path, journal_path) = (beside(output, PARTIAL)?, beside(output, JOURNAL)?);
@@ -63,12 +63,12 @@ impl PartialFile {
         };
         let open = |path: &Path| open_locked(path).map_err(|error| Error::io(output, error))?.ok_or_else(busy);
         let Locked { file, is_locked } = open(&path)?;
-        // A process that has just renamed its file may still have to remove the journal.
+        // A process that has just renamed its file may not have removed its journal yet.
         let journal = match journal_path.symlink_metadata().is_ok().then(|| open(&journal_path)).transpose() {
             Ok(journal) => journal.map(|journal| journal.file),
             Err(error) => {
                 if file.file().metadata().is_ok_and(|meta| meta.len() == 0) {
-                    // It was created above.
+                    // The file was created above.
                     let _ = disk::remove_file(&path);
                 }
                 return Err(error);
@@ -88,7 +88,7 @@ impl PartialFile {
         })
     }
 
-    /// Calls `check` with the journal's bytes and the file; `None` without a journal. Both files stay.
+    /// Calls `check` with the journal's bytes and the file. Returns `None` if there is no journal. Neither file is changed.
     pub fn recover<T>(&mut self, check: impl FnOnce(&[u8], &mut dyn Read) -> Result<Option<T>>) -> Result<Option<T>> {
         let Some(journal) = &mut self.journal else { return Ok(None) };
         let io = |error| Error::io(&self.path, error);
@@ -99,7 +99,7 @@ impl PartialFile {
         check(&records, &mut BufReader::new(file)).map_err(|error| error.in_file(&self.path))
     }
 
-    /// Cuts file and journal to the intact bytes, or to nothing; writes append. Returns the journal, to append to.
+    /// Truncates file and journal to their intact bytes, or to 0; later writes append. Returns the journal for appending.
     pub fn resume(&mut self, intact: Option<IntactBytes>) -> Result<DiskFile> {
         let io = |error| Error::io(&self.output, error);
         let bytes = intact.unwrap_or_default();
@@ -124,7 +124,7 @@ impl PartialFile {
         Ok(())
     }
 
-    /// Lets dropping remove file and journal.
+    /// Makes drop remove the file and its journal.
     pub fn discard(&mut self) {
         self.keep = false;
     }
@@ -137,10 +137,10 @@ impl PartialFile {
         }
     }
 
-    /// Lets dropping leave file and journal, also where an error says that bytes may not have reached the disk.
+    /// Makes drop keep the file and its journal, also if this call fails because bytes may not have reached the disk.
     pub fn keep(&mut self) -> std::io::Result<()> {
         self.keep = true;
-        // On a full disk this fails; chunks that the journal lists were flushed before.
+        // Fails on a full disk; chunks that the journal lists were flushed before.
         let _ = self.writer.flush();
         let file = self.sync();
         let journal = self.journal.as_ref().map_or(Ok(()), DiskFile::sync);
@@ -162,13 +162,13 @@ impl PartialFile {
     pub fn commit(&mut self) -> std::io::Result<()> {
         self.writer.flush()?;
         if let Some(time) = self.modified {
-            // Some network file systems refuse: the file then counts as newer than it is, and is whole all the same.
+            // Some network file systems refuse this. The file then appears newer than it is, but is complete.
             let _ = self.writer.get_ref().file().set_modified(time);
         }
         self.sync()?;
         disk::rename(&self.path, &self.output)?;
         (self.keep, self.is_committed) = (true, true);
-        // Before the journal is removed: should the disk lose the rename, the journal belongs to the old name.
+        // Before the journal is removed: if the disk loses the rename, the journal belongs to the old name.
         disk::sync_folder(parent_of(&self.output))?;
         self.remove_journal();
         Ok(())
@@ -210,7 +210,7 @@ mod tests {
 
     const LEFT: [(&str, &[u8]); 2] = [(".a.journal", b"records"), (".a.partial", b"chunks")];
 
-    /// A folder with what an unfinished encode of `a` left.
+    /// Folder with the files of an unfinished encode of `a`.
     fn left() -> (TempDir, PathBuf) {
         let folder = TempDir::new().unwrap();
         for (name, bytes) in LEFT {
@@ -234,13 +234,13 @@ mod tests {
     #[test]
     fn what_cannot_be_read_or_cut_stays() {
         let (folder, output) = left();
-        // A journal that may not be read.
+        // A journal that cannot be read.
         let mut partial = PartialFile::open(&output).unwrap();
         partial.journal = Some(File::options().write(true).open(folder.path().join(".a.journal")).unwrap().into());
         assert!(matches!(partial.recover(|_, _| Ok(Some(()))), Err(Error::Io { .. })));
         drop(partial);
         is_untouched(&folder);
-        // A file that may not be cut.
+        // A file that cannot be truncated.
         for intact in [Some(IntactBytes::default()), None] {
             let mut partial = PartialFile::open(&output).unwrap();
             partial.writer = BufWriter::new(File::open(folder.path().join(".a.partial")).unwrap().into());
@@ -253,7 +253,7 @@ mod tests {
             drop(partial);
             is_untouched(&folder);
         }
-        // One that is begun anew is nobody's loss.
+        // A file that was started over is removed.
         let mut partial = PartialFile::open(&output).unwrap();
         partial.resume(None).unwrap();
         drop(partial);
@@ -282,11 +282,11 @@ mod tests {
         let (folder, output) = left();
         let mut partial = PartialFile::open(&output).unwrap();
         partial.keep().unwrap();
-        // The system has no such thing as bringing this one to the disk.
+        // The null device cannot be synced.
         let file = std::mem::replace(&mut partial.writer, BufWriter::new(null()));
         assert!(partial.commit().is_err());
         assert!(!partial.is_committed && !output.exists());
-        // What it said once, it does not say again.
+        // The system reports an error of a sync only once.
         partial.writer = file;
         assert!(partial.keep().is_err());
         drop(partial);
@@ -306,7 +306,7 @@ mod tests {
             matches!(PartialFile::open(&output), Err(Error::Io { source, .. }) if source.kind() == std::io::ErrorKind::ResourceBusy)
         );
         assert_eq!(count(&folder), 1);
-        // One with bytes is not ours to remove.
+        // A file with content is not removed.
         std::fs::write(folder.path().join(".a.partial"), b"chunks").unwrap();
         assert!(PartialFile::open(&output).is_err());
         is_untouched(&folder);

@@ -1,9 +1,10 @@
-//! An output folder whose files are collected beside it, so that a later process can resume.
+//! An output folder whose files are collected in a folder beside it, from which a later process can resume.
 //!
-//! A file counts as made once the state file has its record: its name, length and CRC-32, on a line of its own after the first line,
-//! which describes the work. The order is fixed: the file's bytes and its name reach the disk before its record, all records before the
-//! folder gets its name. Files that are written within a second are recorded together, because each record waits for the disk three
-//! times. A later process reads every recorded file again, and makes those again that differ from their record.
+//! A file counts as made once the state file has its record: name, length and CRC-32, one line per file, after a first line
+//! that describes the work. The order is fixed: the file's bytes and directory entry reach the disk before its record, and
+//! all records before the folder is renamed. Files that are written within a second are recorded together, because each
+//! record waits for the disk three times. A later process reads every recorded file again, and remakes files that differ from
+//! their record.
 
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -24,18 +25,18 @@ use crate::error::{Error, Result};
 /// Names in and around an unfinished folder.
 #[derive(Debug, Clone, Copy)]
 pub struct FolderKind {
-    /// Ending of the folder's name, after a dot and the name of the output.
+    /// Suffix of the folder's name, after a dot and the name of the output.
     pub suffix: &'static str,
-    /// The locked file in it that describes the work and has the records.
+    /// Name of the locked state file in the folder, with the description of the work and the records.
     pub state: &'static str,
 }
 
-/// The folder in it that becomes the output.
+/// Subfolder that becomes the output.
 const FILES: &str = "files";
-/// Time between records; a killed process has lost as much.
+/// Minimum time between records; a killed process loses the files after the last record.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// A file that was made, as a line of the state.
+/// Record of a finished file, a line of the state file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct Record {
     file: PathBuf,
@@ -43,24 +44,24 @@ struct Record {
     crc32: u32,
 }
 
-/// What an earlier process left.
+/// State of an earlier process.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Left {
-    /// The words that it gave to [`PartialFolder::start_over`].
+    /// The words that the process passed to [`PartialFolder::start_over`].
     pub words: String,
-    /// Files that it recorded, intact or not; without records those that are there.
+    /// Number of recorded files, intact or not; without records, number of existing files.
     pub files: u64,
 }
 
-/// Files of an earlier process.
+/// Number of recorded files of an earlier process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Kept {
     pub intact: u64,
     pub damaged: u64,
 }
 
-/// An unfinished folder that is locked by this process. Dropping it removes the folder, unless it was committed, kept, or
-/// left by an earlier process.
+/// An unfinished folder that this process has locked. Dropping it removes the folder, unless it was committed, kept, or left
+/// by an earlier process.
 #[derive(Debug)]
 pub struct PartialFolder {
     kind: FolderKind,
@@ -70,7 +71,7 @@ pub struct PartialFolder {
     progress: Mutex<Progress>,
     is_locked: bool,
     keep: bool,
-    /// Dropped after the folder in it is removed.
+    /// Dropped after the unfinished folder inside it is removed.
     _made: MadeFolders,
 }
 
@@ -78,19 +79,19 @@ pub struct PartialFolder {
 struct Progress {
     state: DiskFile,
     recorded: BTreeMap<PathBuf, Record>,
-    /// Written, and not recorded yet.
+    /// Files that are written but not recorded yet.
     pending: Vec<Record>,
-    /// When records were last written, or began to be.
+    /// Time when records were last written, or when writing them began.
     last: Option<Instant>,
 }
 
 impl PartialFolder {
-    /// Opens the unfinished folder of an output with its content; a new one is empty. Missing parents are created.
+    /// Opens the unfinished folder of an output and keeps its content; a new folder is empty. Creates missing parents.
     pub fn open(output: &Path, kind: FolderKind) -> Result<PartialFolder> {
         PartialFolder::open_part(output, kind, "")
     }
 
-    /// The same, where several processes may each write a part of the output, by the part's name.
+    /// As [`Self::open`], for an output that several processes write in parts; `part` is the name of this process's part.
     pub fn open_part(output: &Path, kind: FolderKind, part: &str) -> Result<PartialFolder> {
         let io = |error| Error::io(output, error);
         check_name(output)?;
@@ -115,18 +116,18 @@ impl PartialFolder {
             let message = format!("another lightfold is writing it, in {place}; wait for it, or name another folder");
             return Err(Error::busy(output, message));
         };
-        // Files without a state may be all that a damaged disk has left.
+        // Files without a state may be all that survived on a damaged disk.
         let keep = state.file().metadata().is_ok_and(|meta| meta.len() > 0) || count_files(&files) > 0;
         let progress = Mutex::new(Progress { state, recorded: BTreeMap::new(), pending: Vec::new(), last: None });
         Ok(PartialFolder { kind, output: output.to_path_buf(), path, files, progress, is_locked, keep, _made: made })
     }
 
-    /// False where the file system has no locks.
+    /// False if the file system has no locks.
     pub fn is_locked(&self) -> bool {
         self.is_locked
     }
 
-    /// Where the unfinished files are.
+    /// Path of the unfinished folder.
     pub fn work_path(&self) -> &Path {
         &self.path
     }
@@ -139,14 +140,15 @@ impl PartialFolder {
         Error::io(self.path.join(self.kind.state), error)
     }
 
-    /// Words and records of an earlier process; empty for a new folder.
+    /// Returns the words of an earlier process and its number of files; empty for a new folder.
     pub fn left(&self) -> Result<Left> {
         let (words, records, _) = self.read_state()?;
         let files = if records.is_empty() { count_files(&self.files) } else { records.len() as u64 };
         Ok(Left { words, files })
     }
 
-    /// Words, records, and bytes up to the last whole one: where the power failed, a line may be cut off or overwritten.
+    /// Returns words, records, and the number of bytes up to the last complete record: after a power failure, a line may be
+    /// cut off or overwritten.
     fn read_state(&self) -> Result<(String, BTreeMap<PathBuf, Record>, u64)> {
         let mut bytes = Vec::new();
         let state = &mut self.progress().state;
@@ -161,13 +163,13 @@ impl PartialFolder {
             let record = serde_json::from_slice::<Record>(line).ok().filter(|_| line.ends_with(b"\n"));
             let Some(record) = record else { break };
             whole += line.len() as u64;
-            // One that was made again has another record.
+            // The later record of a file that was made again replaces the earlier one.
             records.insert(record.file.clone(), record);
         }
         Ok((String::from_utf8_lossy(first).trim_end().to_owned(), records, whole))
     }
 
-    /// Goes on with the recorded files of an earlier process, after each was read again.
+    /// Reads the recorded files of an earlier process again, and continues with the intact ones.
     pub fn resume(&mut self) -> Result<Kept> {
         self.keep = true;
         let (_, records, whole) = self.read_state()?;
@@ -190,7 +192,7 @@ impl PartialFolder {
         self.record_of(&record.file).is_ok_and(|found| found == *record)
     }
 
-    /// Length and CRC-32 of a file, as it is read.
+    /// Reads a file and returns its length and CRC-32.
     fn record_of(&self, file: &Path) -> std::io::Result<Record> {
         let mut opened = std::fs::File::open(self.files.join(file))?;
         let (mut hasher, mut bytes, mut buffer) = (crc32fast::Hasher::new(), 0, vec![0; 1 << 16]);
@@ -206,13 +208,13 @@ impl PartialFolder {
         Ok(Record { file: file.to_path_buf(), bytes, crc32: hasher.finalize() })
     }
 
-    /// Removes all files and writes the state of a new work; `words` are one line.
+    /// Removes all files and writes the state of new work; `words` is one line.
     pub fn start_over(&mut self, words: &str) -> Result<()> {
         self.keep = false;
         let io = |error| Error::io(&self.path, error);
         let mut progress = self.progress();
         (progress.recorded, progress.pending) = (BTreeMap::new(), Vec::new());
-        // Files go before their records do, so that none is ever found without a state.
+        // Files are removed before their records, so that none is ever found without a state.
         for entry in std::fs::read_dir(&self.path).map_err(io)? {
             let path = entry.map_err(io)?.path();
             if path.file_name() != Some(self.kind.state.as_ref()) {
@@ -226,7 +228,7 @@ impl PartialFolder {
         emptied.and_then(|_| state.write_all(line.as_bytes())).and_then(|()| state.sync()).map_err(io)
     }
 
-    /// Writes and, at times, records.
+    /// Writes a file, and records the written files if that is due.
     fn put(&self, file: &Path, write: &mut dyn FnMut(&Path) -> Result<()>) -> Result<u64> {
         let path = self.files.join(file);
         let mut written = || {
@@ -246,15 +248,15 @@ impl PartialFolder {
             Ok(bytes)
         };
         written().map_err(|error| {
-            // On a full disk the records of the others need the space.
+            // On a full disk the records of other files need the space.
             let _ = disk::remove_file(&path);
             self.progress().pending.retain(|record| record.file.as_path() != file);
             self.present(error)
         })
     }
 
-    /// Records the files that were written. Files reach the disk without the lock: a thread of the pool that waits for them may begin
-    /// another job meanwhile, which takes the lock for its own file.
+    /// Records the written files. Files are synced without the lock: a thread of the pool that waits for a sync may start
+    /// another job, which takes the lock for its own file.
     fn record(&self) -> std::io::Result<()> {
         let mut progress = self.progress();
         let written = std::mem::take(&mut progress.pending);
@@ -270,7 +272,7 @@ impl PartialFolder {
         done
     }
 
-    /// Brings files to the disk, and then their records.
+    /// Syncs files, then appends and syncs their records.
     fn sync_and_append(&self, written: &[Record]) -> std::io::Result<()> {
         let mut folders: Vec<PathBuf> =
             written.iter().map(|record| parent_of(&self.files.join(&record.file)).to_path_buf()).collect();
@@ -288,17 +290,17 @@ impl PartialFolder {
         let end = state.stream_position()?;
         let appended = state.write_all(&lines).and_then(|()| state.sync());
         if appended.is_err() {
-            // A part of a line would hide all lines after it.
+            // An incomplete line would hide all lines after it.
             let _ = state.set_len(end).and_then(|()| state.seek(SeekFrom::Start(end)));
         }
         appended
     }
 
-    /// Lets dropping leave the folder, where it has files. Returns their number.
+    /// Makes drop keep the folder if it has recorded files. Returns their number.
     pub fn keep(&mut self) -> u64 {
         let has_pending = !self.progress().pending.is_empty();
         if has_pending && self.record().is_err() {
-            // They are made again.
+            // These files will be made again.
             self.progress().pending.clear();
         }
         let files = self.progress().recorded.len() as u64;
@@ -310,8 +312,8 @@ impl PartialFolder {
         name_final_path(error, &self.files, &self.output)
     }
 
-    /// Writes a file that describes the others, moves all to the output, and replaces files of the same names there. Files that were not
-    /// made by this work are removed. After an error a later process can resume.
+    /// Writes `description`, a file that describes the others, moves all files to the output, and replaces files of the same
+    /// names in it. Files without a record are removed. After an error a later process can resume.
     pub fn commit(&mut self, description: Option<(&str, &[u8])>) -> Result<()> {
         let output = &self.output;
         let io = |error| Error::io(output, error);
@@ -323,13 +325,14 @@ impl PartialFolder {
             DiskFile::create(&path).and_then(|mut file| file.write_all(bytes)).map_err(io)?;
         }
         disk::sync_tree(&self.files).and_then(|()| rename_or_move_into(&self.files, output)).map_err(io)?;
-        // What is left has no file of the output.
+        // The remaining folder has no file of the output.
         let _ = disk::remove_tree(&self.path);
         Ok(())
     }
 }
 
-/// Beside the output; or inside an existing output, which may be a mount point or a link, unless one is beside it.
+/// Path of the unfinished folder: beside the output, or inside an existing output, which may be a mount point or a link,
+/// unless one exists beside it.
 fn path_for(output: &Path, suffix: &str) -> Result<PathBuf> {
     match hidden_beside(output, suffix) {
         Some(beside) if beside.exists() || !output.exists() => Ok(beside),
@@ -344,7 +347,7 @@ fn count_files(folder: &Path) -> u64 {
     entries.map(|entry| if is_folder(&entry) { count_files(&entry.path()) } else { 1 }).sum()
 }
 
-/// Removes files without a record, and folders of nothing else.
+/// Removes files without a record; folders stay.
 fn remove_others(folder: &Path, below: &Path, recorded: &BTreeMap<PathBuf, Record>) -> std::io::Result<()> {
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
@@ -442,7 +445,7 @@ mod tests {
         std::fs::remove_file(at.join("gone")).unwrap();
         let state = at.with_file_name(STATE);
         let whole = std::fs::read(&state).unwrap();
-        // The last record may have reached the disk in part.
+        // The last record may be incomplete on disk.
         for torn in ["", "{\"file\":\"unreco", "\0\0\0\0"] {
             std::fs::write(&state, [&whole, torn.as_bytes()].concat()).unwrap();
             let mut folder = PartialFolder::open(&output, CAPTURE).unwrap();

@@ -1,4 +1,5 @@
-//! Records of what is done to files below a folder, for tests that replay them as crashes. Other builds do not have them.
+//! Records the operations on files below a folder, for tests that replay them as crashes. Compiled only with the feature
+//! `internals`.
 
 use std::io::Result;
 use std::path::{Path, PathBuf};
@@ -8,7 +9,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// A successful operation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Operation {
-    /// Opens a file for writing, and creates it where there is none.
+    /// Opens a file for writing; creates it if it is missing.
     Open {
         handle: u64,
         path: PathBuf,
@@ -61,7 +62,7 @@ impl Operation {
     }
 }
 
-/// The number of an open file.
+/// Number of an open file in recorded operations.
 #[derive(Debug, Clone)]
 pub struct Handle {
     number: u64,
@@ -75,7 +76,7 @@ impl Handle {
         Handle { number: NEXT.fetch_add(1, Ordering::Relaxed), is_recorded: false }
     }
 
-    /// Of a file that was opened.
+    /// Returns the handle of a file that was opened at `path`; recorded if the path is below the folder of a recorder.
     pub(super) fn of(self, path: &Path) -> Handle {
         Handle { is_recorded: recorders().iter().any(|recorder| path.starts_with(&recorder.root)), ..self }
     }
@@ -101,7 +102,8 @@ fn recorders() -> MutexGuard<'static, Vec<Recorder>> {
     RECORDERS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Calls the system, and notes the operation where it succeeded: one at a time, so that the order is the true one.
+/// Calls the system, and records the operation if it succeeded. One call at a time, so that the recorded order is the actual
+/// one.
 pub(super) fn done<T>(call: impl FnOnce() -> Result<T>, operation: impl FnOnce(&T) -> Operation) -> Result<T> {
     let mut recorders = recorders();
     if recorders.is_empty() {
@@ -119,7 +121,7 @@ pub(super) fn done<T>(call: impl FnOnce() -> Result<T>, operation: impl FnOnce(&
     Ok(result)
 }
 
-/// Runs `work`, and returns what it has done to files below an absolute folder, in its order.
+/// Runs `work`, and returns the operations on files below an absolute folder, in their order.
 pub fn record<T>(root: &Path, work: impl FnOnce() -> T) -> (T, Vec<Operation>) {
     recorders().push(Recorder { root: root.to_path_buf(), handles: Vec::new(), operations: Vec::new() });
     let result = work();

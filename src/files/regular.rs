@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 
-/// Opens a regular file; a named pipe would block.
+/// Opens a regular file. Fails on any other, because opening a named pipe would block.
 pub fn open_regular(path: &Path) -> Result<File> {
     let io = |error| Error::io(path, error);
     if std::fs::metadata(path).map_err(io)?.is_file() {

@@ -1,11 +1,12 @@
-//! Standard output as the place of a result.
+//! Standard output as the destination of a result.
 
 use std::io::{Stdout, stdout};
 
 use crate::error::{Error, Result};
 
-/// Standard output, where it leads somewhere. A shell closes it by `>&-`: then Rust opens the null device in its place, for reading
-/// and writing, so that a result would be lost without an error. One who means to discard a result opens it for writing (`>/dev/null`).
+/// Returns standard output. Fails if it is closed: if a shell closes it by `>&-`, Rust opens the null device in its place,
+/// for reading and writing, and a result would be lost without an error. A user who discards a result opens the null device
+/// for writing only (`>/dev/null`).
 pub fn standard_output() -> Result<Stdout> {
     let out = stdout();
     match is_closed(&out) {

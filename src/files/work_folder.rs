@@ -1,4 +1,5 @@
-//! Temporary folders that a process owns. Those of killed processes are removed by the next that makes one in the same place.
+//! Temporary folders that a process owns. Those of killed processes are removed by the next process that creates one in the
+//! same place.
 
 use std::io::{ErrorKind, Result};
 use std::path::{Path, PathBuf};
@@ -6,15 +7,15 @@ use std::path::{Path, PathBuf};
 use super::disk;
 use super::lock::{Locked, open_locked};
 
-/// Prefix and ending of its name.
+/// Prefix and suffix of the folder's name.
 const NAME: [&str; 2] = [".lightfold.", ".partial"];
-/// The locked file in it, beside the folder of files.
+/// Name of the locked file in the folder, beside the subfolder of files.
 const LOCK: &str = "lock";
 const FILES: &str = "files";
-/// Times that another process may take the new folder for one that is left over.
+/// Maximum attempts to create a folder: another process may mistake a new one for a leftover and remove it.
 const ATTEMPTS: usize = 100;
 
-/// A temporary folder, which is removed when it is dropped.
+/// A temporary folder, removed on drop.
 #[derive(Debug)]
 pub struct WorkFolder {
     path: PathBuf,
@@ -23,7 +24,7 @@ pub struct WorkFolder {
 }
 
 impl WorkFolder {
-    /// Creates a folder in an existing one, and removes those that killed processes left there.
+    /// Creates a folder in `parent`, and removes the folders that killed processes left in `parent`.
     pub fn create(parent: &Path) -> Result<WorkFolder> {
         clear_left(parent);
         for _ in 0..ATTEMPTS {
@@ -34,7 +35,7 @@ impl WorkFolder {
                     disk::create_folders(&work.files)?;
                     return Ok(work);
                 }
-                // Another process has just cleared it.
+                // Another process has just removed it.
                 Ok(None) => {}
                 Err(error) if error.kind() == ErrorKind::NotFound => {}
                 Err(error) => {
@@ -46,7 +47,7 @@ impl WorkFolder {
         Err(ErrorKind::ResourceBusy.into())
     }
 
-    /// Where its files are.
+    /// Path of its files.
     pub fn files(&self) -> &Path {
         &self.files
     }
@@ -58,7 +59,8 @@ impl Drop for WorkFolder {
     }
 }
 
-/// Removes folders that no process owns. Those that cannot be removed, and all on a file system without locks, stay: they do no harm.
+/// Removes folders that no process owns. Folders that cannot be removed, and all folders on a file system without locks,
+/// stay; they are harmless.
 pub fn clear_left(parent: &Path) {
     for entry in std::fs::read_dir(parent).into_iter().flatten().flatten() {
         let name = entry.file_name();
@@ -68,8 +70,8 @@ pub fn clear_left(parent: &Path) {
             continue;
         }
         let path = entry.path();
-        // The lock is made first, but may be lost where the power failed. A folder with neither is empty, or of an older version, and only
-        // an empty one can be removed.
+        // The lock is created first, but may be lost in a power failure. A folder with neither lock nor files is empty, or of
+        // an older version; only an empty one is removed.
         if !path.join(LOCK).exists() && !path.join(FILES).is_dir() {
             let _ = disk::remove_folder(&path);
         } else if let Ok(Some(lock)) = open_locked(&path.join(LOCK))
@@ -93,7 +95,7 @@ mod tests {
         let base = tempfile::tempdir().unwrap();
         let owned = WorkFolder::create(base.path()).unwrap();
         std::fs::write(owned.files().join("a"), "1").unwrap();
-        // A killed process leaves all but the lock.
+        // A killed process leaves its files and a lock file that nobody holds.
         for left in [".lightfold.a.partial", ".lightfold.b.partial"] {
             let path = base.path().join(left);
             std::fs::create_dir_all(path.join("files/deep")).unwrap();

@@ -1,8 +1,9 @@
 //! Decodes streams of one family on a graphics device: all their tiles and cells together.
 //!
-//! Enters: units, each with a frame. The device keeps the chunks ([`crate::gpu::resident`]), the pictures, and which frame each
-//! shows; a call sends only the list of units. A planning kernel finds the next record of each unit and sums up the work; the
-//! decoding kernel, whose size the plan sets, finds its part by bisection. Units more than a window behind take several rounds.
+//! Input: units, each with a frame. The device keeps the chunks ([`crate::gpu::resident`]), the pictures, and the frame that
+//! each picture shows; a call sends only the list of units. A planning kernel finds the next record of each unit and sums up
+//! the work. The decoding kernel is dispatched indirectly with the planned size; its invocations find their part of the work by
+//! bisection. Units more than a window behind the requested frame take several rounds.
 //!
 //! Based on: GDC 5, algorithm 2.
 
@@ -29,35 +30,35 @@ use crate::gpu::transform_tables::TransformTables;
 use crate::monitor::{Monitor, Silent};
 use crate::ordered::try_map_ordered;
 
-/// Units whose chunks are fetched and checked together, at most.
+/// Maximum number of units whose chunks are fetched and checked together.
 const FETCH_TOGETHER: usize = 32;
-/// Bytes of the payloads that are fetched together, unless one alone has more.
+/// Maximum payload bytes that are fetched together; a single larger payload is fetched alone.
 const FETCH_BYTES: u64 = 64 << 20;
-/// Most rounds of a unit. Only entering a stream far behind its keyframe with a narrow window takes many; each is two
-/// dispatches, and a file of a few bytes could cause hours of them.
+/// Maximum rounds of a unit. Only a frame far behind its keyframe in a stream with a narrow window takes many rounds. Each
+/// round is two dispatches, so without this limit a file of a few bytes could cause hours of them.
 const MAX_ROUNDS: u32 = 1 << 14;
 const ROUNDS_TOGETHER: u32 = 64;
-/// Most invocations of a dispatch: kernels number them in 32 bits. Nodes that overhang narrow tiles can take more than there
-/// are pixels.
+/// Maximum invocations of a dispatch: kernels number them in 32 bits. Nodes that extend beyond narrow tiles can need more
+/// invocations than there are pixels.
 const MAX_WORK: u64 = 1 << 31;
-/// Most bytes of the scratch memory between a kernel and its reader, unless one unit takes more.
+/// Maximum bytes of the scratch memory between a kernel and its reader; a unit that needs more gets more.
 const MAX_SCRATCH_BYTES: u64 = 128 << 20;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UnitFrame {
-    /// Position of its stream among those that the decoder was made for.
+    /// Index of its stream in [`GpuDecoder::streams`].
     pub stream: usize,
     pub unit: u32,
-    /// The frame, numbered as in the source.
+    /// Frame number in the source.
     pub frame: u32,
 }
 
-/// What a unit's picture shows, as the host knows it.
+/// Content of a unit's picture, as tracked by the host.
 #[derive(Debug, Clone)]
 struct Shown {
     key: u32,
     frame: u32,
-    /// What is known of the chunk, also where it was dropped.
+    /// Timeline of the chunk; kept even if the chunk was dropped from the device.
     timeline: Arc<Timeline>,
 }
 
@@ -72,14 +73,14 @@ pub struct GpuDecoder<'a> {
     resident: Resident,
     calls: u64,
     most_work: u64,
-    /// Most words of chunks that are kept from call to call, so that a long playback does not fill the device.
+    /// Maximum words of chunks that are kept between calls; bounds device memory during long playback.
     pub kept_words: usize,
     /// Pixels that the last call wrote, by unit.
     written: Vec<u64>,
     buffers: Buffers,
-    /// Cost so far; the time of the device counts where it was waited for.
+    /// Cost so far; device time is only included where the host waited for the device.
     pub cost: DecodeCost,
-    /// Pixels of the units of all calls so far.
+    /// Sum of the pixels of the requested units of all calls.
     pub wanted_pixels: u64,
     monitor: &'a dyn Monitor,
 }
@@ -89,31 +90,31 @@ struct Buffers {
     states: wgpu::Buffer,
     pictures: wgpu::Buffer,
     log2_table: wgpu::Buffer,
-    /// Of the transform codec.
+    /// Tables of the transform codec.
     tables: wgpu::Buffer,
     dispatch: wgpu::Buffer,
     items: Growing,
     jobs: wgpu::Buffer,
-    /// Between a kernel and its reader; all decoders of a device share it.
+    /// Scratch memory between a kernel and its reader, shared by all decoders of a device.
     scratch: wgpu::Buffer,
 }
 
-/// Units whose chunks are resident.
+/// Units whose chunks are resident, to be decoded together.
 #[derive(Default)]
 struct Batch {
     codec: List,
-    /// Those of chunks of keyframes, where the codec has others.
+    /// Units in keyframe chunks, for codecs that have both chunk types.
     keyframes: List,
 }
 
-/// Units of one kernel.
+/// Units decoded by one kernel.
 #[derive(Default)]
 struct List {
     items: Vec<Item>,
     rounds: u32,
     /// Passes of the kernel's reader.
     passes: u32,
-    /// No dispatch takes more invocations than this.
+    /// Upper bound of the invocations of a dispatch.
     work: u64,
 }
 
@@ -126,16 +127,16 @@ impl Batch {
     }
 }
 
-/// Words of the pictures of a stream, where rows of 8-bit colours take a multiple of `row_words` words.
+/// Returns the size in words of a stream's pictures, with rows of 8-bit colour padded to a multiple of `row_words` words.
 pub fn picture_words(stream: &StreamInfo, row_words: u32) -> u64 {
     let (entry, family) = (&stream.entry, Family::of(&stream.header));
     let stride = |width: u32| u64::from(stride_of(family, width, row_words));
     let unit = entry.unit_width.min(entry.width).max(1);
-    // Units of a column are as wide, and their heights add up to that of the image.
+    // All units of a column have the same width, and their heights add up to the image height.
     (u64::from(entry.width / unit) * stride(unit) + stride(entry.width % unit)) * u64::from(entry.height)
 }
 
-/// Words of the largest buffer of a decoder of these streams of one family, but for what its chunks take.
+/// Returns the size in words of the largest buffer of a decoder for these streams of one family, without the chunk buffers.
 pub fn buffer_words(streams: &[&StreamInfo], row_words: u32) -> u64 {
     let pictures: u64 = streams.iter().map(|stream| picture_words(stream, row_words)).sum();
     let units: u64 = streams.iter().map(|stream| u64::from(stream.entry.unit_count())).sum();
@@ -145,7 +146,7 @@ pub fn buffer_words(streams: &[&StreamInfo], row_words: u32) -> u64 {
     lists.into_iter().map(|(head, words)| head as u64 + units * words as u64).fold(largest, u64::max)
 }
 
-/// Words of the scratch memory that the largest unit takes: 0 where the kernel has no reader.
+/// Returns the scratch words that the largest unit needs; 0 if the kernel has no reader.
 fn scratch_words(streams: &[&StreamInfo]) -> u64 {
     let regions = |stream: &&StreamInfo| {
         let entry = &stream.entry;
@@ -156,19 +157,20 @@ fn scratch_words(streams: &[&StreamInfo]) -> u64 {
     streams.iter().map(regions).max().unwrap_or(0) * u64::from(SCRATCH_WORDS)
 }
 
-/// Words of a row of a picture. Only rows of 8-bit colours are copied into textures.
+/// Returns the row stride of a picture in words. Only rows of 8-bit colour are copied into textures and need padding.
 fn stride_of(family: Family, width: u32, row_words: u32) -> u32 {
     let is_padded = family.is_color && family.words == PixelWords::Bytes;
     family.stride(width).next_multiple_of(if is_padded { row_words.max(1) } else { 1 })
 }
 
 impl<'a> GpuDecoder<'a> {
-    /// A decoder of streams of one family, at least one.
+    /// Creates a decoder for one or more streams of one family.
     pub fn new(gpu: &'a Gpu, decoder: &'a Decoder, streams: &[&'a StreamInfo]) -> Result<GpuDecoder<'a>> {
         Self::with_rows(gpu, decoder, streams, 1)
     }
 
-    /// The same, where rows of 8-bit colours take a multiple of `row_words` words: copies into textures want it.
+    /// As [`GpuDecoder::new`], with rows of 8-bit colour padded to a multiple of `row_words` words, as copies into textures
+    /// require.
     pub fn with_rows(
         gpu: &'a Gpu,
         decoder: &'a Decoder,
@@ -180,7 +182,7 @@ impl<'a> GpuDecoder<'a> {
             return Err(Error::Usage("streams of different families cannot be decoded together".into()));
         };
         let total: u64 = streams.iter().map(|stream| picture_words(stream, row_words)).sum();
-        // The error of a buffer that is too large names both sizes.
+        // If the buffer is too large, its error states both the needed and the allowed size.
         let picture_words = usize::try_from(total).unwrap_or(usize::MAX / 8);
         let none = wgpu::BufferUsages::empty();
         let pictures = gpu.buffer("pictures", picture_words, none)?;
@@ -231,31 +233,31 @@ impl<'a> GpuDecoder<'a> {
         })
     }
 
-    /// The same with a monitor, whose stop request ends a call in [`Error::Interrupted`].
+    /// Sets a monitor. A stop request makes a call fail with [`Error::Interrupted`].
     #[must_use]
     pub fn watched_by(self, monitor: &'a dyn Monitor) -> Self {
         GpuDecoder { monitor, ..self }
     }
 
-    /// Sets the most words of chunks in a buffer: for tests.
+    /// Limits the words of chunks in a buffer. For tests.
     pub fn limit_resident(&mut self, words: usize) -> Result<()> {
         self.resident = Resident::new(self.gpu, words.min(self.gpu.info.max_binding_bytes as usize / 4))?;
         Ok(())
     }
 
-    /// Sets the most invocations of a list: for tests.
+    /// Limits the invocations of a list. For tests.
     pub fn limit_work(&mut self, invocations: u64) {
         self.most_work = invocations.min(MAX_WORK);
     }
 
-    /// Most invocations of a list of units of a kernel.
+    /// Returns the maximum invocations of a list of units for a kernel.
     fn most_work(&self, kernel: &Kernel) -> u64 {
         let scratch_bytes = MAX_SCRATCH_BYTES.min(self.gpu.info.max_binding_bytes);
         let by_scratch = kernel.reader.map_or(MAX_WORK, |_| scratch_bytes / (4 * u64::from(SCRATCH_WORDS)));
         self.most_work.min(by_scratch)
     }
 
-    /// The kernel that decodes chunks of the family.
+    /// Returns the family's kernel for a chunk type.
     fn kernel(&self, of: KernelOf) -> &'static Kernel {
         self.family.keyframes.filter(|_| of == KernelOf::Keyframes).unwrap_or(self.family.kernel)
     }
@@ -273,7 +275,7 @@ impl<'a> GpuDecoder<'a> {
         units.map(|unit| UnitFrame { stream, unit, frame }).collect()
     }
 
-    /// Decodes units, each at most once in the list.
+    /// Decodes units. A unit may be listed only once.
     pub fn decode_units(&mut self, wanted: &[UnitFrame]) -> Result<()> {
         self.calls += 1;
         if self.resident.stream_words() > self.kept_words {
@@ -287,17 +289,17 @@ impl<'a> GpuDecoder<'a> {
         self.wanted_pixels += shapes.map(|unit| u64::from(unit.width) * u64::from(unit.height)).sum::<u64>();
         let mut batch = Batch::default();
         let listed = self.list(wanted, &mut batch);
-        // Also after an error: the device must show what the host recorded for the listed units.
+        // Submit even after an error: the device must decode every unit that `shown` lists as decoded.
         let submitted = self.submit(&mut batch);
         let decoded = listed.and(submitted);
         if decoded.is_err() {
-            // The next call starts over; the device itself knows what it shows.
+            // The next call lists all units again; the device has its own record of what each picture shows.
             self.shown.fill(None);
         }
         decoded
     }
 
-    /// Drops chunks that these units do not need, down to the words that are kept.
+    /// Drops chunks that these units do not need until at most `kept_words` remain.
     fn drop_chunks(&mut self, wanted: &[UnitFrame]) -> Result<()> {
         for &one in wanted {
             let (key, entry) = self.chunk(one)?;
@@ -312,7 +314,7 @@ impl<'a> GpuDecoder<'a> {
         Ok(())
     }
 
-    /// Lists units whose chunks are resident; submits the list where more do not fit.
+    /// Lists units, making their chunks resident; submits the list when no further chunk fits.
     fn list(&mut self, mut wanted: &[UnitFrame], batch: &mut Batch) -> Result<()> {
         while !wanted.is_empty() {
             self.monitor.check()?;
@@ -341,17 +343,17 @@ impl<'a> GpuDecoder<'a> {
         Ok(())
     }
 
-    /// Position of a unit among those of all streams.
+    /// Returns the index of a unit among those of all streams.
     fn number(&self, one: UnitFrame) -> usize {
         self.first_units[one.stream] + one.unit as usize
     }
 
-    /// Pixels that the last call wrote of a unit.
+    /// Returns the number of a unit's pixels that the last call wrote.
     pub fn written(&self, one: UnitFrame) -> u64 {
         self.written[self.number(one)]
     }
 
-    /// Whether what a unit's picture shows is known to be right for a frame.
+    /// True if a unit's picture is known to show a frame.
     pub fn shows(&self, one: UnitFrame) -> bool {
         let Some(shown) = &self.shown[self.number(one)] else { return false };
         let Ok((key, entry)) = self.chunk(one) else { return false };
@@ -360,12 +362,12 @@ impl<'a> GpuDecoder<'a> {
         shown.key == key && (shown.frame == frame || alike())
     }
 
-    /// The frame of a chunk that a unit's picture shows, if it is one of this chunk.
+    /// Returns the frame that a unit's picture shows, if it belongs to this chunk.
     fn frame_of(&self, unit: usize, key: u32) -> Option<u32> {
         self.shown[unit].as_ref().filter(|shown| shown.key == key).map(|shown| shown.frame)
     }
 
-    /// Place of a unit's picture among [`GpuDecoder::pictures`].
+    /// Returns a unit, with the position of its picture in [`GpuDecoder::pictures`].
     pub fn unit(&self, stream: usize, unit: u32) -> &Unit {
         &self.units[self.first_units[stream] + unit as usize]
     }
@@ -384,7 +386,7 @@ impl<'a> GpuDecoder<'a> {
         self.resident.bytes() + buffers.into_iter().map(wgpu::Buffer::size).sum::<u64>()
     }
 
-    /// The chunk that holds a frame of a unit, and its key: its place in the index, counted from 1.
+    /// Returns the chunk that holds a frame of a unit, and its key: its position in the index plus 1.
     fn chunk(&self, one: UnitFrame) -> Result<(u32, ChunkEntry)> {
         let (reader, stream) = (self.decoder.reader(), self.streams[one.stream]);
         if !stream.frames.contains(one.frame) {
@@ -418,7 +420,8 @@ impl<'a> GpuDecoder<'a> {
             .map_err(|error| reader.blame(entry, error))
     }
 
-    /// Fetches missing chunks of the first units, in parallel; answers the units, at least one, and the chunks.
+    /// Fetches, in parallel, the missing chunks of the first units. Returns the number of these units, at least one, and the
+    /// chunks.
     fn fetch_missing(&mut self, wanted: &[UnitFrame]) -> Result<(usize, HashMap<u32, Prepared>)> {
         let (mut missing, mut bytes, mut count) = (Vec::new(), 0, 0);
         for &one in wanted.iter().take(FETCH_TOGETHER) {
@@ -439,7 +442,7 @@ impl<'a> GpuDecoder<'a> {
         Ok((count, fetched.into_iter().collect()))
     }
 
-    /// Makes a chunk resident; `false` where there is no room.
+    /// Makes a chunk resident; returns `false` if there is no room for it.
     fn make_resident(&mut self, key: u32, entry: &ChunkEntry, fetched: &mut HashMap<u32, Prepared>) -> Result<bool> {
         if self.resident.chunk(key).is_some() {
             self.resident.needed(key, self.calls);
@@ -461,7 +464,7 @@ impl<'a> GpuDecoder<'a> {
         Ok(room)
     }
 
-    /// Adds a unit to the list; `false` where its chunks do not fit beside those of the list.
+    /// Adds a unit to the list; returns `false` if its chunks do not fit beside the chunks of the listed units.
     fn add(&mut self, one: UnitFrame, fetched: &mut HashMap<u32, Prepared>, batch: &mut Batch) -> Result<bool> {
         let (key, entry) = self.chunk(one)?;
         let frame = one.frame - entry.key.first_frame;
@@ -502,7 +505,7 @@ impl<'a> GpuDecoder<'a> {
         Ok(true)
     }
 
-    /// Rounds of a unit to a frame of a resident chunk, at least one, and the pixels that it writes.
+    /// Returns the rounds that a unit needs to reach a frame of a resident chunk, at least one, and the pixels that they write.
     fn work(&self, unit: usize, key: u32, frame: u32) -> (u32, u64) {
         let Some(ResidentChunk { timeline, .. }) = self.resident.chunk(key) else { return (1, 0) };
         let at = self.frame_of(unit, key);
@@ -536,7 +539,7 @@ impl<'a> GpuDecoder<'a> {
         if kernel.reader.is_some() {
             self.buffers.scratch = gpu.scratch(list.work as usize * SCRATCH_WORDS as usize)?;
         }
-        // Bytes of the rows of `Dispatch`: invocations for the parts of the work, or workgroups.
+        // Byte offsets in `Dispatch`: its size with one invocation per part of the work, and with one workgroup per part.
         let (invocations, workgroups) = (0, std::mem::offset_of!(Dispatch, part_x) as u64);
         let of_kernel = if kernel.reader.is_some() { workgroups } else { invocations };
         let steps = [(kernel.reader, list.passes, invocations), (Some(kernel), 1, of_kernel)];
@@ -565,7 +568,7 @@ impl<'a> GpuDecoder<'a> {
                 }
             })?;
             left -= now;
-            // Else a long chunk would queue all its rounds at once.
+            // Wait between groups of rounds, so that a long chunk does not queue all its rounds at once.
             if left > 0 {
                 gpu.wait()?;
                 self.monitor.check()?;

@@ -1,4 +1,4 @@
-//! Finds and opens a graphics device; its failures become errors of the crate.
+//! Finds and opens graphics devices, and converts their failures to errors of the crate.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -6,31 +6,31 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use crate::error::{Error, Result};
 use crate::gpu::kernels::{Binding, BindingKind, Kernel};
 
-/// Largest buffer of a kernel in bytes, on any device: byte offsets must fit 32 bits.
+/// Maximum size in bytes of a kernel's buffer on any device: byte offsets must fit 32 bits.
 const MAX_BUFFER_BYTES: u64 = 1 << 30;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DeviceChoice {
-    /// A graphics device where there is one that is not software, else the CPU.
+    /// A hardware graphics device if there is one, otherwise the CPU.
     Auto,
-    /// A graphics device, software Vulkan included; without one it is an error.
+    /// A graphics device, including software Vulkan; an error if there is none.
     Gpu,
     Cpu,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Pick {
-    /// The fastest kind: discrete, integrated, virtual, software.
+    /// The fastest kind, in the order discrete, integrated, virtual, software.
     #[default]
     Best,
-    /// The one at this position of [`list`].
+    /// The device at this index of [`list`].
     Index(usize),
-    /// The first whose name holds these words, in either case.
+    /// The first device whose name contains this text, ignoring case.
     Named(String),
 }
 
 impl Pick {
-    /// Parses an environment variable: an index, or a part of a name.
+    /// Parses the value of an environment variable: an index, or part of a device name.
     pub fn parse(words: &str) -> Pick {
         match words.trim() {
             "" => Pick::Best,
@@ -41,7 +41,7 @@ impl Pick {
 
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct DeviceInfo {
-    /// Its position in [`list`].
+    /// Index in [`list`].
     pub index: usize,
     pub name: String,
     /// `discrete`, `integrated`, `virtual`, `software` or `other`.
@@ -49,7 +49,7 @@ pub struct DeviceInfo {
     pub driver: String,
     /// `vulkan`, `metal` or `dx12`.
     pub backend: String,
-    /// Bytes of a buffer that a kernel can be given.
+    /// Maximum size in bytes of a buffer bound to a kernel.
     pub max_binding_bytes: u64,
     #[serde(rename = "max_workgroup_invocations")]
     pub max_invocations: u32,
@@ -112,7 +112,7 @@ pub fn list() -> Vec<DeviceInfo> {
     adapters().iter().enumerate().map(|(index, adapter)| DeviceInfo::of(index, adapter)).collect()
 }
 
-/// The chosen device, `None` for the CPU; with a message where `auto` found none.
+/// Opens the chosen device, or returns `None` for the CPU; with a message if `Auto` falls back to the CPU.
 pub fn choose(choice: DeviceChoice, pick: &Pick) -> Result<(Option<Gpu>, Option<String>)> {
     match choice {
         DeviceChoice::Cpu => Ok((None, None)),
@@ -167,7 +167,7 @@ impl Gpu {
         };
         let info = DeviceInfo::of(index, &adapter);
         let limits = adapter.limits();
-        // The defaults of WebGPU, except for the sizes of buffers.
+        // Default limits of WebGPU, except for buffer sizes.
         let required_limits = wgpu::Limits {
             max_storage_buffer_binding_size: limits.max_storage_buffer_binding_size,
             max_buffer_size: limits.max_buffer_size,
@@ -186,7 +186,7 @@ impl Gpu {
         device.set_device_lost_callback(move |_, words| {
             let _ = reason.set(words);
         });
-        // Uncaptured errors would end the process.
+        // By default an uncaptured error ends the process.
         let reason = Arc::clone(&lost);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             let _ = reason.set(error.to_string());
@@ -194,7 +194,7 @@ impl Gpu {
         Ok(Gpu { info, device, queue, lost, pipelines: Mutex::new(HashMap::new()), scratch: Mutex::new(None) })
     }
 
-    /// Runs work on the device; a refusal becomes an error that begins with `what`.
+    /// Runs work on the device. If the device reports an error, returns an error that begins with `what`.
     pub fn guard<T>(&self, what: &str, work: impl FnOnce() -> T) -> Result<T> {
         let filters = [wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation];
         let mut scopes: Vec<_> = filters.into_iter().map(|filter| self.device.push_error_scope(filter)).collect();
@@ -204,7 +204,7 @@ impl Gpu {
             refused = refused.or(pollster::block_on(scope.pop()));
         }
         if refused.is_some() {
-            // Polling reports a lost device.
+            // Polling detects a lost device.
             let _ = self.device.poll(wgpu::PollType::Poll);
         }
         self.check_lost()?;
@@ -232,7 +232,7 @@ impl Gpu {
         polled.map(|_| ()).map_err(|error| self.failed("waiting", &error.to_string()))
     }
 
-    /// A zeroed storage buffer of `words` words.
+    /// Creates a zeroed storage buffer of `words` words.
     pub fn buffer(&self, label: &str, words: usize, more: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
         let size = (words.max(4) * 4) as u64;
         if size > self.info.max_binding_bytes {
@@ -244,8 +244,8 @@ impl Gpu {
         self.guard(label, || self.device.create_buffer(&descriptor))
     }
 
-    /// Scratch memory of at least so many words, which all decoders share: a submission leaves it to the next as it found it. A new one
-    /// is zeroed.
+    /// Returns scratch memory of at least `words` words, shared by all decoders. It is zeroed when created, and every
+    /// submission must leave it as it found it.
     pub fn scratch(&self, words: usize) -> Result<wgpu::Buffer> {
         let mut held = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
         match &*held {
@@ -276,7 +276,7 @@ impl Gpu {
         self.submit(what, |encoder| record(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default())))
     }
 
-    /// The first words of a buffer, after all submitted work.
+    /// Reads the first words of a buffer, after all submitted work.
     pub fn read(&self, buffer: &wgpu::Buffer, words: usize) -> Result<Vec<u32>> {
         if words == 0 {
             return Ok(Vec::new());
@@ -292,7 +292,7 @@ impl Gpu {
         Ok(bytemuck::pod_collect_to_vec(&view))
     }
 
-    /// The pipeline of a kernel, compiled at its first use.
+    /// Returns the pipeline of a kernel, which is compiled on first use.
     pub fn pipeline(&self, kernel: &'static Kernel) -> Result<Arc<Pipeline>> {
         let mut known = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(found) = known.get(kernel.name) {
@@ -319,7 +319,7 @@ impl Gpu {
         Pipeline { pipeline, layout, bindings: kernel.bindings }
     }
 
-    /// Layouts of a bind group and of a pipeline with these bindings.
+    /// Creates the layouts of a bind group and of a pipeline with these bindings.
     pub(super) fn layouts(
         &self,
         label: &'static str,
@@ -341,7 +341,7 @@ impl Gpu {
         (layout, of_pipeline)
     }
 
-    /// The resources of a kernel by the names of its bindings.
+    /// Creates a bind group; `resource` returns the resource of a binding by its name.
     pub fn bind<'r>(
         &self,
         pipeline: &Pipeline,

@@ -1,4 +1,4 @@
-//! Drawings by the rasteriser of a device: pipelines, textures, and pictures that are read back.
+//! Drawing with the device's rasteriser: pipelines, textures, and readback of pictures.
 
 use glam::DVec3;
 use half::f16;
@@ -8,15 +8,15 @@ use crate::gpu::Gpu;
 use crate::gpu::kernels::{Blending, Drawing};
 use crate::gpu::layout::DrawnPicture;
 
-/// Light and alpha: the most precise format that every device blends.
+/// Linear RGB and alpha: the most precise format that every device can blend.
 pub const LIGHT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 pub const COUNT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
-/// Two whole numbers.
+/// Two unsigned integers.
 pub const INDEX_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// The least depth that is drawn, in parts of the greatest distance of a corner: the CPU has none.
+/// Near distance of drawings, relative to the distance of the farthest corner. The CPU has no near limit.
 const NEAREST: f64 = 1e-7;
-/// Most bytes that are sent or read at once.
+/// Maximum bytes that are sent or read at once.
 const BAND_BYTES: u64 = 64 << 20;
 
 #[derive(Debug)]
@@ -31,7 +31,7 @@ impl DrawingPipeline {
         gpu.guard(drawing.name, || compile(gpu, drawing))
     }
 
-    /// Its resources by the names of its bindings.
+    /// Creates a bind group; `resource` returns the resource of a binding by its name.
     pub fn bind<'r>(
         &self,
         gpu: &Gpu,
@@ -51,7 +51,7 @@ fn compile(gpu: &Gpu, drawing: &'static Drawing) -> DrawingPipeline {
     let depth_stencil = has_depth.then(|| wgpu::DepthStencilState {
         format: DEPTH_FORMAT,
         depth_write_enabled: Some(true),
-        // Depth 1 is near. Of equal depths the last shows.
+        // Depth 1 is near. Of equal depths the last one drawn is kept.
         depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
         stencil: wgpu::StencilState::default(),
         bias: wgpu::DepthBiasState::default(),
@@ -65,7 +65,7 @@ fn compile(gpu: &Gpu, drawing: &'static Drawing) -> DrawingPipeline {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             buffers: &[],
         },
-        // Triangles from both sides.
+        // No culling: triangles are visible from both sides.
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil,
         multisample: wgpu::MultisampleState::default(),
@@ -97,7 +97,7 @@ fn color_target(blending: Blending) -> wgpu::ColorTargetState {
     wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL }
 }
 
-/// An empty texture of one layer; refuses sides that the device does not have.
+/// Creates an empty texture of one layer. Fails if a side exceeds the device's limit.
 pub fn texture(
     gpu: &Gpu,
     label: &'static str,
@@ -132,7 +132,7 @@ pub fn texture(
     })
 }
 
-/// A texture of one layer as an array, which shaders read.
+/// Creates a view of a one-layer texture as a texture array.
 pub fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
@@ -140,25 +140,25 @@ pub fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
     })
 }
 
-/// A target of a pass, cleared.
+/// Returns a colour attachment that is cleared at the start of the pass.
 pub fn cleared(view: &wgpu::TextureView, color: wgpu::Color) -> Option<wgpu::RenderPassColorAttachment<'_>> {
     let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(color), store: wgpu::StoreOp::Store };
     Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
 }
 
-/// Rows of a texture from `top` on.
+/// Returns the rows of a texture from `top` on.
 fn rows_of(texture: &wgpu::Texture, top: u32) -> wgpu::TexelCopyTextureInfo<'_> {
     let origin = wgpu::Origin3d { x: 0, y: top, z: 0 };
     wgpu::TexelCopyTextureInfo { texture, mip_level: 0, origin, aspect: wgpu::TextureAspect::All }
 }
 
-/// First row and number of rows of parts of an image.
+/// Splits an image into bands of at most `BAND_BYTES`; yields the first row and the number of rows of each.
 fn bands(height: u32, row_bytes: u64) -> impl Iterator<Item = [u32; 2]> {
     let most = (BAND_BYTES / row_bytes.max(1)).clamp(1, u64::from(height.max(1))) as u32;
     (0..height).step_by(most as usize).map(move |top| [top, most.min(height - top)])
 }
 
-/// Sends texels of four bytes.
+/// Uploads texels of four bytes.
 pub fn send(gpu: &Gpu, texture: &wgpu::Texture, texels: &[[u8; 4]]) -> Result<()> {
     let (width, height) = (texture.width(), texture.height());
     for [top, rows] in bands(height, 4 * u64::from(width)) {
@@ -174,7 +174,7 @@ pub fn send(gpu: &Gpu, texture: &wgpu::Texture, texels: &[[u8; 4]]) -> Result<()
     Ok(())
 }
 
-/// The half floats of a texture whose texels have so many channels.
+/// Reads a texture of half floats with `channels` channels per texel.
 pub fn read_halves(gpu: &Gpu, texture: &wgpu::Texture, channels: usize) -> Result<Vec<f16>> {
     let both = |word: u32| [f16::from_bits(word as u16), f16::from_bits((word >> 16) as u16)];
     let mut halves = Vec::with_capacity(channels * texture.width() as usize * texture.height() as usize);
@@ -183,7 +183,7 @@ pub fn read_halves(gpu: &Gpu, texture: &wgpu::Texture, channels: usize) -> Resul
     Ok(halves)
 }
 
-/// The whole numbers of a texture of [`INDEX_FORMAT`].
+/// Reads a texture of [`INDEX_FORMAT`].
 pub fn read_indices(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<[u32; 2]>> {
     let mut indices = Vec::with_capacity(texture.width() as usize * texture.height() as usize);
     let width = texture.width() as usize;
@@ -191,16 +191,16 @@ pub fn read_indices(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<[u32; 2]>>
     Ok(indices)
 }
 
-/// Rows of a texture in a buffer.
+/// Rows of a texture, copied into a buffer.
 #[derive(Debug, Clone, Copy)]
 pub struct Band {
     pub top: u32,
     pub rows: u32,
-    /// Bytes from a row to the next.
+    /// Row pitch in bytes.
     pub pitch: u32,
 }
 
-/// Gives all rows of a texture in buffers, some rows in each.
+/// Copies a texture into buffers, one band of rows at a time, and passes each to `take`.
 pub fn copy_rows(
     gpu: &Gpu,
     texture: &wgpu::Texture,
@@ -208,7 +208,7 @@ pub fn copy_rows(
     mut take: impl FnMut(&wgpu::Buffer, Band) -> Result<()>,
 ) -> Result<()> {
     let (width, height) = (texture.width(), texture.height());
-    // Devices copy whole multiples of 256 bytes a row.
+    // The row pitch of a copy must be a multiple of 256 bytes.
     let pitch = (width * texel_bytes as u32).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     for [top, rows] in bands(height, u64::from(pitch)) {
         let buffer = gpu.buffer("picture", pitch as usize / 4 * rows as usize, wgpu::BufferUsages::empty())?;
@@ -224,7 +224,7 @@ pub fn copy_rows(
     Ok(())
 }
 
-/// Gives each row of a texture in words, some at its end without meaning.
+/// Passes each row of a texture to `take` as words; the last words of a row may be padding.
 fn read_rows(gpu: &Gpu, texture: &wgpu::Texture, texel_bytes: usize, mut take: impl FnMut(&[u32])) -> Result<()> {
     copy_rows(gpu, texture, texel_bytes, |buffer, Band { rows, pitch, .. }| {
         let words = pitch as usize / 4 * rows as usize;
@@ -237,25 +237,26 @@ fn read_rows(gpu: &Gpu, texture: &wgpu::Texture, texel_bytes: usize, mut take: i
     })
 }
 
-/// What a camera sees in a window of its picture.
+/// Part of a camera's picture.
 #[derive(Debug, Clone, Copy)]
 pub struct Window {
     pub eye: DVec3,
-    /// Forward, right and down, of length 1.
+    /// Forward, right and down; unit vectors.
     pub axes: [DVec3; 3],
-    /// Tangents at its edges: left and right, top and bottom.
+    /// Tangents of its left and right, and of its top and bottom edge.
     pub tangents: [[f64; 2]; 2],
     pub size: [u32; 2],
-    /// Place of samples in their pixels, 0.5 in the middle.
+    /// Position of the sample within each pixel; 0.5 is the centre.
     pub sample: [f64; 2],
 }
 
 impl DrawnPicture {
-    /// A window from the least depth that is drawn on, of triangles within some metres of the eye.
+    /// Creates the input for drawing a window with triangles up to `farthest_m` metres from the eye.
     pub fn new(window: &Window, farthest_m: f64) -> DrawnPicture {
         let Window { eye, axes, tangents, size, sample } = window;
         let [forward, right, down] = axes.map(|axis| axis.as_vec3().to_array());
-        // Clip coordinates of a tangent, upside down for rows; a sample beside the middle of its pixel moves the picture.
+        // Scale and shift from tangents to clip coordinates; rows are flipped. A sample off the pixel centre shifts the
+        // picture.
         let clip = |axis: usize| {
             let [from, to] = tangents[axis];
             let shift = -(from + to) / (to - from) - (2.0 * sample[axis] - 1.0) / f64::from(size[axis]);
@@ -281,7 +282,7 @@ impl DrawnPicture {
     }
 }
 
-/// Metres from an eye to the farthest corner of a box, which is given by two.
+/// Returns the distance in metres from an eye to the farthest corner of a box, given by two opposite corners.
 pub fn farthest_m(bounds: [DVec3; 2], eye: DVec3) -> f64 {
     bounds.iter().map(|corner| (*corner - eye).abs()).fold(DVec3::ZERO, DVec3::max).length()
 }

@@ -1,9 +1,9 @@
 //! Interpolates views on a device (Epipolar 3.3.2).
 //!
-//! Enters: source views and output views. Leaves: the output views before their holes are filled. The CPU makes the lines of source
-//! pixels, which it holds in lists anyway, and sends them, some scanlines at a time. The device finds the winners of all pixels and
-//! shades them. It marks the lines whose highlights pixels show; the CPU places splits for these, and the device adds the highlights
-//! between them, in floats: all other light has the same bits.
+//! Takes source views and output views; returns the output views before their holes are filled. The CPU makes the lines of
+//! source pixels, which it stores as lists, and sends them a few scanlines at a time. The device finds the winners of all
+//! pixels, shades them, and marks the lines whose highlights are visible. The CPU places splits for these lines, and the device
+//! interpolates highlights between the splits in single precision. Everything but highlights is bit-exact with the CPU.
 
 pub mod block;
 pub mod compact;
@@ -30,16 +30,17 @@ use crate::monitor::Monitor;
 use block::{LineWords, color_of, coverage_of, places};
 use highlights::{Highlights, SplitWords};
 
-/// Lines that are sent at once, if one scanline does not have more: 64 MiB of runs at most, and as much of light.
+/// Maximum lines that are sent at once; a single scanline may have more. At most 64 MiB of runs, and as much of radiance.
 const LINES: usize = 4 << 20;
-/// Splits that are sent at once, if one scanline does not have more: 64 MiB.
+/// Maximum splits that are sent at once; a single scanline may have more. 64 MiB.
 const SPLITS: usize = 4 << 20;
-/// Pixels of output views that are found at once, if one scanline does not have more: 64 MiB of winners, and as much of light.
+/// Maximum output pixels that are processed at once; a single scanline may have more. 64 MiB of winners, and as much of
+/// colours.
 const PIXELS: usize = 8 << 20;
-/// Words of a winner, and of a pixel.
+/// Words per winner, and per pixel.
 const PIXEL_WORDS: usize = 2;
 
-/// Interpolates on a device.
+/// Interpolates views on a device.
 pub struct GpuInterpolator<'a> {
     gpu: &'a Gpu,
     lines: usize,
@@ -51,12 +52,12 @@ impl<'a> GpuInterpolator<'a> {
         GpuInterpolator { gpu, lines: LINES, pixels: PIXELS }
     }
 
-    /// With fewer lines and pixels of output views at once; results do not depend on it.
+    /// Lowers the limits of lines and output pixels per batch. The results do not depend on them.
     pub fn with_limits(gpu: &'a Gpu, lines: usize, pixels: usize) -> GpuInterpolator<'a> {
         GpuInterpolator { gpu, lines: lines.min(LINES), pixels: pixels.min(PIXELS) }
     }
 
-    /// Some scanlines of all views.
+    /// Interpolates some scanlines of all views.
     fn rows(
         &self,
         of: &Interpolator<'_>,
@@ -129,7 +130,7 @@ impl<'a> GpuInterpolator<'a> {
         Ok(counters)
     }
 
-    /// The end of the scanlines from one on whose lines are sent at once.
+    /// Returns the end of the scanlines, starting at `first`, whose lines are sent together.
     fn band_end(&self, of: &Interpolator<'_>, first: usize) -> usize {
         let lines = |row: usize| of.sources.iter().map(|source| source.rows[row].pixels.len()).sum::<usize>();
         let most = (first + (self.pixels / of.views.size[0] as usize).max(1)).min(of.rows.end);
@@ -147,7 +148,7 @@ impl<'a> GpuInterpolator<'a> {
     }
 }
 
-/// Views with the number of the first.
+/// Views, and the index of the first one.
 struct NumberedViews<'v> {
     first: usize,
     views: &'v mut [InterpolatedView],
@@ -168,7 +169,7 @@ struct Buffers {
 }
 
 impl Buffers {
-    /// The buffer of a binding.
+    /// Returns the buffer of a binding.
     fn named(&self, name: &str) -> Option<&wgpu::Buffer> {
         Some(match name {
             "block" => &self.block,
@@ -218,7 +219,7 @@ impl Backend for GpuInterpolator<'_> {
     }
 }
 
-/// Adds highlights to the pixels that lack them; `eyes` are the places of the views.
+/// Adds highlights to the pixels marked `SHOWN_GLOSS`; `eyes` are the positions of the views.
 fn add_highlights(
     gpu: &Gpu,
     buffers: &Buffers,
@@ -236,7 +237,7 @@ fn add_highlights(
     })
 }
 
-/// Puts scanlines into views; answers the number of holes.
+/// Stores scanlines in the views; returns the number of holes.
 fn put(views: &mut [InterpolatedView], rows: Range<usize>, pixels: &[[u32; PIXEL_WORDS]]) -> u64 {
     let count = views.len();
     let of_view = |(number, view): (usize, &mut InterpolatedView)| {

@@ -1,4 +1,4 @@
-//! Families of streams that are decoded together: those of one kernel.
+//! Families of streams that one kernel decodes together.
 
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::layout::Unit;
@@ -8,25 +8,25 @@ use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PixelWords {
-    /// Two codes in a word.
+    /// Two 16-bit codes per word.
     Codes,
-    /// Three bytes in a word.
+    /// Three bytes per word.
     Bytes,
-    /// Three halves in two words.
+    /// Three half floats per two words.
     Halves,
 }
 
 use PixelWords::{Bytes, Codes, Halves};
 
-/// Streams of one kernel.
+/// A family: streams that the same kernel decodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Family {
     /// The kernel that writes pixels.
     pub kernel: &'static Kernel,
-    /// The one of chunks of keyframes, where the codec has others.
+    /// The kernel for keyframe chunks, for codecs that have both chunk types.
     pub keyframes: Option<&'static Kernel>,
     pub words: PixelWords,
-    /// Whether a chunk decodes any of its frames at once; else frames are reached by changing a picture.
+    /// True if any frame of a chunk can be decoded directly; otherwise frames are reached by updating a picture.
     pub is_color: bool,
 }
 
@@ -34,7 +34,7 @@ impl Family {
     pub fn of(header: &CodecHeader) -> Family {
         let (kernel, words) = match header {
             CodecHeader::Depth(header) => match header.coding {
-                // Predictive chunks become boxes when they are prepared.
+                // Predictive chunks are converted to boxes when they are prepared.
                 DepthCoding::Boxes(_) | DepthCoding::Predictive(_) => (&kernels::BOXES_CODES, Codes),
                 DepthCoding::BoxesInBlocks(_) => (&kernels::BOXES_BC5, Codes),
                 DepthCoding::Nodes(_) | DepthCoding::Tree(_) | DepthCoding::Blocks => (&kernels::NODES, Codes),
@@ -67,7 +67,7 @@ impl Family {
         if self.is_color { &kernels::PLAN_CELLS } else { &kernels::PLAN_RECORDS }
     }
 
-    /// Words of a row of a picture.
+    /// Returns the row stride of a picture in words.
     pub fn stride(self, width: u32) -> u32 {
         match self.words {
             Codes => code_stride(width),
@@ -76,7 +76,7 @@ impl Family {
         }
     }
 
-    /// A unit whose picture starts at word `picture`.
+    /// Creates a unit whose picture starts at word `picture`.
     pub fn unit(self, header: &CodecHeader, [width, height]: [u32; 2], picture: u32) -> Unit {
         let plain = Unit { picture, width, height, stride: self.stride(width), ..Unit::default() };
         match header {
@@ -93,7 +93,7 @@ impl Family {
                         let parts = nodes.domain;
                         Unit { window, domain: parts.kind as u32, base: parts.base, scale: parts.scale, ..plain }
                     }
-                    // Each frame is whole: none is needed before another.
+                    // Every frame is coded independently.
                     DepthCoding::Blocks => plain,
                 }
             }
@@ -101,7 +101,7 @@ impl Family {
     }
 }
 
-/// Items with equal keys, group after group; the sizes of a group add up to at most `most`, unless one item alone has more.
+/// Groups items with equal keys. The sizes of a group sum to at most `most`; a single larger item forms its own group.
 pub fn groups<T, K: PartialEq>(items: impl Iterator<Item = (T, K, u64)>, most: u64) -> Vec<Vec<T>> {
     let mut groups: Vec<(K, u64, Vec<T>)> = Vec::new();
     for (item, key, size) in items {

@@ -1,4 +1,4 @@
-//! Runs one kernel over given words, and compares its output with the expected words.
+//! Runs a kernel on given input words, and compares its output with the expected words.
 
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
@@ -8,19 +8,20 @@ use crate::gpu::Gpu;
 use crate::gpu::kernels::Kernel;
 use crate::gpu::layout::MAX_GROUPS;
 
-/// One dispatch with its expected output; words by the names of bindings.
+/// One dispatch with its input and expected output; buffers are given as words by binding name.
 #[derive(Debug, Clone, Default)]
 pub struct Case {
     pub label: String,
-    /// Bindings that a kernel does not have count for nothing.
+    /// Initial contents. Names that the kernel does not bind are ignored.
     pub buffers: HashMap<&'static str, Vec<u32>>,
-    /// Invocations, rounded up to whole workgroups. With a reader: its invocations, and the kernel's workgroups.
+    /// Invocations, rounded up to whole workgroups. For a kernel with a reader: invocations of the reader and workgroups of the
+    /// kernel.
     pub invocations: u32,
-    /// Passes of the kernel's reader, where it has one.
+    /// Passes of the kernel's reader, if it has one.
     pub passes: u32,
-    /// The words that bindings begin with afterwards.
+    /// Expected first words of some bindings after the dispatch.
     pub expected: Vec<(&'static str, Vec<u32>)>,
-    /// Inputs that it stands for: nodes, boxes, cells, blocks.
+    /// Number of inputs that the case covers: nodes, boxes, cells or blocks.
     pub inputs: u64,
     pub pixels: u64,
 }
@@ -28,18 +29,18 @@ pub struct Case {
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
 pub struct KernelReport {
     pub name: &'static str,
-    /// Nodes, boxes, cells or blocks that it decoded; pictures that it rendered.
+    /// Nodes, boxes, cells or blocks decoded; for rendering kernels, pictures.
     pub inputs: u64,
-    /// Words that differ from the CPU's; of pictures, pixels that do so by more than is allowed.
+    /// Words that differ from the CPU's; for pictures, pixels outside the tolerance.
     pub mismatches: u64,
-    /// The first of them, in words.
+    /// Description of the first mismatch.
     #[serde(rename = "first_mismatch")]
     pub first: Option<String>,
-    /// Pixels written in a microsecond, without transfers; of the last case that was timed.
+    /// Pixels written per microsecond, without transfers, for the last timed case.
     pub megapixels_per_second: f64,
 }
 
-/// Workgroups along x and y for `count` in all.
+/// Returns the numbers of workgroups along x and y for `count` workgroups in total.
 pub fn groups(count: u32) -> [u32; 2] {
     let x = count.clamp(1, MAX_GROUPS);
     [x, count.div_ceil(x).max(1)]
@@ -69,7 +70,7 @@ impl KernelReport {
         KernelReport { name, ..KernelReport::default() }
     }
 
-    /// Runs a case and adds its result. With a `clock` it is repeated for about so long, and timed.
+    /// Runs a case and adds its result. With a `clock`, repeats it for about that duration and measures the time.
     pub fn run(&mut self, gpu: &Gpu, kernel: &'static Kernel, case: &Case, clock: Option<Duration>) -> Result<()> {
         let mut buffers = HashMap::new();
         for binding in kernel.bindings {
@@ -97,7 +98,7 @@ impl KernelReport {
             })
         };
         if kernel.reader.is_some() {
-            // The second run finds the scratch memory of the first, and the pictures of before.
+            // The second run starts with the scratch memory that the first left, and with the original pictures.
             dispatch(1)?;
             gpu.write("pictures", &buffers["pictures"], &case.buffers["pictures"])?;
         }

@@ -1,4 +1,4 @@
-//! The kernel table: dispatches and drawings, the rows of `shaders/kernels.json`, which `build.rs` turns into the statics below.
+//! The kernel table: kernels and drawings of `shaders/kernels.json`, which `build.rs` turns into the statics below.
 
 #[derive(Debug, Clone, Copy)]
 pub struct ShaderFile {
@@ -7,7 +7,7 @@ pub struct ShaderFile {
     pub text: &'static str,
 }
 
-/// How a kernel accesses a binding; the names are those of WebGPU's bind group layouts.
+/// Type of a binding; the names are those of WebGPU's bind group layouts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BindingKind {
     ReadOnlyStorage,
@@ -37,11 +37,12 @@ pub struct Kernel {
     pub bindings: &'static [Binding],
     /// Invocations per workgroup, at most 256.
     pub workgroup: u32,
-    /// Kernel that runs before this one, in passes, with an invocation for each of its workgroups; `scratch` carries the result.
+    /// Kernel that runs before this one, in one or more passes, with one invocation per workgroup of this one; passes its
+    /// results in `scratch`.
     pub reader: Option<&'static Kernel>,
 }
 
-/// Kernels have different names.
+/// Kernels are identified by name.
 impl PartialEq for Kernel {
     fn eq(&self, other: &Kernel) -> bool {
         self.name == other.name
@@ -54,21 +55,21 @@ impl Kernel {
     }
 }
 
-/// How fragments change a target.
+/// Effect of a fragment on a render target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Blending {
-    /// Over what is there: light multiplied by alpha, and alpha.
+    /// Premultiplied alpha blending.
     Over,
-    /// Added to what is there.
+    /// Additive blending.
     Add,
-    /// In place of what is there, if it is not nearer.
+    /// Replacement behind a depth test.
     Nearest,
-    /// The same, for two whole numbers.
+    /// Replacement behind a depth test, for two unsigned integers.
     Index,
 }
 
 impl Blending {
-    /// Whether depth decides.
+    /// True if the drawing uses a depth test.
     pub fn has_depth(self) -> bool {
         matches!(self, Blending::Nearest | Blending::Index)
     }
@@ -80,16 +81,16 @@ pub struct Target {
     pub blending: Blending,
 }
 
-/// A drawing of triangles by the rasteriser of a device.
+/// A drawing of triangles by the device's rasteriser.
 #[derive(Debug)]
 pub struct Drawing {
     pub name: &'static str,
-    /// Entry points.
+    /// Names of the shader entry points.
     pub vertex: &'static str,
     pub fragment: &'static str,
     pub files: &'static [ShaderFile],
     pub bindings: &'static [Binding],
-    /// Its location is its position in the row.
+    /// Render targets; the location of each is its position in the row.
     pub targets: &'static [Target],
 }
 

@@ -1,5 +1,5 @@
-//! Structs and constants that Rust and WGSL share: those of `shaders/kernels.json`, which `build.rs` turns into Rust. The WGSL
-//! declares them in the files named `layout.wgsl`; a test compares the two by reflection.
+//! Structs and constants that Rust and WGSL share: those of `shaders/kernels.json`, which `build.rs` turns into Rust. Their
+//! WGSL declarations are in the files named `layout.wgsl`; a test compares the two by reflection.
 
 /// A value that is stored as 32-bit words.
 pub trait Words {
@@ -77,10 +77,10 @@ macro_rules! constants {
 
 include!(concat!(env!("OUT_DIR"), "/layout.rs"));
 
-/// Words before the rows of a list: of `Items` and of all kinds of jobs.
+/// Words before the rows of a list, for `Items` and all lists of jobs.
 pub const LIST_HEAD_WORDS: usize = 2;
 
-/// A list: of jobs, the head is the sum of their work and their number; of items, their number and 0.
+/// Returns a list as words. The head of a job list is its total work and its length; that of an item list is its length and 0.
 pub fn list_of<T: Words>(head: [u32; LIST_HEAD_WORDS], rows: &[T]) -> Vec<u32> {
     [head.to_vec(), words_of(rows)].concat()
 }
@@ -96,7 +96,7 @@ mod tests {
     use crate::depth::runtime;
     use crate::gpu::kernels::{Binding, BindingKind, DRAWINGS, KERNELS};
 
-    /// What a row of the table makes.
+    /// A row of the kernel table, with its parsed module.
     struct Row {
         name: &'static str,
         bindings: &'static [Binding],
@@ -189,7 +189,7 @@ mod tests {
     fn modules_match_their_rows() {
         for Row { name, bindings, renders, module } in rows() {
             let flags = naga::valid::ValidationFlags::all();
-            // Nothing that a browser does not have.
+            // Without any capability that browsers lack.
             let mut validator = naga::valid::Validator::new(flags, naga::valid::Capabilities::empty());
             validator.validate(&module).unwrap_or_else(|error| panic!("{name}: {error:?}"));
             let is_buffer = |b: &&Binding| matches!(b.kind, BindingKind::ReadOnlyStorage | BindingKind::Storage);
@@ -200,7 +200,7 @@ mod tests {
                 .filter_map(|(_, variable)| {
                     let written = match variable.space {
                         naga::AddressSpace::Storage { access } => access.contains(naga::StorageAccess::STORE),
-                        // A texture.
+                        // Textures are in the handle address space.
                         naga::AddressSpace::Handle => false,
                         _ => return None,
                     };
@@ -211,7 +211,7 @@ mod tests {
             let rows = bindings.iter().enumerate();
             let rows: Vec<_> = rows.map(|(at, b)| (at as u32, b.name.to_owned(), b.is_written())).collect();
             assert_eq!(bound, rows, "bindings of {name}");
-            // Decoding is exact to the bit, so its kernels have no floats; neither do those of slices, but for highlights.
+            // Decoding must be bit-exact, so its kernels have no floats; neither do those of slices, except for highlights.
             for (_, found) in module.types.iter().filter(|_| !renders) {
                 let scalar = found.inner.scalar_kind();
                 assert!(scalar != Some(naga::ScalarKind::Float), "{name} has a float");

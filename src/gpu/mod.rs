@@ -1,13 +1,13 @@
-//! Decoding on graphics devices, equal to the CPU's in every bit (GDC 5), and rendering within a stated bound (CALF 6,
-//! Seurat 6); winners of epipolar slices, in every bit (Epipolar 3.3.2).
+//! Decoding on graphics devices, bit-exact with the CPU (GDC 5); rendering within a stated error bound (CALF 6, Seurat 6); and
+//! winners of epipolar slices, bit-exact (Epipolar 3.3.2).
 //!
-//! Enters: an open container. Leaves: its pictures, in the domain of their codecs; rendered views of a light field. The kernels
-//! are in `shaders/`, each a mirror of a file of `depth`, `color`, `march` or `epipolar`; `kernels` is their table, and `selftest` runs each
-//! against its mirror.
+//! Takes an open container; returns its pictures in the domain of their codecs, or rendered views of a light field. The kernels
+//! are in `shaders/`, each a mirror of a file of `depth`, `color`, `march` or `epipolar`. `kernels` is the kernel table, and
+//! `selftest` compares each kernel with its CPU counterpart.
 //!
-//! Decoding kernels have no floats, and the host parses and refuses as it does for the CPU, so that a device is not another
-//! decoder. Kernels use only what WebGPU has by default. Units never share a word, as two invocations cannot safely write halves
-//! of one.
+//! Decoding kernels have no floats, and the host parses and rejects files with the same code as for the CPU, so a device
+//! accepts exactly the same files. Kernels use only the default features of WebGPU. Units never share a word, because two
+//! invocations cannot safely write halves of the same word.
 
 pub mod decode;
 pub mod device;

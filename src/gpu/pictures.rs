@@ -1,7 +1,7 @@
-//! Pictures as kernels write them: words of a unit, row by row.
+//! Layout of pictures in device memory: words of a unit, row by row.
 //!
-//! Two codes make a word, the left one in the low half; a row starts with a new word and is padded with 0. Three bytes make a
-//! word, the first the lowest. Three halves make two words: the first two, then the third.
+//! Codes: two per word, the left one in the low half; each row starts with a new word and is padded with 0. Bytes: three per
+//! word, the first in the lowest bits. Half floats: three per two words, the first two, then the third.
 
 use half::f16;
 
@@ -13,7 +13,7 @@ pub fn code_stride(width: u32) -> u32 {
     width.div_ceil(2)
 }
 
-/// Codes, row-major with `width` columns, as words.
+/// Packs codes, row-major with `width` columns, into words.
 pub fn pack_codes(codes: &[u16], width: usize) -> Vec<u32> {
     let pair = |pair: &[u16]| u32::from(pair[0]) | pair.get(1).map_or(0, |&code| u32::from(code) << 16);
     codes.chunks(width.max(1)).flat_map(|row| row.chunks(2).map(pair)).collect()
@@ -53,7 +53,8 @@ fn words_of(picture: &Picture) -> Vec<u32> {
     }
 }
 
-/// Words in which two pictures differ; all of the first one's where they are not of one kind and size.
+/// Returns the number of words in which two pictures differ: 1 if their kinds differ, all words of the first if only their
+/// sizes differ.
 pub fn mismatched_words(one: &Picture, other: &Picture) -> u64 {
     if std::mem::discriminant(one) != std::mem::discriminant(other) {
         return 1;
@@ -93,7 +94,7 @@ mod tests {
         assert_eq!(mismatched_words(&one, &Picture::Depth(plane)), 2);
         assert!(mismatched_words(&one, &Picture::Depth(Plane::filled(1, 1, 7))) > 0);
         assert!(mismatched_words(&one, &Picture::Material(Plane::filled(3, 2, [7; 3]))) > 0);
-        // Infinities and NaNs are patterns like others.
+        // Infinities and NaNs are compared by their bits.
         let nan = Picture::ColorHalf(Plane::filled(1, 1, [f16::NAN; 3]));
         assert_eq!(mismatched_words(&nan, &nan), 0);
     }

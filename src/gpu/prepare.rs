@@ -1,7 +1,7 @@
-//! Chunks in the form of the device: bytes of the stream, and tables of offsets into them.
+//! Converts chunks to the form that the device reads: the bytes of the stream, and tables of offsets into them.
 //!
-//! Enters: a payload. Leaves: rows whose offsets count from the chunk's own first byte, word or row; [`crate::gpu::resident`]
-//! adds the place of the chunk.
+//! Takes a payload; returns rows whose offsets are relative to the chunk's first byte, word or row. [`crate::gpu::resident`]
+//! adds the chunk's position.
 
 use crate::block;
 use crate::color::cells::Blend;
@@ -27,10 +27,10 @@ use crate::gpu::pictures::{code_stride, pack_halves};
 use crate::gpu::transform_tables::SET_WORDS;
 use crate::streams::{CodecHeader, ColorFormat, DepthChunk, DepthCoding, DepthHeader, PictureChunk};
 
-/// Most bytes of the codes of a chunk of predictive coding, whose payload may be far smaller.
+/// Maximum bytes of the codes of a predictive chunk, whose payload may be far smaller.
 const MAX_UNPACKED: u64 = 128 << 20;
 
-/// Bytes that a chunk takes at most while it is prepared, but for what any chunk takes.
+/// Returns an upper bound of the bytes that a chunk takes while it is prepared, without the overhead that every chunk has.
 pub fn prepared_bytes(stream: &StreamInfo, entry: &ChunkEntry) -> u64 {
     match &stream.header {
         CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) | CodecHeader::Alpha(_) => {
@@ -41,28 +41,29 @@ pub fn prepared_bytes(stream: &StreamInfo, entry: &ChunkEntry) -> u64 {
     }
 }
 
-/// What the host keeps of a resident chunk.
+/// Data of a resident chunk that the host keeps.
 #[derive(Debug, Clone, Default)]
 pub struct Timeline {
-    /// Frames that have a record, with the pixels that it writes; none of colour.
+    /// Frames that have a record, with the number of pixels it writes. Empty for colour.
     pub records: Vec<(u32, u64)>,
-    /// Frames of keyframes of colour; of the transform codec, frames that have a record.
+    /// Colour only: the frames of keyframes; for the transform codec, the frames that have a record.
     keyframes: Vec<u32>,
-    /// Weights of the first frames; those of all later ones are 0.
+    /// Weights of the first frames; later frames have weight 0.
     weights: Vec<u8>,
-    /// Of the transform codec: pixels that look the same in a set of frames, by that set.
+    /// Transform codec only: for each set of frames, the number of pixels that are equal in all its frames.
     pixels_of_frames: Vec<(u128, u64)>,
 }
 
 impl Timeline {
-    /// How a frame of a colour chunk is made, and whether that takes the cell's next chunk.
+    /// Returns the blend that shows a frame of a colour chunk, and whether it needs the cell's next chunk.
     pub fn blend(&self, frame: u32) -> (Blend, bool) {
         let keyframe = self.keyframes.partition_point(|&first| first <= frame).saturating_sub(1);
         let weight = self.weights.get(frame as usize).copied().unwrap_or(0);
         (Blend { keyframe, weight }, weight > 0 && keyframe + 1 == self.keyframes.len())
     }
 
-    /// Pixels of a colour cell of `pixels` that differ between a frame and the one that is shown, if that is of this chunk.
+    /// Returns how many of a colour cell's `pixels` differ between a frame and the shown frame; all if no frame of this chunk
+    /// is shown.
     pub fn changed_pixels(&self, frame: u32, shown: Option<u32>, pixels: u64) -> u64 {
         let Some(shown) = shown else { return pixels };
         if self.pixels_of_frames.is_empty() {
@@ -73,12 +74,12 @@ impl Timeline {
     }
 }
 
-/// The kernel of a family that decodes a chunk.
+/// Selects the kernel of a family that decodes a chunk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum KernelOf {
     #[default]
     Codec,
-    /// The one of chunks of keyframes, where the codec has others.
+    /// The kernel for keyframe chunks, for codecs that have both chunk types.
     Keyframes,
 }
 
@@ -89,15 +90,15 @@ pub struct Prepared {
     pub stream: Vec<u32>,
     pub records: Vec<Record>,
     pub boxes: Vec<BoxRow>,
-    /// Byte at which the weights start, and their number.
+    /// Byte offset of the weights, and their number.
     pub weights: [u32; 2],
-    /// Upper bound of the passes of the kernel's reader; 0 without one.
+    /// Upper bound of the passes of the kernel's reader; 0 without a reader.
     pub passes: u32,
     pub timeline: Timeline,
 }
 
 impl Prepared {
-    /// Whether its records are nodes, which are found by words; all else is found by bytes.
+    /// True if its records are nodes, which are addressed by words; all others are addressed by bytes.
     pub fn is_nodes(&self) -> bool {
         self.boxes.is_empty() && self.timeline.keyframes.is_empty()
     }
@@ -144,7 +145,7 @@ fn of_color<S: Keyed>(format: &ChunkFormat<S>, payload: Payload, frames: u32, pl
     })
 }
 
-/// Bytes as words, the last filled up with zeros.
+/// Packs bytes into little-endian words; pads the last word with zeros.
 pub fn words_from(bytes: &[u8]) -> Vec<u32> {
     let word = |chunk: &[u8]| chunk.iter().rev().fold(0, |word, &byte| word << 8 | u32::from(byte));
     bytes.chunks(4).map(word).collect()
@@ -173,7 +174,7 @@ pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -
     for record in &chunk.records {
         let (first, mut work) = (boxes.len(), 0);
         let mut push = |row: BoxRow| {
-            // As many as the kernel writes words of each row.
+            // The kernel writes this many words of each row.
             let columns = if T::BYTES == 2 { code_stride(row.x + row.width) - row.x / 2 } else { row.width };
             work += columns * row.height;
             boxes.push(BoxRow { end: work, ..row });
@@ -207,8 +208,8 @@ pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -
     Prepared { kernel: KernelOf::Codec, stream, records, boxes, weights: [0; 2], passes: 0, timeline }
 }
 
-/// Predictive coding is decoded here, to boxes of the codes that each frame changes: its symbols depend on those before, and a
-/// unit is one substream. The codes may take `most_bytes`.
+/// Decodes a predictive chunk on the host, to boxes of the codes that each frame changes: every symbol depends on the previous
+/// ones, and a unit is a single substream. The codes may take at most `most_bytes` bytes.
 fn of_predictive(chunk: &PredictiveChunk, most_bytes: u64) -> Result<Prepared> {
     let (mut codes, mut boxes, mut records, mut pixels) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     chunk.for_each_frame(|frame| {
@@ -243,7 +244,7 @@ fn of_predictive(chunk: &PredictiveChunk, most_bytes: u64) -> Result<Prepared> {
 pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
     let format = &chunk.format;
     let [columns, rows] = block::grid(format.size[0], format.size[1]);
-    // Kernels of blocks take a block at a time.
+    // Kernels for block-compressed keyframes process one block per invocation.
     let work = if format.blocks.is_some() { columns * rows } else { format.pixels() } as u32;
     let records = chunk.keyframes.iter().enumerate().map(|(at, &frame)| {
         let start = chunk.keyframe_at(at) as u32;
@@ -262,8 +263,8 @@ pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
     }
 }
 
-/// A chunk of the transform codec, parsed from `payload`: its header, then the substream of each region, in whole words. Each
-/// frame that differs from the one before has a record, with all regions.
+/// Converts a chunk of the transform codec, which was parsed from `payload`: its header, then the substream of each region in
+/// whole words. Each frame that differs from the previous one has a record, which covers all regions.
 pub fn of_transform<S: Keyed>(
     chunk: &TransformChunk,
     payload: &[u8],
@@ -298,13 +299,14 @@ pub fn of_transform<S: Keyed>(
     Ok(Prepared { kernel: KernelOf::Codec, stream, records, boxes, weights: [0; 2], passes, timeline })
 }
 
-/// Upper bound of the passes in which a region is read, by the iterations that `shaders/color/transform/region.wgsl` counts. At most some
-/// 470: a region has 98,304 pixels in 96 frames, and one takes at most 24 iterations (leaves of 4x4 pixels in one frame, with 16 colours).
+/// Returns an upper bound of the passes in which a region is read, from the iterations that
+/// `shaders/color/transform/region.wgsl` counts. The maximum is about 470: a region has 98,304 pixels in 96 frames, and a pixel
+/// takes at most 24 iterations (leaves of 4x4 pixels in one frame, with 16 colours).
 fn passes_of(region: &Region) -> u32 {
     let iterations = |leaf: &Leaf| {
         let Shape { frames, .. } = leaf.block().shape;
         let pixels = leaf.block().shape.pixels() as u32;
-        // At most one node that is split for each leaf.
+        // There is at most one split node per leaf.
         2 * STEP_ITERATIONS
             + match &leaf.content {
                 Content::Palette(palette) => {
@@ -313,7 +315,7 @@ fn passes_of(region: &Region) -> u32 {
                 }
                 Content::Transform { channels, .. } => {
                     let of_channel = |levels: &ChannelLevels| {
-                        // Positions are in the order of their diagonals.
+                        // The scan visits positions diagonal by diagonal.
                         let [columns, rows] = levels.extent().map(|side| side as u32);
                         let diagonals = columns + rows - 1;
                         let positions = (diagonals * (diagonals + 1) / 2).min(pixels);
@@ -327,7 +329,7 @@ fn passes_of(region: &Region) -> u32 {
     1 + region.leaves().map(iterations).sum::<u32>() / PASS_ITERATIONS
 }
 
-/// Words of a chunk before its regions, as the kernels read them: `shaders/color/transform/chunk.wgsl`.
+/// Returns the words of a chunk before its regions, in the layout of `shaders/color/transform/chunk.wgsl`.
 fn header_words(header: &Header, frames: u32) -> Vec<u32> {
     let Header { set, slopes, offset_set, colors, .. } = header;
     let slopes = [slopes.green, slopes.orange].map(|slope| i32::from(slope) as u32);
@@ -396,7 +398,7 @@ mod tests {
             tables: Tables::default(),
             levels: Levels::default(),
         };
-        // 1 MiB of codes in each frame, which changes everywhere.
+        // 1 MiB of codes per frame; every frame changes all pixels.
         let area = UnitArea::whole([1024, 512]);
         let mut encoder = PredictiveEncoder::new(&header, area, Decide::Size, Effort::Fast).unwrap();
         for frame in 0..3 {

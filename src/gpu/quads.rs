@@ -1,7 +1,7 @@
-//! Draws a simplified scene by the rasteriser of a device, as `simplify::raster` does on the CPU (Seurat 6).
+//! Draws a simplified scene with the device's rasteriser, as `simplify::raster` does on the CPU (Seurat 6).
 //!
-//! Triangles are sent once, a batch in each buffer, and drawn in their order. A picture is a pass for each sample of a pixel. Light is
-//! blended as half floats, counts of fragments are added in another target of the same pass.
+//! Triangles are sent once, one batch per buffer, and drawn in order. A picture takes one pass per sample of a pixel. Colours
+//! are blended as half floats; fragment counts are added in a second target.
 
 use glam::DVec3;
 use half::f16;
@@ -18,11 +18,11 @@ use crate::monitor::Monitor;
 use crate::simplify::quad_mesh::QuadMesh;
 use crate::simplify::raster::{Compositing, DrawSettings, Drawn, Sample, light_of_codes, texture_coordinates};
 
-/// Words of a corner: position and homogeneous texture coordinates.
+/// Words per corner: position and homogeneous texture coordinates.
 const CORNER_WORDS: usize = 6;
-/// Triangles of a batch: 72 MiB of corners.
+/// Triangles per batch: 72 MiB of corners.
 const BATCH: usize = 1 << 20;
-/// Counts from here on are not exact as half floats.
+/// Half floats are exact only for counts below this.
 const COUNT_LIMIT: u32 = 2048;
 
 pub struct GpuQuads<'a> {
@@ -30,16 +30,16 @@ pub struct GpuQuads<'a> {
     painter: DrawingPipeline,
     z_buffer: DrawingPipeline,
     overdraw: DrawingPipeline,
-    /// Corners, and their number.
+    /// Corner buffers, and the number of corners in each.
     batches: Vec<(wgpu::Buffer, u32)>,
     light_of_codes: wgpu::Buffer,
     picture: wgpu::Buffer,
     atlas: wgpu::TextureView,
-    /// Corners of the box around the scene.
+    /// Opposite corners of the scene's bounding box.
     bounds: [DVec3; 2],
 }
 
-/// What a pass draws into.
+/// Render targets of a pass.
 struct Targets {
     light: wgpu::Texture,
     counts: wgpu::Texture,
@@ -47,7 +47,7 @@ struct Targets {
 }
 
 impl<'a> GpuQuads<'a> {
-    /// Sends a scene to a device.
+    /// Uploads a scene to a device.
     pub fn new(gpu: &'a Gpu, scene: &QuadMesh) -> Result<GpuQuads<'a>> {
         let mesh = &scene.mesh;
         let texture = &scene.texture;
@@ -81,7 +81,7 @@ impl<'a> GpuQuads<'a> {
         })
     }
 
-    /// Draws the scene over a transparent picture. The monitor advances by one for each row.
+    /// Draws the scene over a transparent background. The monitor advances by one per row.
     pub fn draw(&self, camera: &Camera, settings: &DrawSettings, monitor: &dyn Monitor) -> Result<Drawn> {
         let gpu = self.gpu;
         let [width, height] = settings.size;
@@ -122,7 +122,7 @@ impl<'a> GpuQuads<'a> {
         Ok(Drawn { pixels: sums.iter().map(|sum| sum.map(|part| part * share)).collect(), fragments, most_fragments })
     }
 
-    /// Draws all batches.
+    /// Draws all batches in one pass.
     fn pass(&self, drawing: &DrawingPipeline, targets: &[&wgpu::Texture], depth: Option<&wgpu::Texture>) -> Result<()> {
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let (views, depth) = (targets.iter().map(|target| view(target)).collect::<Vec<_>>(), depth.map(view));

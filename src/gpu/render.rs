@@ -1,10 +1,10 @@
-//! Renders a light field on a graphics device, by the same steps as `march::render` (CALF 6).
+//! Renders a light field on a graphics device, with the same steps as `march::render` (CALF 6).
 //!
-//! Enters: active views with their texels, a camera, settings. Leaves: a picture in linear light with alpha, and counters. The
-//! device keeps the texels (`texels`); a picture sends only changed ones, and a few words (`scene`).
+//! Takes active views with their texels, a camera and settings; returns a picture in linear RGB with alpha, and counters. The
+//! device keeps the texels (`texels`), so a picture only sends the texels that changed and a few words (`scene`).
 //!
-//! Colours and hits equal the CPU's up to the rounding of single floats, in which devices differ: a ray that grazes a surface
-//! may pass it on one and hit it on the other.
+//! Colours and hits equal the CPU's up to single-precision rounding, which differs between devices: a ray that grazes a surface
+//! may hit it on one device and miss it on another.
 
 pub mod agreement;
 pub mod backend;
@@ -35,15 +35,15 @@ use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::{ColorCoding, FaceTexels};
 
-/// The alpha of a pixel whose loops a device ended.
+/// Alpha of a pixel whose loops were terminated by the device.
 pub const GIVEN_UP: f32 = -1.0;
 
-/// Rows and columns of pixels of a workgroup.
+/// Width and height of a workgroup in pixels.
 const TILE: u32 = 8;
 type Counter = fn(&mut Counters) -> &mut u64;
 
 const COUNTERS: usize = COUNTED.len();
-/// The counters, by their names in `shaders/march/counters.wgsl`.
+/// Counters, with their names in `shaders/march/counters.wgsl`.
 const COUNTED: [(&str, Counter); 8] = [
     ("PRIMARY_RAYS", |counters| &mut counters.primary_rays),
     ("MARCH_STEPS", |counters| &mut counters.march_steps),
@@ -54,25 +54,26 @@ const COUNTED: [(&str, Counter); 8] = [
     ("HOLE_RAYS", |counters| &mut counters.hole_rays),
     ("BACKGROUND_RAYS", |counters| &mut counters.background_rays),
 ];
-/// Most samples that a dispatch of several rows of workgroups compares with views: operating systems reset a device that is
-/// busy for seconds. With secondary rays, dispatches begin small enough for the worst case, and grow while they are short.
+/// Maximum comparisons of ray samples with views in a dispatch of more than one row of workgroups: operating systems reset a
+/// device that is busy for seconds. With secondary rays, the first dispatch is sized for the worst case, and the next ones grow
+/// while they are short.
 const WORK_OF_DEVICE: u64 = 1 << 31;
-/// The same for a software device, so that a stop request is served in time.
+/// As [`WORK_OF_DEVICE`], for a software device, so that it responds to a stop request in time.
 const WORK_OF_SOFTWARE: u64 = 1 << 25;
-/// After a dispatch that took less, the next one may have twice the rows.
+/// After a dispatch that took less than this, the next one may have twice as many rows.
 const SHORT: Duration = Duration::from_millis(50);
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct RenderCost {
     pub sending: Duration,
-    /// Bytes of these texels, and of all that is decoded on the device.
+    /// Bytes sent: texels, and the input of decoding on the device.
     pub bytes_sent: u64,
-    /// Bytes of texels that were decoded on the device, and copied there.
+    /// Bytes of texels that were decoded and copied on the device.
     pub bytes_copied: u64,
     pub units: UnitCost,
-    /// CPU time for refractive proxies.
+    /// CPU time for fitting refractive proxies.
     pub proxies: Duration,
-    /// Time in which the device marched, from the first dispatch to the end of the last.
+    /// Time from the first dispatch to the end of the last one.
     pub marching: Duration,
     pub reading: Duration,
 }
@@ -80,9 +81,9 @@ pub struct RenderCost {
 pub struct GpuRenderer<'a> {
     gpu: &'a Gpu,
     pub texels: DeviceTexels,
-    /// What decodes depth and colour, unless the CPU does.
+    /// Decodes depth and colour on the device; `None` if the CPU decodes them.
     pub backend: Option<GpuBackend<'a>>,
-    /// Buffers of the last picture by name, for pictures that need the same size.
+    /// Buffers of the last picture by name; reused if the size is the same.
     buffers: HashMap<&'static str, wgpu::Buffer>,
     cost: RenderCost,
 }
@@ -95,7 +96,7 @@ struct Target {
 }
 
 impl<'a> GpuRenderer<'a> {
-    /// A renderer of views in this coding. Nothing is sent until a picture needs it.
+    /// Creates a renderer for views in this coding. Nothing is sent until a picture needs it.
     pub fn new(gpu: &'a Gpu, coding: ColorCoding) -> GpuRenderer<'a> {
         let (texels, cost) = (DeviceTexels::new(coding), RenderCost::default());
         GpuRenderer { gpu, texels, backend: None, buffers: HashMap::new(), cost }
@@ -114,12 +115,12 @@ impl<'a> GpuRenderer<'a> {
         }
     }
 
-    /// Sends the texels of these views, as [`GpuRenderer::render`] does if they are missing.
+    /// Sends the missing texels of these views, as [`GpuRenderer::render`] does.
     pub fn upload(&mut self, views: &ActiveViews<'_>) -> Result<()> {
         let start = Instant::now();
         let Transferred { bytes_sent, bytes_copied } = self.texels.update(self.gpu, views, self.backend.as_ref())?;
         if bytes_sent + bytes_copied > 0 {
-            // Else the transfer would run with the first dispatch, and count as marching.
+            // Wait for the transfer here; otherwise it would run with the first dispatch and count as marching.
             self.gpu.queue.submit([]);
             self.gpu.wait()?;
         }
@@ -129,7 +130,7 @@ impl<'a> GpuRenderer<'a> {
         Ok(())
     }
 
-    /// Sends the texels of these views, and of environment maps, which are new for each picture.
+    /// Sends the missing texels of these views, and those of environment maps, which are new for each picture.
     fn upload_all(&mut self, views: &ActiveViews<'_>, proxies: &Proxies) -> Result<()> {
         for view in proxies.proxies.iter().map(|proxy| &proxy.environment) {
             for (face, texels) in view.faces.iter().enumerate() {
@@ -144,7 +145,7 @@ impl<'a> GpuRenderer<'a> {
         self.upload(&ActiveViews { views: all, coding: views.coding })
     }
 
-    /// Renders. The monitor advances by one for each row.
+    /// Renders a picture. The monitor advances by one per row.
     pub fn render(
         &mut self,
         views: &ActiveViews<'_>,
@@ -197,19 +198,19 @@ impl<'a> GpuRenderer<'a> {
         }
     }
 
-    /// A buffer of `words` words with undefined content.
+    /// Returns a buffer of `words` words with undefined content.
     fn buffer(&mut self, label: &'static str, words: usize) -> Result<wgpu::Buffer> {
         if let Some(buffer) = self.buffers.get(label).filter(|buffer| buffer.size() == 4 * words as u64) {
             return Ok(buffer.clone());
         }
-        // The old one goes first: there may be no room for both.
+        // Drop the old buffer first: both may not fit in memory.
         self.buffers.remove(label);
         let buffer = self.gpu.buffer(label, words, wgpu::BufferUsages::empty())?;
         self.buffers.insert(label, buffer.clone());
         Ok(buffer)
     }
 
-    /// The buffers of a picture. The kernel writes every word of those that are read back.
+    /// Creates the buffers of a picture. The kernel writes every word of those that are read back.
     fn target(&mut self, kernel: &'static Kernel, rows: &SceneRows, [width, height]: [u32; 2]) -> Result<Target> {
         let gpu = self.gpu;
         let mut filled = |label: &'static str, words: &[u32], least: usize| {
@@ -234,7 +235,7 @@ impl<'a> GpuRenderer<'a> {
         Ok(Target { scene, pixels, counts, group })
     }
 
-    /// Copies the greatest inverse depths of views that the device has decoded into their rows: the CPU does not know them.
+    /// Copies the maximum inverse depths of views decoded on the device into their `View` rows; the CPU does not know them.
     fn copy_greatest(&self, views: &ActiveViews<'_>) -> Result<()> {
         let (Some(backend), Some(words)) = (&self.backend, self.buffers.get("views")) else { return Ok(()) };
         let decoded = views.views.iter().enumerate().filter_map(|(at, active)| {
@@ -271,12 +272,13 @@ impl<'a> GpuRenderer<'a> {
     }
 }
 
-/// Words of the counts of a picture: some for each workgroup.
+/// Returns the number of counter words of a picture: one set per workgroup.
 fn count_words([width, height]: [u32; 2]) -> usize {
     width.div_ceil(TILE) as usize * height.div_ceil(TILE) as usize * COUNTERS
 }
 
-/// First and most rows of a dispatch, whole workgroups of them: for the most secondary rays, and for none.
+/// Returns the initial and maximum number of rows per dispatch, as multiples of a workgroup: for the maximum number of
+/// secondary rays, and for none.
 fn rows_of_dispatch(gpu: &Gpu, views: usize, kernel: &Kernel, settings: &RenderSettings) -> [u32; 2] {
     let points = settings.steps.distances_m.len() as u64 + u64::from(settings.steps.refine());
     let rays = u64::from(settings.samples.max(1)).pow(2) * u64::from(settings.size[0].max(1));
@@ -290,8 +292,9 @@ fn rows_of_dispatch(gpu: &Gpu, views: usize, kernel: &Kernel, settings: &RenderS
     })
 }
 
-/// Most secondary rays per camera ray: a surface emits four, and searches for the far side of a solid along three. At most
-/// `1 / MIN_SHARE` rays of a bounce can carry the least share.
+/// Returns the maximum number of secondary rays per camera ray. A surface emits up to four rays and searches for the back of a
+/// solid along up to three. The number of surfaces per bounce is at most `1 / MIN_SHARE`, because rays with a smaller share are
+/// not traced.
 fn most_secondary_rays(max_bounces: u32) -> u64 {
     let most = (1.0 / MIN_SHARE) as u64;
     let surfaces = |bounce: u32| most.min(4u64.pow(bounce));
@@ -312,7 +315,7 @@ mod tests {
 
     #[test]
     fn secondary_rays_are_bounded() {
-        // 4 + 16 + 64 + 256 rays of 85 surfaces, each with three ways through a solid.
+        // 85 surfaces cast 4 + 16 + 64 + 256 rays, and each casts three rays through a solid.
         assert_eq!(most_secondary_rays(0), 0);
         assert_eq!(most_secondary_rays(1), 3 + 4);
         assert_eq!(most_secondary_rays(4), 3 * 85 + 340);

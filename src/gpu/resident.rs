@@ -1,7 +1,7 @@
-//! Resident buffers: bytes of chunks, and tables of offsets into them (GDC 5).
+//! Buffers of resident chunks: bytes of chunks, and tables of offsets into them (GDC 5).
 //!
-//! Chunks are loaded when they are needed, and stay. Dropped ones leave gaps, which later ones fill; resident chunks never move.
-//! Where a buffer is full nonetheless, all are dropped at once.
+//! Chunks are loaded on demand and stay resident. Dropped chunks leave gaps, which are reused; resident chunks never move. If a
+//! chunk still does not fit, all chunks are dropped.
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
@@ -16,33 +16,33 @@ const FIRST_WORDS: usize = 1 << 14;
 
 pub struct Growing {
     pub label: &'static str,
-    /// With all words once they were flushed.
+    /// Contains all words after a flush.
     pub buffer: wgpu::Buffer,
-    /// Words up to the last that is taken.
+    /// End of the allocated words.
     len: usize,
     gaps: Gaps,
-    /// Words that are not yet on the device, and the place of the first.
+    /// Words that are not yet on the device, with the position of the first.
     pending: Vec<(usize, Vec<u32>)>,
     pub bytes_sent: u64,
 }
 
-/// Ranges that are free, none beside another.
+/// Free ranges; adjacent ones are merged.
 #[derive(Default)]
 struct Gaps {
-    /// Words by where they begin.
+    /// Length of each range in words, by its start.
     ranges: BTreeMap<usize, usize>,
-    /// Words in all of them.
+    /// Total words of all ranges.
     words: usize,
 }
 
 impl Gaps {
-    /// Start of the smallest gap with room for so many words, the first of several.
+    /// Returns the start of the smallest gap with at least `words` words, the first one if several are equal.
     fn find(&self, words: usize) -> Option<usize> {
         let large = self.ranges.iter().filter(|(_, gap)| **gap >= words);
         large.min_by_key(|(at, gap)| (**gap, **at)).map(|(at, _)| *at)
     }
 
-    /// Takes words from the front of the gap that begins here.
+    /// Allocates words from the front of the gap that begins at `at`.
     fn take(&mut self, at: usize, words: usize) {
         let left = self.remove(at).saturating_sub(words);
         if left > 0 {
@@ -55,14 +55,14 @@ impl Gaps {
         self.words += words;
     }
 
-    /// Removes the gap that begins here, if there is one; answers its words.
+    /// Removes the gap that begins at `at`, if any; returns its length in words.
     fn remove(&mut self, at: usize) -> usize {
         let words = self.ranges.remove(&at).unwrap_or(0);
         self.words -= words;
         words
     }
 
-    /// Adds a range, joined with the gaps beside it; answers the gap that it is part of.
+    /// Adds a range and merges it with adjacent gaps; returns the merged gap.
     fn add(&mut self, mut range: Range<usize>) -> Range<usize> {
         let before = self.ranges.range(..range.start).next_back().map(|(at, words)| *at..at + words);
         if let Some(gap) = before.filter(|gap| gap.end == range.start) {
@@ -83,17 +83,17 @@ impl Growing {
         Ok(Growing { label, buffer, len: 0, gaps: Gaps::default(), pending: Vec::new(), bytes_sent: 0 })
     }
 
-    /// Words in it, gaps apart.
+    /// Returns the allocated words, without gaps.
     pub fn taken(&self) -> usize {
         self.len - self.gaps.words
     }
 
-    /// Whether so many words fit, with at most `most` in all.
+    /// True if `words` words fit into a buffer of at most `most` words.
     fn has_room(&self, words: usize, most: usize) -> bool {
         self.gaps.find(words).is_some() || self.len + words <= most
     }
 
-    /// Allocates words.
+    /// Allocates words: in the smallest sufficient gap, otherwise at the end.
     fn place(&mut self, words: usize) -> Range<usize> {
         let at = match self.gaps.find(words) {
             Some(at) => {
@@ -119,7 +119,7 @@ impl Growing {
         self.put(at, words);
     }
 
-    /// Frees words that are on the device.
+    /// Frees words, which must have been flushed.
     fn free(&mut self, range: Range<usize>) {
         let gap = self.gaps.add(range);
         if gap.end == self.len {
@@ -128,7 +128,7 @@ impl Growing {
         }
     }
 
-    /// Frees all words, also those that were not flushed.
+    /// Frees all words, including those not flushed.
     pub fn clear(&mut self) {
         self.len = 0;
         self.gaps = Gaps::default();
@@ -159,29 +159,29 @@ impl Growing {
 }
 
 pub struct ResidentChunk {
-    /// In the table of chunks.
+    /// Row in the table of chunks.
     pub row: u32,
-    /// Invocations that the largest of its records takes.
+    /// Maximum invocations of any of its records.
     pub most_work: u32,
     pub kernel: KernelOf,
-    /// As of [`Prepared`].
+    /// See [`Prepared::passes`].
     pub passes: u32,
     pub timeline: Arc<Timeline>,
-    /// The call that needed it last.
+    /// The last call that needed it.
     last_used: u64,
-    /// Its ranges of the bytes, records, boxes and chunks.
+    /// Its ranges in the tables of bytes, records, boxes and chunks.
     places: [Range<usize>; 4],
 }
 
 pub struct Resident {
-    /// The bytes of chunks, then the rows of records, boxes and chunks.
+    /// Bytes of chunks, then the rows of records, boxes and chunks.
     pub tables: [Growing; 4],
     resident: HashMap<u32, ResidentChunk>,
     most_words: usize,
 }
 
 impl Resident {
-    /// Nothing yet; buffers grow up to `most_words` words.
+    /// Creates empty tables, whose buffers grow up to `most_words` words.
     pub fn new(gpu: &Gpu, most_words: usize) -> Result<Resident> {
         let table = |label| Growing::new(gpu, label);
         let tables = [table("stream")?, table("records")?, table("boxes")?, table("chunks")?];
@@ -192,14 +192,14 @@ impl Resident {
         self.resident.get(&key)
     }
 
-    /// Marks a chunk as needed by a call; chunks of earlier calls are dropped first.
+    /// Marks a chunk as needed by a call. Chunks of earlier calls are dropped first.
     pub fn needed(&mut self, key: u32, call: u64) {
         if let Some(chunk) = self.resident.get_mut(&key) {
             chunk.last_used = call;
         }
     }
 
-    /// Words of the chunks, tables apart.
+    /// Returns the words of chunk bytes, without the other tables.
     pub fn stream_words(&self) -> usize {
         self.tables[0].taken()
     }
@@ -216,8 +216,8 @@ impl Resident {
         self.tables.iter().zip(words_taken(chunk)).all(|(table, words)| table.has_room(words, self.most_words))
     }
 
-    /// Drops chunks that a call does not need, the least recently needed first, until at most `words` words of chunks are left.
-    /// All chunks must have been flushed.
+    /// Drops chunks that a call does not need, least recently needed first, until at most `words` words of chunks remain. All
+    /// chunks must have been flushed.
     pub fn drop_unneeded(&mut self, call: u64, words: usize) {
         let unneeded = self.resident.iter().filter(|(_, chunk)| chunk.last_used != call);
         let mut unneeded: Vec<(u64, u32)> = unneeded.map(|(key, chunk)| (chunk.last_used, *key)).collect();
@@ -241,7 +241,7 @@ impl Resident {
         let places = [0, 1, 2, 3].map(|table| self.tables[table].place(words[table]));
         let [at, first_record, first_box, number] = [(0, 1), (1, Record::WORDS), (2, BoxRow::WORDS), (3, Chunk::WORDS)]
             .map(|(table, row_words): (usize, usize)| (places[table].start / row_words) as u32);
-        // Nodes are found by words, all else by bytes.
+        // Nodes are addressed in words, all other records in bytes.
         let start = if chunk.is_nodes() { at } else { 4 * at };
         let records = chunk.records.iter();
         let records = records.map(|row| Record { at: row.at + start, first: row.first + first_box, ..*row });
@@ -266,10 +266,10 @@ impl Resident {
     }
 }
 
-/// Words that a chunk takes of the bytes, the records, the boxes, and the chunks.
+/// Returns the words that a chunk occupies in the tables of bytes, records, boxes and chunks.
 fn words_taken(chunk: &Prepared) -> [usize; 4] {
     [
-        // Frames of nodes start on multiples of 16 bytes.
+        // Frames of nodes start at multiples of 16 bytes.
         chunk.stream.len().next_multiple_of(4),
         chunk.records.len() * Record::WORDS,
         chunk.boxes.len() * BoxRow::WORDS,
@@ -287,7 +287,7 @@ mod tests {
         assert_eq!(gaps.add(8..12), 8..12);
         assert_eq!(gaps.add(20..30), 20..30);
         assert_eq!((gaps.find(4), gaps.find(5), gaps.find(11)), (Some(8), Some(20), None));
-        // Between the two, beside the first.
+        // Between the two gaps, adjacent to the first.
         assert_eq!(gaps.add(12..14), 8..14);
         assert_eq!(gaps.add(14..20), 8..30);
         assert_eq!((gaps.words, gaps.ranges.len()), (22, 1));

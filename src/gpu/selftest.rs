@@ -1,4 +1,4 @@
-//! Runs every kernel on a device against its mirror on the CPU: hard cases first, then random inputs.
+//! Runs every kernel on a device and compares it with its CPU counterpart: hard cases first, then random inputs.
 
 mod blocks;
 mod boxes;
@@ -48,11 +48,12 @@ pub struct Row {
 
 #[derive(Debug)]
 pub enum Inputs {
-    /// Words, with the expected words; made from a seed. The last case is timed.
+    /// Creates cases of input and expected words from a seed. The last case is timed.
     Words(fn(u64) -> Vec<Case>),
-    /// Light fields and cameras; pictures must agree with the CPU's within bounds.
+    /// Light fields and cameras; the device's pictures must agree with the CPU's within tolerances.
     Pictures,
-    /// Views with highlights, which must agree with the CPU's within the same bounds; all other light has the same bits.
+    /// Views with highlights, which must agree with the CPU's within the same tolerances; without highlights all bits must be
+    /// equal.
     #[cfg(feature = "epipolar")]
     Highlights,
 }
@@ -130,7 +131,7 @@ mod tests {
             for case in cases {
                 let has_words = kernel.bindings.iter().all(|binding| case.buffers.contains_key(binding.name));
                 assert!(has_words && case.inputs > 0, "{}: {}", kernel.name, case.label);
-                // Scratch memory is no output.
+                // Scratch memory is not an output.
                 let is_output = |binding: &&Binding| binding.is_written() && binding.name != "scratch";
                 let written = kernel.bindings.iter().filter(is_output).map(|binding| binding.name);
                 let expected = case.expected.iter().map(|(name, _)| *name);

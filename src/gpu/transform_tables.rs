@@ -1,4 +1,4 @@
-//! The tables of the transform codec as the device has them: those of the format, then the table sets of streams (color.md 6, 7).
+//! Tables of the transform codec in device memory: those of the format, then the table sets of the streams (color.md 6, 7).
 
 use crate::color::transform::Tables;
 use crate::color::transform::basis::{LENGTHS, basis, length_index};
@@ -10,23 +10,23 @@ use crate::color::transform::tables::CLUSTER_OF;
 use crate::entropy::SYMBOLS;
 use crate::streams::{CodecHeader, StreamInfo};
 
-/// Points of the largest basis in space, which is no length of a block.
+/// Points of the largest spatial basis; it is not a transform length in time.
 const MAX_POINTS: usize = 32;
-/// Sizes of blocks.
+/// Number of block sizes.
 const SIZES: usize = 4;
-/// Words of a table set: first slot of each symbol, and from bit 16 the slot behind its last.
+/// Words of a table set, one per symbol: its first slot, and from bit 16 the end of its slots.
 pub const SET_WORDS: usize = CLUSTERS * SYMBOLS;
 
-/// The tables of streams in one buffer.
+/// Tables of all streams in one buffer.
 #[derive(Debug, Default)]
 pub struct TransformTables {
     pub words: Vec<u32>,
-    /// First word of the sets of each stream.
+    /// First word of each stream's table sets.
     pub first_sets: Vec<u32>,
 }
 
 impl TransformTables {
-    /// The tables of streams of one family; none where it is another codec's.
+    /// Returns the tables of streams of one family; empty for other codecs.
     pub fn of(streams: &[&StreamInfo]) -> TransformTables {
         let tables = streams.iter().filter_map(|stream| match &stream.header {
             CodecHeader::Color(header) => header.tables(),
@@ -57,7 +57,7 @@ impl TransformTables {
     }
 }
 
-/// Words of the tables of the format.
+/// Returns the words of the format's tables.
 pub fn of_format() -> Vec<u32> {
     let points: Vec<usize> = LENGTHS.into_iter().chain([MAX_POINTS]).collect();
     let scans = (0..SIZES).flat_map(scan::order);

@@ -1,5 +1,5 @@
-//! Draws the triangles of a scene by the rasteriser of a device: layer by layer, what each pixel shows (Epipolar 3.1 to 3.3). Of
-//! layers that show little, the active pixels come back (3.3.2).
+//! Draws the triangles of a scene with the device's rasteriser, layer by layer (Epipolar 3.1 to 3.3). Of sparse layers only the
+//! active pixels are read back (3.3.2).
 
 use glam::DVec3;
 
@@ -16,30 +16,30 @@ use crate::gpu::layout::{DrawnPicture, words_of};
 use crate::scene::SceneAtTime;
 use crate::scene::capture::Viewpoint;
 
-/// Words of a corner: its position.
+/// Words per corner: its position.
 const CORNER_WORDS: usize = 3;
-/// Triangles of a batch: 36 MiB of corners.
+/// Triangles per batch: 36 MiB of corners.
 const BATCH: usize = 1 << 20;
-/// Before the first pass, no depth in the buffer is as near.
+/// Buffer depth that the first pass compares with: nearer than any depth in the buffer.
 const NOTHING_BEFORE: f32 = 2.0;
 
-/// A layer is compacted where the one before shows something in less than this part of its pixels.
+/// A layer is compacted if the fraction of active pixels in the previous one is below 1 / SPARSE.
 const SPARSE: usize = 8;
 
-/// How layers come back from a device; what they show does not depend on it.
+/// How layers are read back from a device; the result does not depend on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Readback {
-    /// All pixels.
+    /// Reads all pixels.
     Whole,
-    /// Those that show something.
+    /// Reads active pixels only.
     Compacted,
-    /// The former, until a layer shows little.
+    /// Reads all pixels until a layer is sparse, then active pixels only.
     BySize,
 }
 
 impl Readback {
-    /// That of a device. Software compacts slower than it copies: 23 layers of 480x270 of `sponza.glb` took 2.4 s on software Vulkan, with
-    /// their sparse layers compacted 3.3 s, and with all of them 4.1 s.
+    /// Returns the default for a device. Software devices compact more slowly than they copy: 23 layers of 480x270 of
+    /// `sponza.glb` took 2.4 s on software Vulkan, 3.3 s with sparse layers compacted, and 4.1 s with all layers compacted.
     fn of(gpu: &Gpu) -> Readback {
         if gpu.info.is_software() { Readback::Whole } else { Readback::BySize }
     }
@@ -49,13 +49,13 @@ pub struct GpuTriangles<'a> {
     gpu: &'a Gpu,
     readback: Readback,
     pipeline: DrawingPipeline,
-    /// Corners, and their number.
+    /// Corner buffers, and the number of corners in each.
     batches: Vec<(wgpu::Buffer, u32)>,
-    /// Corners of the box around all triangles.
+    /// Opposite corners of the bounding box of all triangles.
     bounds: [DVec3; 2],
 }
 
-/// What passes draw into, by turns.
+/// Render targets; passes alternate between the two layers.
 struct Targets {
     layers: [wgpu::TextureView; 2],
     textures: [wgpu::Texture; 2],
@@ -63,7 +63,7 @@ struct Targets {
 }
 
 impl<'a> GpuTriangles<'a> {
-    /// Sends the triangles of all meshes to a device, in their order.
+    /// Uploads the triangles of all meshes to a device, in order.
     pub fn new(gpu: &'a Gpu, scene: &SceneAtTime) -> Result<GpuTriangles<'a>> {
         let corners =
             || scene.meshes.iter().flat_map(|mesh| (0..mesh.mesh.triangles.len()).map(|at| mesh.mesh.corners(at)));
@@ -105,7 +105,7 @@ impl<'a> GpuTriangles<'a> {
         })
     }
 
-    /// Clears a layer as what lies before the first one.
+    /// Clears a layer to the state that precedes the first pass.
     fn clear(&self, texture: &wgpu::Texture) -> Result<()> {
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         let green = f64::from(NOTHING_BEFORE.to_bits());
@@ -120,7 +120,7 @@ impl<'a> GpuTriangles<'a> {
         })
     }
 
-    /// Draws all triangles behind a layer into the other one.
+    /// Draws all triangles behind the other layer into layer `into`.
     fn pass(&self, picture: &wgpu::Buffer, targets: &Targets, into: usize) -> Result<()> {
         let view = targets.textures[into].create_view(&wgpu::TextureViewDescriptor::default());
         let depth_ops = wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard };
@@ -156,7 +156,8 @@ impl<'a> GpuTriangles<'a> {
 }
 
 impl GpuTriangles<'_> {
-    /// What a layer shows, and the number of pixels that show something, given that of the layer before.
+    /// Reads the triangles of a layer; returns them with the number of active pixels. `before` is that number for the previous
+    /// layer.
     fn read(&self, layer: &wgpu::Texture, before: usize) -> Result<(Vec<u32>, usize)> {
         let pixels = layer.width() as usize * layer.height() as usize;
         let is_compacted = match self.readback {

@@ -1,4 +1,4 @@
-//! Decodes a selection on a graphics device: for its speed, to compare with the CPU, or as images.
+//! Decodes a selection on a graphics device, to measure its speed or to compare it with the CPU, and as a source of images.
 
 use crate::decode::{
     DecodeCost, DecodeSummary, Decoder, FaceDecoder, ImageSource, Images, Picture, Request, StreamFrames, StreamInfo,
@@ -20,13 +20,13 @@ pub struct Verification {
     pub first: Option<String>,
 }
 
-/// Streams of one family whose pictures fit into one buffer, group after group.
+/// Groups streams of one family whose pictures fit into one buffer.
 fn groups<'a>(gpu: &Gpu, chosen: &[StreamFrames<'a>]) -> Vec<Vec<StreamFrames<'a>>> {
     let sized = |part: &StreamFrames<'a>| (*part, Family::of(&part.stream.header), picture_words(part.stream, 1));
     family::groups(chosen.iter().map(sized), gpu.info.max_binding_bytes / 4)
 }
 
-/// Decodes the requested frames, all streams of a kernel together, and drops them. The monitor advances by one per image.
+/// Decodes the requested frames, all streams of a family together, and discards them. The monitor advances by one per image.
 pub fn decode_to_nothing(
     gpu: &Gpu,
     decoder: &Decoder,
@@ -69,7 +69,7 @@ pub fn verify(
 }
 
 impl Verification {
-    /// Compares two pictures; `place` names them.
+    /// Compares two pictures; `place` describes them in the report.
     pub fn compare(&mut self, one: &Picture, other: &Picture, place: impl FnOnce() -> String) {
         let words = mismatched_words(one, other);
         self.mismatched_words += words;
@@ -79,7 +79,7 @@ impl Verification {
     }
 }
 
-/// Decodes streams of one group; `seen` is called when some of them show a frame.
+/// Decodes the streams of one group; calls `seen` for each frame, with the indices of the streams that have it.
 fn decode_group(
     gpu: &Gpu,
     decoder: &Decoder,

@@ -1,5 +1,5 @@
-//! Blocks of texture formats and BC4w where they are hard (depth.md 8; blocks.md): markers, endpoints, modes, and another
-//! decoder beside ours.
+//! Hard cases of texture blocks and BC4w (depth.md 8; blocks.md): function markers, endpoints, modes, and comparison
+//! with the decoder of the `dds` crate.
 
 use dds::{ColorFormat, DecodeOptions, Format, ImageViewMut, Size};
 
@@ -21,11 +21,11 @@ use crate::hard_cases::pictures::{HardPicture, PICTURES};
 use crate::math::random::Random;
 use half::f16;
 
-/// Blocks of each mode that two decoders show.
+/// Number of blocks of each mode that both decoders decode.
 const EACH: usize = 4096;
-/// BC4w blocks along each side of a picture with a code for each.
+/// BC4w blocks along each side of a picture in which every block has its own code.
 const COLUMNS: u32 = 40;
-/// Modes of BC6H: the number of low bits of a block that choose it, and those bits.
+/// Modes of BC6H: number of low bits of a block that select the mode, and the values of those bits.
 const BC6H_MODES: [(u32, &[u128]); 2] = [(2, &[0, 1]), (5, &[2, 3, 6, 7, 10, 11, 14, 15, 18, 22, 26, 30])];
 
 pub(super) fn cases() -> Vec<HardCase> {
@@ -35,10 +35,11 @@ pub(super) fn cases() -> Vec<HardCase> {
     for picture in PICTURES {
         cases.push(background.none(picture.name, move || background_of(picture)));
     }
-    // Endpoints of 13 bits stand for codes 8 or 9 apart. Between two neighbours lie sevenths, at most 9/7 apart: a code is
-    // within 9/14 of one of them, and that is rounded by 3/7 at most. With the background in the block there are fifths,
-    // at most 9/5 apart: 9/10 and 2/5. Either is less than two, and so one code. The same holds of 65528 to 65534, between
-    // the last two endpoints, although the very last is the background's own code.
+    // Endpoints of 13 bits represent codes 8 or 9 apart. The palette divides the distance between adjacent endpoints
+    // into sevenths, at most 9/7 apart: a code is within 9/14 of an entry, which itself is rounded by at most 3/7. With
+    // background in the block the palette has fifths, at most 9/5 apart: 9/10 and 2/5. Both sums are less than two, so
+    // the error is at most one code. The same holds for 65528 to 65534, between the last two endpoints, although the
+    // last endpoint is the background code.
     let one = group("DB4W, one code a block", "codes");
     let two = group("DB4W, one code and the background in a block", "codes");
     let most = Bound::AtMost(1.0);
@@ -54,11 +55,12 @@ pub(super) fn cases() -> Vec<HardCase> {
         cases.push(two.case(name, most, move || codes_of_blocks([first, step, last], |x, y| (x + y) % 3 == 0)));
     }
     let palette = group("BC4w palettes against binary64", "codes");
-    // Sevenths and fifths, to nearest.
+    // Palette entries are sevenths or fifths, rounded to nearest.
     cases.push(palette.case("eight codes, e0 > e1", Bound::AtMost(3.0 / 7.0), || Ok(palette_error(8))));
     cases.push(palette.case("six codes, e0 <= e1", Bound::AtMost(2.0 / 5.0), || Ok(palette_error(6))));
     cases.push(palette.none("equal endpoints, all of them", || Ok(equal_endpoints())));
-    // 8 e + e / 1024 rounded down for 65535 / 8191 e: both end at the same code, and between they are less than 1 apart.
+    // 8 e + e / 1024, rounded down, approximates 65535 / 8191 e: both agree at the ends and differ by less than 1
+    // between.
     cases.push(palette.case("endpoints of 13 bits", Bound::AtMost(1.0), || Ok(endpoint_error())));
     let marker = group("blocks and platelets of 8x8 pixels parted by every third line", "taken for another function");
     cases.push(marker.none("codes that fill endpoints with ones", marker_collisions));
@@ -85,7 +87,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     cases
 }
 
-/// What BC1 finds hard: its mode of three colours, equal endpoints, channels that do not go together.
+/// Inputs that are hard for BC1: its three-colour mode, equal endpoints, uncorrelated channels.
 type Material = (&'static str, fn(u32, u32, u32) -> [u8; 3]);
 
 const MATERIALS: [Material; 6] = [
@@ -118,7 +120,8 @@ fn background_of(picture: &HardPicture) -> Result<Measured> {
     Ok(wrong)
 }
 
-/// A block of 8x8 pixels for each code from `first` in steps, up to `last`; some of its pixels are background.
+/// Compares pictures of one block of 8x8 pixels per code, from `first` to `last` in steps. Pixels selected by
+/// `background` are background.
 fn codes_of_blocks([first, step, last]: [u16; 3], background: fn(u32, u32) -> bool) -> Result<Measured> {
     let source = Sequence::new([8 * COLUMNS; 2], 1, |_, x, y| {
         let at = x / 8 + y / 8 * COLUMNS;
@@ -140,7 +143,7 @@ fn palette_error(codes: usize) -> Measured {
             let palette = Pair { e0, e1 }.palette();
             for (index, &code) in palette.iter().enumerate().take(codes) {
                 let place = if index < 2 { index as f64 * steps } else { index as f64 - 1.0 };
-                // Whole numbers of sevenths or fifths, and so exact.
+                // Exact: all terms are integers.
                 let exact = (steps - place) * a + place * b;
                 let error = (f64::from(code) * steps - exact).abs() / steps;
                 worst.greatest(error, || format!("index {index} of {e0} and {e1}"));
@@ -171,7 +174,7 @@ fn endpoint_error() -> Measured {
     worst
 }
 
-/// Blocks and platelets whose last bytes are those of another function, or that do not decode to what was measured.
+/// Counts blocks and platelets whose last bytes mark another function, or that cannot be parsed back.
 fn marker_collisions() -> Result<Measured> {
     let mut wrong = Measured::count(0);
     let codes = [BACKGROUND_CODE, 65_534, 65_527, 0];
@@ -193,7 +196,7 @@ fn marker_collisions() -> Result<Measured> {
 
 fn decoders() -> Vec<HardCase> {
     let mut cases = Vec::new();
-    // BC1, BC4 and BC5 leave the rounding of thirds, fifths and sevenths to decoders: one step of 8 bits.
+    // BC1, BC4 and BC5 leave the rounding of thirds, fifths and sevenths to the decoder: one 8-bit step.
     let near = Group::new(Family::Blocks, "our decoder beside that of dds", "of 255");
     let bytes = |name: &str, most: f64, run: fn() -> Result<Measured>| near.case(name, Bound::AtMost(most), run);
     cases.push(bytes("BC1, both orders of endpoints", 1.0, || {
@@ -208,7 +211,7 @@ fn decoders() -> Vec<HardCase> {
         let ours = |block: &[u8; 16]| bc5::decode(block).iter().flat_map(|&[r, g]| [Some(r), Some(g), None]).collect();
         beside(&any_blocks(7), (Format::BC5_UNORM, ColorFormat::RGB_U8), ours)
     }));
-    // BC7 is defined to the bit.
+    // BC7 decoding is bit exact by definition.
     for mode in 0..8u32 {
         cases.push(near.none(format!("BC7, mode {mode}"), move || {
             let ours =
@@ -226,7 +229,8 @@ fn decoders() -> Vec<HardCase> {
     cases
 }
 
-/// Blocks of random bits, often the same byte from some place on, with `low` in their lowest `count` bits.
+/// Returns random blocks with `low` in their lowest `count` bits. A quarter of them repeat one byte from a random
+/// offset on.
 fn blocks_of<const BYTES: usize>(low: u128, count: u32) -> Vec<[u8; BYTES]> {
     let mut random = Random::new((low as u64) << 8 | u64::from(count));
     let block = |_| {
@@ -247,7 +251,7 @@ fn blocks_of<const BYTES: usize>(low: u128, count: u32) -> Vec<[u8; BYTES]> {
 
 fn any_blocks<const BYTES: usize>(seed: u128) -> Vec<[u8; BYTES]> {
     let mut blocks = blocks_of(seed, 0);
-    // Equal endpoints, of one byte and of two.
+    // Equal endpoints, of one byte and of two bytes.
     for block in blocks.iter_mut().step_by(16) {
         (block[1], block[2], block[3]) = (block[0], block[0], block[0]);
     }
@@ -263,7 +267,7 @@ fn shown_by_dds(blocks: &[u8], count: usize, (format, color): (Format, ColorForm
     Ok(shown)
 }
 
-/// The greatest difference of two decoders, where ours has a sample.
+/// Returns the largest difference between the two decoders. Samples that our decoder does not return are skipped.
 fn beside<const BYTES: usize>(
     blocks: &[[u8; BYTES]],
     format: (Format, ColorFormat),

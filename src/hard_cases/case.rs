@@ -1,4 +1,4 @@
-//! A hard case: its bound, its pipeline, and how it is measured.
+//! Definition of a hard case: its bound, its pipeline, and its measurement.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use crate::gpu::selftest::pictures::PictureCase;
 use crate::gpu::selftest::slices::InterpolationCase;
 use crate::hard_cases::clip::Clip;
 
-/// Relative rounding of binary64.
+/// Unit roundoff of binary64.
 pub(super) const ROUNDING: f64 = f64::EPSILON / 2.0;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -29,7 +29,7 @@ pub enum Family {
 }
 
 impl Family {
-    /// In the order of the numbers.
+    /// Names in the order of the variants.
     pub const NAMES: [&str; 10] = [
         "quantisation",
         "temporal",
@@ -64,7 +64,7 @@ impl Bound {
         }
     }
 
-    /// Whether a figure keeps the bound; NaN never does.
+    /// True if a figure satisfies the bound. Always false for NaN.
     pub fn holds(self, figure: f64) -> bool {
         match self {
             Bound::AtMost(most) => figure <= most,
@@ -72,7 +72,7 @@ impl Bound {
         }
     }
 
-    /// Part of the bound that a figure uses up; infinite where the bound is broken.
+    /// Fraction of the bound that a figure uses. Infinite if the bound is violated.
     pub fn share(self, figure: f64) -> f64 {
         match self {
             _ if !self.holds(figure) => f64::INFINITY,
@@ -106,7 +106,7 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// Pictures that are rendered: interpolated views among them.
+    /// Number of rendered pictures, including interpolated views.
     pub fn picture_count(&self) -> usize {
         let views = self.interpolations.iter().map(|case| case.views.offsets_m.len());
         self.pictures.len() + views.sum::<usize>()
@@ -114,17 +114,17 @@ impl Inputs {
 }
 
 impl Measured {
-    /// No figure yet: NaN, which no bound allows.
+    /// No figure yet: NaN, which violates every bound.
     pub(super) fn nothing() -> Measured {
         Measured { figure: f64::NAN, place: None, note: None, inputs: Inputs::default() }
     }
 
-    /// A count of failures, to which [`Self::count_if`] adds.
+    /// Count of failures; [`Self::count_if`] adds to it.
     pub(super) fn count(wrong: u64) -> Measured {
         Measured { figure: wrong as f64, ..Measured::nothing() }
     }
 
-    /// Counts a failure; the place of the first is kept.
+    /// Counts a failure. Keeps the place of the first.
     pub(super) fn count_if(&mut self, is_wrong: bool, place: impl FnOnce() -> String) {
         if is_wrong {
             self.figure += 1.0;
@@ -132,12 +132,12 @@ impl Measured {
         }
     }
 
-    /// Keeps the greatest figure and its place. NaN is the worst.
+    /// Keeps the largest figure and its place. NaN counts as the worst.
     pub(super) fn greatest(&mut self, figure: f64, place: impl FnOnce() -> String) {
         self.keep(figure, figure > self.figure, place);
     }
 
-    /// Keeps the least figure and its place. NaN is the worst.
+    /// Keeps the smallest figure and its place. NaN counts as the worst.
     pub(super) fn least(&mut self, figure: f64, place: impl FnOnce() -> String) {
         self.keep(figure, figure < self.figure, place);
     }
@@ -148,7 +148,7 @@ impl Measured {
         }
     }
 
-    /// The greater figure of two, with the streams of both.
+    /// Keeps the larger of two figures, and the streams of both.
     pub(super) fn join(mut self, other: Measured) -> Measured {
         if let Some(place) = other.place {
             self.greatest(other.figure, || place);
@@ -177,19 +177,19 @@ impl Measured {
     }
 }
 
-/// A case; its name is unique in its family and pipeline.
+/// A hard case. Its name is unique within its family and pipeline.
 pub struct HardCase {
-    /// What is hard about it.
+    /// Description of the difficulty.
     pub name: String,
     pub family: Family,
-    /// The code under test.
+    /// Code under test.
     pub pipeline: String,
     pub bound: Bound,
     pub unit: &'static str,
     pub(super) run: Box<dyn Fn() -> Result<Measured> + Send + Sync>,
 }
 
-/// Makes cases that share family, pipeline and unit.
+/// Builds cases that share family, pipeline and unit.
 #[derive(Debug, Clone)]
 pub(super) struct Group {
     family: Family,
@@ -212,7 +212,7 @@ impl Group {
         HardCase { name: name.into(), family, pipeline, bound, unit, run: Box::new(run) }
     }
 
-    /// A case that counts failures, of which there must be none.
+    /// Returns a case that counts failures. Its bound is 0.
     pub(super) fn none(
         &self,
         name: impl Into<String>,
@@ -222,7 +222,7 @@ impl Group {
     }
 }
 
-/// A figure with four digits at most, so that tables do not depend on the last bits of a logarithm.
+/// Formats a figure with at most four digits, so that tables do not depend on the last bits of a logarithm.
 pub fn number(value: f64) -> String {
     match value {
         _ if value.is_nan() => "nothing".to_owned(),

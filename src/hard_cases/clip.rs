@@ -1,4 +1,4 @@
-//! Streams of one unit, encoded, and decoded from a container.
+//! Streams of one unit: encoding, and decoding from a container.
 
 use crate::container::{
     ChunkKey, Compression, EncodedChunk, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer,
@@ -23,10 +23,10 @@ use crate::image::DepthKind;
 use crate::math::random::Random;
 use crate::streams::{CodecHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader};
 
-/// Effort of all searches: bounds hold with any, and this one takes the least time.
+/// Effort of all searches. Bounds hold at every effort; this one is the fastest.
 pub(super) const EFFORT: Effort = Effort::Fast;
 
-/// A stream of one unit.
+/// An encoded stream of one unit.
 #[derive(Debug, Clone)]
 pub struct Clip {
     pub what: String,
@@ -42,17 +42,17 @@ pub(super) struct Sequence<T> {
     pub frames: Vec<Vec<T>>,
 }
 
-/// Random numbers that depend on frame and place alone.
+/// Returns a random generator that depends only on frame and position.
 pub(super) fn random_at([frame, x, y]: [u32; 3]) -> Random {
     Random::new(u64::from(frame) << 40 | u64::from(x) << 20 | u64::from(y))
 }
 
-/// A number below `n` that depends on frame and place alone.
+/// Returns a number below `n` that depends only on frame and position.
 pub(super) fn noise(at: [u32; 3], n: u32) -> u32 {
     random_at(at).below(n)
 }
 
-/// The range of streams whose metres do not matter.
+/// Depth range of streams for which metres do not matter.
 pub(super) fn any_range() -> Result<DepthRange> {
     DepthRange::new(0.5, 900.0)
 }
@@ -86,7 +86,7 @@ impl Clip {
         Clip { what: what.into(), header, size: source.size, frame_count: source.frames.len() as u32, chunks }
     }
 
-    /// Packed nodes (`DQPN`) of a domain.
+    /// Encodes packed nodes (`DQPN`) in a domain.
     pub(super) fn nodes(
         source: &Sequence<u16>,
         (range, domain): (DepthRange, &Domain),
@@ -102,7 +102,7 @@ impl Clip {
         Ok(Clip::new(format!("{} domain, {:?}", domain.kind().name(), settings.decide), header, source, chunks))
     }
 
-    /// The quadtree itself (`DQTR`), which loses nothing.
+    /// Encodes the quadtree itself (`DQTR`), which is lossless.
     pub(super) fn tree(source: &Sequence<u16>, settings: NodeSettings) -> Result<Clip> {
         let settings = NodeSettings { window: 1, epsilon: 0, ..settings };
         let mut encoder = TreeEncoder::new(source.grid(), Domain::log(), settings);
@@ -125,7 +125,7 @@ impl Clip {
         Ok(Clip::new(format!("{effort:?}"), depth_header(any_range()?, DepthCoding::Blocks), source, chunks))
     }
 
-    /// Predictive depth (`DPRD`) of pixels that lie to the viewing axis in this way.
+    /// Encodes predictive depth (`DPRD`) with a projection of the given shape.
     pub(super) fn predictive(
         source: &Sequence<u16>,
         (bound, epsilon, keyframe_interval): (u16, u16, u32),
@@ -138,7 +138,7 @@ impl Clip {
         Clip::predicted(format!("{shape:?}, {decide:?}"), source, header, decide)
     }
 
-    /// Predictive depth whose codes are these levels, or background.
+    /// Encodes predictive depth whose codes are the given levels or background.
     pub(super) fn levels(source: &Sequence<u16>, codes: Vec<u16>, decide: Decide) -> Result<Clip> {
         let header = PredictiveHeader {
             bound: 0,
@@ -166,7 +166,7 @@ impl Clip {
         Ok(Clip::new(what, header, source, chunks))
     }
 
-    /// Codes in boxes (`DAAB`, `DAB5`).
+    /// Encodes codes in boxes (`DAAB`, `DAB5`).
     pub(super) fn codes(source: &Sequence<u16>, settings: TemporalSettings, of: Layout) -> Result<Clip> {
         let (what, coding) = match of {
             Layout::Values => ("DAAB", DepthCoding::Boxes(settings)),
@@ -175,7 +175,7 @@ impl Clip {
         Ok(Clip::new(what, depth_header(any_range()?, coding), source, boxes(source, settings, of)?))
     }
 
-    /// Material in boxes (`MAAB`, `MAB1`).
+    /// Encodes material in boxes (`MAAB`, `MAB1`).
     pub(super) fn material(source: &Sequence<[u8; 3]>, temporal: TemporalSettings, of: Layout) -> Result<Clip> {
         let in_blocks = of == Layout::BlockTiles;
         let header = CodecHeader::Material(MaterialHeader { temporal, in_blocks });
@@ -193,7 +193,7 @@ impl Clip {
         (0..self.frame_count).try_for_each(|frame| see(frame as usize, &face.decode(frame)?))
     }
 
-    /// Frames that one step of a decoder may advance.
+    /// Maximum number of frames that one decoder step may advance.
     pub(super) fn window(&self) -> u32 {
         match &self.header {
             CodecHeader::Depth(header) => u32::from(header.window()),
@@ -210,7 +210,7 @@ impl<T> Sequence<T> {
         Sequence { size, frames: (0..frames).map(frame).collect() }
     }
 
-    /// The chunks that an encoder makes of the frames, and at their end of `None`.
+    /// Returns the chunks that `code` returns for the frames and, after the last frame, for `None`.
     pub(super) fn encode(
         &self,
         mut code: impl FnMut(Option<&Vec<T>>) -> Result<Option<EncodedChunk>>,
@@ -230,7 +230,7 @@ fn node_header(domain: &Domain, settings: NodeSettings) -> NodeHeader {
     NodeHeader { window, epsilon, keyframe_interval, bound, domain: domain.parts }
 }
 
-/// A container with a probe for each clip, opened.
+/// Writes a container with one probe per clip and opens it.
 pub(super) fn open(clips: &[Clip]) -> Result<Decoder> {
     let mut writer = Writer::new(Vec::new(), "hard cases", 24.0, 0)?;
     for (at, clip) in clips.iter().enumerate() {
@@ -242,7 +242,7 @@ pub(super) fn open(clips: &[Clip]) -> Result<Decoder> {
             intrinsics: [0.0; 4],
         })?;
         let [width, height] = clip.size;
-        // Units in blocks have sides of whole blocks, and are cut off at the edge of the image.
+        // Units coded in blocks have sides of whole blocks and are cropped at the edge of the image.
         let unit = |side: u32| if clip.header.in_blocks() { side.next_multiple_of(4) } else { side };
         writer.add_stream(StreamEntry {
             kind: clip.header.kind() as u8,

@@ -1,4 +1,4 @@
-//! Cells of colour that are hard (CALF 5.1; color.md): every frame must reach its decibels.
+//! Hard cases of colour cells (CALF 5.1; color.md): every frame must reach its PSNR.
 
 use std::sync::Arc;
 
@@ -21,10 +21,10 @@ use crate::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHe
 
 /// Luminance of 1.0 in the half-float cases, in cd/m².
 const WHITE_CD_M2: f64 = 100.0;
-/// Frames of a chunk of the transform codec.
+/// Frames per chunk of the transform codec.
 const CHUNK_FRAMES: u32 = 7;
 
-/// A sequence of a cell: size, frames, and a pixel of each.
+/// Sequence of a cell: name, size, number of frames, and the pixel at (frame, x, y).
 type Cell<T> = (&'static str, [u32; 2], u32, fn(u32, u32, u32) -> [T; 3]);
 
 const BYTES: [Cell<u8>; 14] = [
@@ -45,7 +45,7 @@ const BYTES: [Cell<u8>; 14] = [
         if frame % 10 == 0 { [90, 90, 90] } else { [(noise([frame, x, y], 256)) as u8, 90, 90] }
     }),
     ("a fade of one code over 500 frames", [8, 8], 500, |frame, x, y| {
-        // Pixels take their step at frames of their own.
+        // Each pixel changes at a different frame.
         [100 + u8::from(frame > 7 * (x + 8 * y)), 50, 200 - u8::from(frame > 499 - 7 * (x + 8 * y))]
     }),
     ("a fade from black to saturated, 500 frames", [8, 8], 500, |frame, _, _| [(frame * 255 / 499) as u8; 3]),
@@ -124,7 +124,7 @@ const HALVES: [Cell<f16>; 17] = [
     }),
 ];
 
-/// A least PSNR at which no bit may differ.
+/// Minimum PSNR that forces lossless coding.
 const EXACT_DB: f64 = 200.0;
 
 #[derive(Clone, Copy)]
@@ -182,7 +182,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         let outside =
             Group::new(Family::Color, format!("{name}, outside the range of PU21"), "of the RMS error allowed");
         let all_exact = Group::new(Family::Color, format!("{name}, exact"), "samples of other bits");
-        // Both codes are rounded to steps.
+        // Both PU21 codes are rounded to steps.
         let rms = PU21_PEAK * 10f64.powf(-min_psnr_db / 20.0);
         let most = Bound::AtMost(MAX_OUTSIDE_RMS as f64 + 1.0 / PU_STEPS / rms);
         for cell in HALVES {
@@ -207,7 +207,7 @@ fn decibels(sum: f64, samples: usize, peak: f64) -> f64 {
     if sum == 0.0 { f64::INFINITY } else { 10.0 * (peak * peak * samples as f64 / sum).log10() }
 }
 
-/// The clip of a cell, whose samples are converted by `coded`.
+/// Encodes a cell. `coded` converts its samples.
 fn clip_of<T, S: Sample + Keyed, Q: Quality<S>>(
     source: &Sequence<[T; 3]>,
     header: &ColorHeader,
@@ -271,7 +271,8 @@ fn clip_of_halves((_, size, count, pixel): Cell<f16>, header: &ColorHeader) -> R
     Ok((source, clip))
 }
 
-/// The largest error of a sample outside the range of PU21 in one of both, in PU21, as color.md 5 defines it.
+/// Returns the largest error, in PU21, of a sample that is outside the PU21 range in the decoded or the source frame,
+/// as color.md 5 defines it.
 fn largest_outside(shown: &[f16], source: &[f16]) -> f64 {
     // Independent of the encoder's tables.
     let code = |half: f16| match half {
@@ -290,7 +291,7 @@ fn halves(cell: Cell<f16>, header: &ColorHeader) -> Result<Measured> {
     let mut worst = Measured::nothing();
     clip.show(|frame, picture| {
         let (shown, source) = (halves_of(picture)?, source.frames[frame].as_flattened());
-        // color.md 5 defines the promise in steps of PU21.
+        // color.md 5 defines the bound in steps of PU21.
         let (squares, _) = pu21.between(shown, source);
         worst.least(decibels(squares as f64, source.len(), PU21_PEAK * PU_STEPS), || format!("frame {frame}"));
         Ok(())
@@ -298,7 +299,8 @@ fn halves(cell: Cell<f16>, header: &ColorHeader) -> Result<Measured> {
     Ok(worst.with_clip(clip))
 }
 
-/// Errors of samples outside the range of the metric, in multiples of the RMS error that the least PSNR allows.
+/// Returns the largest error of samples outside the range of the metric, in multiples of the RMS error that the minimum
+/// PSNR allows.
 fn halves_outside(cell: Cell<f16>, header: &ColorHeader) -> Result<Measured> {
     let (source, clip) = clip_of_halves(cell, header)?;
     let rms = PU21_PEAK * 10f64.powf(-header.min_psnr_db / 20.0);
@@ -311,7 +313,7 @@ fn halves_outside(cell: Cell<f16>, header: &ColorHeader) -> Result<Measured> {
     Ok(worst.with_clip(clip))
 }
 
-/// Samples of other bits in all frames.
+/// Counts samples of all frames that are not bit exact.
 fn changed_samples(cell: Cell<f16>, header: &ColorHeader) -> Result<Measured> {
     let (source, clip) = clip_of_halves(cell, header)?;
     let mut wrong = Measured::count(0);
@@ -332,7 +334,7 @@ fn halves_of(picture: &Picture) -> Result<&[f16]> {
     }
 }
 
-/// Samples that are not the source's to the bit, of frames that are keyframes stored as samples.
+/// Counts samples that are not bit exact, in frames that are keyframes stored as samples.
 fn changed_keyframes(cell: Cell<f16>, header: &ColorHeader) -> Result<Measured> {
     let (source, clip) = clip_of_halves(cell, header)?;
     let (mut exact, mut in_blocks) = (vec![false; source.frames.len()], 0);
@@ -355,7 +357,7 @@ fn changed_keyframes(cell: Cell<f16>, header: &ColorHeader) -> Result<Measured> 
         Ok(())
     })?;
     let samples = exact.iter().filter(|exact| **exact).count();
-    // A stream without blocks has a keyframe of samples, or nothing was looked at.
+    // Fails if a stream without blocks has no keyframe stored as samples: nothing was compared.
     if samples == 0 && header.blocks().is_none() {
         wrong.figure = f64::NAN;
     }

@@ -1,4 +1,4 @@
-//! The largest error of what a clip shows.
+//! Comparison of decoded clips with their source.
 
 use crate::decode::Picture;
 use crate::depth::BACKGROUND_CODE;
@@ -13,7 +13,7 @@ fn largest_error(clip: Clip, mut see: impl FnMut(&mut Measured, usize, &Picture)
 }
 
 impl Sequence<u16> {
-    /// The largest error of what a clip shows, in codes; infinite where background and surface are mixed up.
+    /// Returns the largest error of the decoded clip in codes. Infinite if background and surface are confused.
     pub(super) fn compare(&self, clip: Clip) -> Result<Measured> {
         let what = clip.what.clone();
         largest_error(clip, |worst, frame, picture| {

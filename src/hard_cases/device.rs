@@ -1,5 +1,5 @@
-//! Hard cases on a graphics device: streams decoded in order and entered anywhere must equal the CPU's in every word; pictures
-//! must agree within bounds, and interpolated views in every pixel, but for highlights.
+//! Hard cases on a graphics device. Streams decoded in order and from arbitrary frames must equal the CPU's in every
+//! word; rendered pictures must agree within bounds, and interpolated views in every pixel except at highlights.
 
 use crate::decode::StreamInfo;
 use crate::error::{Error, Result};
@@ -13,24 +13,26 @@ use crate::hard_cases::clip::{Clip, open};
 use crate::math::random::Random;
 use crate::monitor::Monitor;
 
-/// Pixels of the pictures that are held on the device together.
+/// Maximum number of pixels of the pictures held on the device at once.
 const PIXELS_TOGETHER: u64 = 8 << 20;
-/// Frames that are entered out of order.
+/// Number of frames decoded out of order.
 const JUMPS: u32 = 12;
 
 #[derive(Debug, Clone, Default)]
 pub struct DeviceFigures {
-    /// Words that differ from the CPU's; of rendered pictures, pixels that do so by more than is allowed.
+    /// Number of words that differ from the CPU's and, for rendered pictures, of pixels that differ by more than
+    /// allowed.
     pub mismatched_words: u64,
     pub first: Option<String>,
     pub pictures: u64,
     pub rendered: u64,
 }
 
-/// A clip, and the case that it is of.
+/// Index of a case, and one of its clips.
 type Numbered<'a> = (usize, &'a Clip);
 
-/// Decodes and renders all cases on a device and on the CPU; one result per case. The monitor advances by one per clip.
+/// Decodes and renders all cases on a device and on the CPU. Returns one result per case. The monitor advances by one
+/// per clip.
 pub fn compare(gpu: &Gpu, inputs: &[Inputs], monitor: &dyn Monitor) -> Result<Vec<DeviceFigures>> {
     let mut figures = vec![DeviceFigures::default(); inputs.len()];
     for (figures, inputs) in figures.iter_mut().zip(inputs) {
@@ -83,7 +85,7 @@ pub fn compare(gpu: &Gpu, inputs: &[Inputs], monitor: &dyn Monitor) -> Result<Ve
     Ok(figures)
 }
 
-/// Clips that a device decodes together.
+/// Groups clips that a device decodes together.
 fn groups<'a>(clips: impl Iterator<Item = Numbered<'a>>) -> Vec<Vec<Numbered<'a>>> {
     let keyed = clips.map(|(case, clip)| {
         let pixels = clip.pixels() / u64::from(clip.frame_count.max(1));

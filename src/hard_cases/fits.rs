@@ -1,5 +1,5 @@
-//! Modelling functions where they are hard to fit: pictures through the default codec at every bound, and the arithmetic
-//! of fits and of Horner's scheme against references in binary64 (GDC 3.2; arithmetic.md 6).
+//! Hard cases of fitting modelling functions: pictures through the default codec at every bound, and the arithmetic of
+//! fits and of Horner's scheme compared with binary64 (GDC 3.2; arithmetic.md 6).
 
 use crate::depth::biquadratic::Biquadratic;
 use crate::depth::domain::{Domain, DomainKind};
@@ -38,16 +38,17 @@ pub(super) fn cases() -> Vec<HardCase> {
     let projected = Group::new(Family::Fits, "least squares against sums in integers", "codes between functions");
     let horner = Group::new(Family::Fits, "Horner's scheme in integers against binary64", "codes");
     for side in SIDES {
-        // The basis is orthogonal; the squares of its functions have means of 1, 1/3 · (1 − 1/n²) and
-        // 4/45 · (1 − 1/n²)(1 − 4/n²): the least at n = 4, where 4/45 · 15/16 · 3/4 is 1/16.
+        // The basis is orthogonal. The mean squares of its functions are 1, 1/3 · (1 − 1/n²) and 4/45 · (1 − 1/n²)(1 −
+        // 4/n²). The smallest occurs at n = 4: 4/45 · 15/16 · 3/4 = 1/16.
         let name = format!("{side}x{side}");
         cases.push(condition.case(name.clone(), Bound::AtMost(16.0), move || Ok(condition_number(side))));
         let places = samples_of(side).len() as f64;
-        // With n samples of functions of up to 1 and values of up to V = 65535, sums are off by n · 2^-53 · n, and by V
-        // times that on the right. The least eigenvalue is n / 16 or more (between every so many pixels, other terms
-        // than one's own add less than 1/1000), and six coefficients are 4 V together at most. So they are off by
-        // 16 · n · 2^-53 · V · (√6 + 6 · 4), and the function by √6 times that. Rounding in the solution and in the value
-        // are below eight more samples.
+        // For n samples of functions bounded by 1 and values bounded by V = 65535, each entry of the matrix has an
+        // error of at most n · 2^-53 · n, and each of the right-hand side V times that. The smallest eigenvalue is at
+        // least n / 16 (for subsampled pixels the off-diagonal terms contribute less than 1/1000), and the sum of the
+        // six coefficients is at most 4 V. So the coefficients have an error of at most 16 · n · 2^-53 · V · (√6 + 6 ·
+        // 4), and the function √6 times that. Rounding in the solver and in the evaluation is less than that of eight
+        // more samples.
         let root = 6f64.sqrt();
         let most = root * 16.0 * (places + 8.0) * (root + 24.0) * ROUNDING * 65535.0;
         cases.push(solved.case(name.clone(), Bound::AtMost(most), move || known_function(side)));
@@ -60,7 +61,8 @@ pub(super) fn cases() -> Vec<HardCase> {
         cases.push(projected.case(picture.name, Bound::AtMost(most), move || Ok(projection_error(picture))));
     }
     let few = Group::new(Family::Fits, "minimax over pixels that tell too little", "codes");
-    // 1024 samples, a condition of 16, values of up to 65535, two passes; what depends on other terms is left out.
+    // 1024 samples, condition number 16, values up to 65535, two passes. The solver drops functions that depend
+    // linearly on others.
     let most = 2.0 * 1024.0 * 16.0 * f64::EPSILON * 65535.0;
     for (name, pixels) in FEW {
         cases.push(few.case(name, Bound::AtMost(most), move || fit_of_few(pixels)));
@@ -96,7 +98,7 @@ fn through_prediction(picture: &HardPicture, bound: u16) -> Result<Measured> {
     Ok(worst)
 }
 
-/// The condition of the basis over a square, with that of plain powers of pixel coordinates beside it.
+/// Computes the condition number of the basis over a square. The note has that of plain powers of pixel coordinates.
 fn condition_number(side: usize) -> Measured {
     let frame = Frame::new([0, side - 1], [0, side - 1]);
     let (mut ours, mut powers) = ([[0.0; 6]; 6], [[0.0; 6]; 6]);
@@ -119,7 +121,7 @@ fn add_products(matrix: &mut Matrix, terms: [f64; 6]) {
     }
 }
 
-/// Greatest eigenvalue over least, of a symmetric matrix, by Jacobi's rotations.
+/// Returns the largest eigenvalue divided by the smallest, for a symmetric matrix, by Jacobi rotations.
 fn condition_of(mut m: Matrix) -> f64 {
     for _ in 0..60 {
         for p in 0..5 {
@@ -145,8 +147,8 @@ fn condition_of(mut m: Matrix) -> f64 {
     high / low
 }
 
-/// Column and row of the samples that a fit of a square sees: all pixels of small ones, the middles of equal parts of
-/// large ones.
+/// Returns column and row of the samples that a fit of a square uses: all pixels of small squares, the centres of equal
+/// parts of large ones.
 fn samples_of(side: usize) -> Vec<[f64; 2]> {
     let part = side.div_ceil(SAMPLES_ACROSS);
     let middle = |at: usize| (at * part) as f64 + (part - 1) as f64 / 2.0;
@@ -154,14 +156,15 @@ fn samples_of(side: usize) -> Vec<[f64; 2]> {
     (0..across * across).map(|at| [middle(at % across), middle(at / across)]).collect()
 }
 
-/// A function of second degree whose values are within 0 to 65535 over a square of 2^k pixels, and exact in binary64.
+/// Returns the value of a quadratic function that is within 0 to 65535 over a square of 2^k pixels and exact in
+/// binary64.
 fn known_value(side: usize, [x, y]: [f64; 2]) -> f64 {
     let (x, y) = (x / side as f64, y / side as f64);
     20_000.0 + 3001.0 * x - 7003.0 * y + 11_003.0 * x * y + 17_011.0 * x * x - 9013.0 * y * y
 }
 
-/// The error of a known function that is found again: by the solver in its scaled basis, and, for people, by the same
-/// solver in powers of pixel coordinates.
+/// Returns the error of the solver in its scaled basis when it recovers a known function. The note compares it with the
+/// same solver in powers of pixel coordinates.
 fn known_function(side: usize) -> Result<Measured> {
     let (places, last) = (samples_of(side), side - 1);
     let frame = Frame::new([0, last], [0, last]);
@@ -196,11 +199,12 @@ fn value_of(terms: &Terms, basis: Terms) -> f64 {
     basis.iter().zip(terms).map(|(basis, term)| basis * term).sum()
 }
 
-/// What rounding may do to [`Frame::project`] in any pixel, in codes.
-/// With u = 2^-53, w columns and h rows, values of up to V = 65535 and functions of up to 1: columns are added up, and so
-/// are off by (w + 2) u, which squares double; sums of products over w, then over h, are off by (w + h + 4) u of V for each
-/// pixel; norms, sums of what is positive, by (w + h + 10) u of themselves. A coefficient is such a sum divided by the mean
-/// square m of its function, and is V / √m at most; its value takes ten roundings more.
+/// Bounds the rounding error of [`Frame::project`] at any pixel, in codes.
+///
+/// Let u = 2^-53, w columns, h rows, values up to V = 65535 and functions bounded by 1. Column coordinates are
+/// accumulated and have an error of (w + 2) u, doubled by squares. Sums of products over w, then over h, have an error
+/// of (w + h + 4) u V per pixel; norms, as sums of positive terms, a relative error of (w + h + 10) u. A coefficient is
+/// such a sum divided by the mean square m of its function, and is at most V / √m. Evaluating it adds ten roundings.
 fn projection_rounding([width, height]: [usize; 2]) -> f64 {
     let (w, h) = (width as f64, height as f64);
     let across = |n: f64| (1.0 - 1.0 / (n * n)) / 3.0;
@@ -210,11 +214,11 @@ fn projection_rounding([width, height]: [usize; 2]) -> f64 {
     mean_squares.into_iter().map(of_term).sum::<f64>() * ROUNDING * 65535.0
 }
 
-/// Least squares with sums that are exact: X = 2x − w + 1 and Y = 2y − h + 1 are whole, and so are 3X² − w² + 1 and
-/// 3Y² − h² + 1; over a rectangle, products of two of the six functions vanish in sum.
+/// Least squares with exact sums. X = 2x − w + 1 and Y = 2y − h + 1 are integers, and so are 3X² − w² + 1 and 3Y² − h²
+/// + 1. The six functions are orthogonal over a rectangle.
 struct ExactFit {
     size: [i128; 2],
-    /// Sum of products with the codes, and of squares, of each function.
+    /// For each function: sum of its products with the codes, and sum of its squares.
     sums: [[i128; 2]; 6],
 }
 
@@ -243,8 +247,8 @@ impl ExactFit {
     }
 }
 
-/// The greatest difference, in any pixel, between the function that [`Frame::project`] finds and that of exact sums. The
-/// residuals of two functions would be alike to second order, and hide what this shows.
+/// Returns the largest difference at any pixel between the function found by [`Frame::project`] and that of exact sums.
+/// Comparing residuals would hide errors: residuals near the optimum agree to second order.
 fn projection_error(picture: &HardPicture) -> Measured {
     let ([width, height], codes) = (picture.size, picture.picture());
     let frame = Frame::new([0, width - 1], [0, height - 1]);
@@ -288,7 +292,7 @@ fn horner_error(side: usize) -> Measured {
     worst.with_note(format!("{tried} functions"))
 }
 
-/// Columns and rows of the pixels that a fit may see, in a node of 64x64.
+/// Column and row of the pixels that a fit may use, in a node of 64x64.
 type Few = fn() -> Vec<[usize; 2]>;
 
 const FEW: [(&str, Few); 8] = [
@@ -302,7 +306,7 @@ const FEW: [(&str, Few); 8] = [
     ("two rows", || (0..128).map(|at| [at % 64, at / 64]).collect()),
 ];
 
-/// A plane through few pixels, all six terms asked for: the largest error in these pixels.
+/// Fits all six terms to a plane sampled at few pixels. Returns the largest error at these pixels.
 fn fit_of_few(pixels: Few) -> Result<Measured> {
     let frame = Frame::new([0, 63], [0, 63]);
     let plane = |[x, y]: [usize; 2]| 31_000.0 + 200.0 * x as f64 - 300.0 * y as f64;

@@ -1,6 +1,6 @@
-//! Directions, faces and projections where they are hard: edges, corners, poles, the date line, wide angles.
+//! Hard cases of directions, cube faces and projections: edges, corners, poles, the date line, wide angles.
 //!
-//! What cameras see is in [`sight`](super::sight).
+//! Visibility from cameras is tested in [`sight`](super::sight).
 
 use std::f64::consts::PI;
 
@@ -28,12 +28,12 @@ pub(super) fn cases() -> Vec<HardCase> {
     let mut cases = Vec::new();
     let pixels = group("pixel of a cube face to direction and back", "of a pixel");
     for side in SIDES {
-        // Of numbers of up to 1, two products above and below, and a quotient, for a pixel that is 2 / N wide.
+        // For numbers up to 1: two products in numerator and denominator, and a quotient. A pixel is 2 / N wide.
         let most = 6.0 * ROUNDING * f64::from(side) / 2.0;
         cases.push(pixels.case(format!("{side}x{side}"), Bound::AtMost(most), move || Ok(pixels_and_back(side))));
     }
     let angle = group("direction to cube face and back, unit vectors and all lengths", "radians");
-    // Two quotients, and two products and sums on the way back, of numbers of up to 1, each way across.
+    // Per axis, for numbers up to 1: two quotients, and two products and sums on the way back.
     let most = 6.0 * ROUNDING;
     let directions: [(&str, Directions); 4] = [
         ("edges of faces", edges),
@@ -46,7 +46,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     }
     let seams = group("pixels on both sides of a seam", "pixels that do not meet");
     let gaps = group("a seam from the faces on both sides", "radians between them");
-    // An ulp of 1 outward and half an ulp inward, and on each side what a direction and back is allowed.
+    // One ulp of 1 outward and half an ulp inward, plus the bound of a direction and back on each side.
     let gap = 1.5 * f64::EPSILON + 2.0 * most;
     for side in [1, 3, 4, 7, 1024, 65_535] {
         let name = format!("{side}x{side}");
@@ -57,7 +57,8 @@ pub(super) fn cases() -> Vec<HardCase> {
     cases.push(face.none("edges, corners, thirds, signed zeros, all lengths", || Ok(wrong_faces())));
     let panorama = group("equirectangular pixel to direction and back", "of a pixel");
     for [width, height] in PANORAMAS {
-        // Sines, cosines and arc tangents of up to 1 ulp each way, of angles of up to π over a width of 2π.
+        // Sines, cosines and arctangents with errors of up to 1 ulp each way, for angles of up to π; the width spans
+        // 2π.
         let most = 12.0 * f64::EPSILON * f64::from(width);
         let name = format!("{width}x{height}, poles, date line and between");
         cases.push(panorama.case(name, Bound::AtMost(most), move || Ok(panorama_and_back(width, height))));
@@ -67,7 +68,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     let mixed = group("panorama resampled to cube faces", "pixels that are none of the source's");
     cases.push(mixed.none("depth: checkerboard of 1 m, 1 km and background", mixed_depth));
     let flat = group("panorama resampled to cube faces", "relative change");
-    // Weights add up to 1 but for their rounding, and half floats round to their own value.
+    // Weights sum to 1 up to rounding, and half floats are rounded to the same value again.
     for value in [1.0, 65_504.0, 6e-8, -0.25] {
         let name = format!("colour: {value} everywhere, poles and date line too");
         cases.push(flat.none(name, move || changed_color(value)));
@@ -76,7 +77,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     for (name, fov_deg) in
         [("90 degrees", 90.0), ("170 degrees", 170.0), ("179.9 degrees", 179.9), ("179.9999 degrees", 179.9999)]
     {
-        // A factor of four operations, a product, and one rounding to a float.
+        // A factor of four operations, a product, and one rounding to binary32.
         let most = 1.0 / 16_777_216.0 + 8.0 * ROUNDING;
         cases.push(planar.case(name, Bound::AtMost(most), move || planar_and_back(fov_deg)));
     }
@@ -84,7 +85,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     cases
 }
 
-/// Pixel numbers from 0 to `count` − 1: all of a few, else both ends and a sample.
+/// Returns pixel indices from 0 to `count` − 1: all if there are few, else both ends and a sample.
 fn some(count: u32) -> Vec<u32> {
     let step = (count / 97).max(1) as usize;
     let ends = (0..count.min(4)).chain(count.saturating_sub(4)..count);
@@ -100,7 +101,7 @@ fn pixels_and_back(side: u32) -> Measured {
         let all = some(side);
         let image = ImageProjection::cube_face(face, side);
         for (&col, &row) in all.iter().flat_map(|col| all.iter().map(move |row| (col, row))) {
-            // Along the axes as they are nothing would be rounded.
+            // Normalises: along the exact axes no operation would round.
             let unit = face.direction(col, row, side).normalize();
             for length in LENGTHS {
                 let FacePoint { face: found, plane: [u, v] } = direction_to_face(unit * length);
@@ -118,7 +119,7 @@ fn pixels_and_back(side: u32) -> Measured {
 fn edges() -> Vec<DVec3> {
     let mut found = Vec::new();
     for face in Face::CUBE {
-        // Thirds, sevenths and ninths, none of which binary64 has.
+        // Steps of 1/63: thirds, sevenths and ninths, which binary64 cannot represent.
         for step in -63..=63 {
             let t = f64::from(step) / 63.0;
             found.extend([(1.0, t), (-1.0, t), (t, 1.0), (t, -1.0)].map(|(u, v)| on_face(face, [u, v])));
@@ -142,12 +143,12 @@ fn inside() -> Vec<DVec3> {
     found
 }
 
-/// A direction of the same meaning whose greatest component is near 1: powers of two round nothing.
+/// Scales a direction so that its largest component is near 1. The factor is a power of two, so nothing is rounded.
 fn near_one(direction: DVec3) -> DVec3 {
     direction * (-direction.abs().max_element().log2().floor()).exp2()
 }
 
-/// The directions with each component moved by an ulp up and down.
+/// Returns the directions with each component moved up and down by one ulp.
 fn beside(directions: &[DVec3]) -> Vec<DVec3> {
     let moved = |value: f64, step: i64| {
         if value == 0.0 {
@@ -165,13 +166,14 @@ fn beside(directions: &[DVec3]) -> Vec<DVec3> {
     directions.iter().flat_map(around).flatten().collect()
 }
 
-/// Direction of a place in the plane of a face at distance 1.
+/// Returns the direction of a point in the plane of a face at distance 1.
 fn on_face(face: Face, [u, v]: [f64; 2]) -> DVec3 {
     let [forward, right, down] = face.axes();
     forward + u * right + v * down
 }
 
-/// The angle between a direction and what its face and place on it say; infinite where they say another side of the probe.
+/// Returns the angle between a direction and the direction of its face coordinates. Infinite if these point to the
+/// opposite side of the probe or lie outside the face.
 fn angle_to_face(direction: DVec3) -> f64 {
     let FacePoint { face, plane: [u, v] } = direction_to_face(direction);
     let (back, direction) = (on_face(face, [u, v]), near_one(direction));
@@ -179,7 +181,7 @@ fn angle_to_face(direction: DVec3) -> f64 {
     if ahead { angle_between(back, direction) } else { f64::INFINITY }
 }
 
-/// By its sine, which is exact where the cosine is not.
+/// Computed from the sine, which stays accurate at small angles where the cosine does not.
 fn angle_between(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length() / (a.length() * b.length())
 }
@@ -195,12 +197,12 @@ fn directions_and_back(directions: &[DVec3]) -> Measured {
     worst
 }
 
-/// A place on the border of a face, in the middle of a pixel along it.
+/// A point on the border of a face, at a pixel centre along the border.
 struct Border {
     face: Face,
     pixel: u32,
     at: [f64; 2],
-    /// The direction of an axis that it lies towards: the neighbour looks along it.
+    /// Axis direction towards which it lies. The adjacent face looks along it.
     across: DVec3,
 }
 
@@ -220,12 +222,13 @@ fn borders(side: u32) -> Vec<Border> {
 impl Border {
     fn sides(&self) -> [DVec3; 2] {
         let place = on_face(self.face, self.at);
-        // By half an ulp of 1 inward and by an ulp outward, which are the next numbers.
+        // Half an ulp of 1 inward and one ulp outward: the adjacent numbers.
         [place - self.across * ROUNDING, place + self.across * f64::EPSILON]
     }
 }
 
-/// Places on seams where the two sides are not on the face and on its neighbour, or in other pixels along the seam.
+/// Counts points on seams whose two sides do not map to the face and its neighbour, or map to different pixels along
+/// the seam.
 fn seams_meet(side: u32) -> Measured {
     let mut wrong = Measured::count(0);
     for border in borders(side) {
@@ -233,7 +236,7 @@ fn seams_meet(side: u32) -> Measured {
         let neighbour = outer.face.axes()[0] == border.across;
         let pixel = |at: f64| (((at + 1.0) / 2.0 * f64::from(side)) as u32).min(side - 1);
         let own = if border.at[0].abs() == 1.0 { inner.plane[1] } else { inner.plane[0] };
-        // On the neighbour the seam is where one coordinate is at its end; the other runs along it, either way.
+        // On the neighbour, one coordinate is at its end on the seam; the other runs along it in either direction.
         let [u, v] = outer.plane;
         let ends = [u, v].map(|at| 1.0 - at.abs() < 1e-15);
         let runs_along = |along: f64| pixel(along) == border.pixel || side - 1 - pixel(along) == border.pixel;
@@ -244,7 +247,7 @@ fn seams_meet(side: u32) -> Measured {
     wrong
 }
 
-/// The angle between what both sides of a seam say of their faces and places on them.
+/// Returns the largest angle between the directions that both sides of a seam map to.
 fn seams_gape(side: u32) -> Measured {
     let mut worst = Measured::nothing();
     for border in borders(side) {
@@ -254,7 +257,7 @@ fn seams_gape(side: u32) -> Measured {
     worst
 }
 
-/// Directions along whose component of greatest size the face does not look.
+/// Counts directions whose face does not look along their largest component.
 fn wrong_faces() -> Measured {
     let mut wrong = Measured::count(0);
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
@@ -342,7 +345,8 @@ fn changed_color(value: f64) -> Result<Measured> {
     Ok(worst)
 }
 
-/// Planar depth of a view this wide, made a distance by the reader of datasets, and planar again in binary64.
+/// Converts planar depth of a view of the given width to distance with the reader of datasets, and compares with
+/// binary64.
 fn planar_and_back(fov_deg: f64) -> Result<Measured> {
     const SIDE: u32 = 129;
     let focal = f64::from(SIDE) / 2.0 / (fov_deg / 360.0 * PI).tan();

@@ -1,7 +1,8 @@
-//! What no probe sees: a rectangle before a wall hides part of it from all probes, and the eye looks in from the side.
+//! Hard cases of disocclusion: a rectangle before a wall hides part of it from all probes, and the eye looks in from
+//! the side.
 //!
-//! Edges of the rectangle are edges of texels for every probe, and eye and probes are on one line along an edge: so it
-//! is known of each ray which part of space it comes into that is hidden from all of them, and where.
+//! Edges of the rectangle coincide with texel edges of every probe, and eye and probes lie on a line along an edge. So
+//! it is known for each ray which region hidden from all probes it enters, and where.
 
 use glam::DVec3;
 
@@ -18,16 +19,16 @@ use crate::math::Camera;
 use crate::monitor::Silent;
 use crate::views::light_field::LightField;
 
-/// Where probes are on the x axis, and the eye; multiples of the width of a texel 1 m away, 1/16 m.
+/// Positions of probes and eye on the x axis: multiples of 1/16 m, the width of a texel at 1 m.
 const PROBES_M: [f64; 2] = [0.0, -0.5];
 const EYE_M: f64 = 1.0;
 /// Left and right edge of the rectangle, which is 1 m away, and half its height.
 const EDGES_M: [f64; 2] = [-0.5, 0.25];
 const HALF_HEIGHT_M: f64 = 0.5;
 const WALL_M: f64 = 4.0;
-/// Pixels of a row: odd, so that no ray goes along an edge.
+/// Pixels per row. Odd, so that no ray runs along an edge.
 const PIXELS: u32 = 33;
-/// Pixels of the picture that show what no probe sees: 10 columns of 17.
+/// Number of pixels that show surfaces hidden from all probes: 10 columns of 17.
 const HOLES: u64 = 170;
 const RED: [u8; 3] = [200, 0, 0];
 
@@ -54,9 +55,9 @@ fn setup() -> Setup {
     Setup { field, eye: DVec3::new(EYE_M, 0.0, 0.0), range_m: [0.05, 16.0] }
 }
 
-/// Whether a ray through a pixel's middle ends where no probe saw a surface; None where that hangs on rounding.
-/// `across` and `down` are its direction's parts for each metre ahead. It comes into the shadow that a probe sees at the
-/// planar depth at which it is beside the line from the probe over the right edge, and stays in it up to the wall.
+/// True if a ray through a pixel centre ends at a point that no probe sees; `None` if that depends on rounding.
+/// `across` and `down` are the ray's slopes per metre ahead. The ray enters the region hidden from a probe at the
+/// planar depth where it crosses the line from the probe through the right edge, and stays hidden up to the wall.
 fn is_hole([across, down]: [f64; 2]) -> Option<bool> {
     let enters_m = |probe: f64| {
         let narrows = EDGES_M[1] - probe - across;
@@ -64,7 +65,7 @@ fn is_hole([across, down]: [f64; 2]) -> Option<bool> {
     };
     let all_m = PROBES_M.map(enters_m).into_iter().fold(0.0, f64::max);
     let away = |surface_m: f64| (all_m / surface_m).ln().abs() - f64::from(HOLE_DIFFERENCE);
-    // Rays further to the right do not come into a shadow; those further to the left end in the rectangle, or pass it.
+    // Rays further right do not enter a hidden region; those further left hit the rectangle or pass it.
     if down.abs() > HALF_HEIGHT_M || !(1.0..WALL_M).contains(&all_m) {
         return Some(false);
     }
@@ -83,8 +84,8 @@ fn picture(plainly: bool, holes: HoleFill) -> Result<Rendered> {
     how(&setup.views(), &camera(setup.eye, DVec3::NEG_Z)?, &settings, &Silent)
 }
 
-/// Pixels whose alpha is not what is known of their ray, or whose colour is not that of such a pixel: black in holes that
-/// are left blank, with the red of the rectangle in others. One that hangs on rounding is wrong, too.
+/// Counts pixels whose alpha or colour is wrong. A hole is black if left blank, and contains the red of the rectangle
+/// if filled. Pixels that depend on rounding count as wrong.
 fn wrong(holes: HoleFill) -> Result<Measured> {
     let mut wrong = Measured::count(0);
     for plainly in [false, true] {

@@ -1,4 +1,4 @@
-//! Views between source views where lines are hard: planes at all depths, sources in bad places, scenes of all sizes, mirrors.
+//! Hard cases of view interpolation: planes at all depths, sources in bad places, scenes of all sizes, mirrors.
 
 use std::ops::Range;
 
@@ -26,16 +26,16 @@ use crate::monitor::Silent;
 use crate::scene::capture::SamplePattern;
 use crate::scene::{Light as SceneLight, Material, Object, Optics, Phong, Quad, SceneAtTime, Shape, Sphere, Texture};
 
-/// Sizes of scenes, metres.
+/// Sizes of scenes in metres.
 const SIZES: [f64; 3] = [1.0, 1e-6, 1e6];
-/// Pixels of most views.
+/// Size of most views in pixels.
 const SIZE: [u32; 2] = [48, 3];
 
 pub(super) fn cases() -> Vec<HardCase> {
     let group = |pipeline: &str, unit| Group::new(Family::Interpolation, pipeline, unit);
     let mut cases = Vec::new();
     let columns = group("columns of lines", "pixels from exact ones");
-    // Disparity and place are rounded to 1/8192 and 2^-25, their product to 1/512.
+    // Disparity is rounded to 1/8192, position to 2^-25, and their product to 1/512.
     cases.push(columns.case("4096 views", Bound::AtMost(1.0 / 256.0), || columns_of_views(MAX_VIEWS, 1.5)));
     cases.push(
         columns.case("a disparity of a thousand images", Bound::AtMost(1.0 / 256.0), || columns_of_views(9, 400.0)),
@@ -63,7 +63,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     let offset = group("what lies close behind", "wrong distances");
     cases.push(offset.none("a baseline of two pixels, and one ulp about it", pole));
     let highlights = group("best place of a highlight", "of the cosine");
-    // A search in thousandths is no better than the closed form, but for rounding.
+    // A search in steps of 1/1000 is no better than the closed form, up to rounding.
     cases.push(highlights.case("lights on, along, before and behind the line", Bound::AtMost(1e-9), best_places));
     let lights = group("highlights", "other radiance at splits");
     cases.push(
@@ -91,7 +91,7 @@ fn views(count: u32, baseline_m: f64, focus_m: f64, size: [u32; 2]) -> Result<Ou
     OutputViews::new(camera, size, count, Spread::Baseline(baseline_m), focus_m)
 }
 
-/// A source view whose scanlines are alike.
+/// Returns a source view whose scanlines are all equal.
 fn source(offset_m: f64, columns: Range<i32>, layers: &[&dyn Fn(i32) -> Option<f32>]) -> SourceView {
     let pixel = |(layer, depth): (usize, &&dyn Fn(i32) -> Option<f32>)| {
         columns
@@ -120,7 +120,7 @@ fn interpolated(views: &OutputViews, sources: &[SourceView]) -> Result<Vec<Inter
     Ok(interpolator.views(0..views.count() as usize, &Silent)?.0)
 }
 
-/// What devices interpolate, too.
+/// Returns the input for interpolation on devices.
 fn on_devices(label: impl Into<String>, views: &OutputViews, sources: &[SourceView]) -> InterpolationCase {
     InterpolationCase {
         label: label.into(),
@@ -181,7 +181,7 @@ fn orders() -> Result<Measured> {
     Ok(wrong.with_interpolations(cases))
 }
 
-/// The first of two layers at one depth is seen.
+/// Of two layers at equal depth, the first is visible.
 fn coplanar() -> Result<Measured> {
     let views = views(5, 0.3, f64::INFINITY, SIZE)?;
     let mut doubled = source(0.0, -60..110, &[&|_| Some(2.0), &|_| Some(2.0)]);
@@ -200,12 +200,12 @@ fn coplanar() -> Result<Measured> {
     Ok(wrong.with_interpolations([case]))
 }
 
-/// Each view shows one of two planes, the nearer one but for the view of the other's source.
+/// Each view shows only one of two planes: the nearer one, except in the view of the other plane's source.
 fn one_ulp_apart() -> Result<Measured> {
     let views = views(5, 0.3, f64::INFINITY, SIZE)?;
     let mut sources = [(-0.15, 2.0f32), (0.15, 2.0f32.next_up())]
         .map(|(at_m, depth_m)| source(at_m, -60..110, &[&|_| Some(depth_m)]));
-    // Light of the second one is negative.
+    // The second source has negative radiance.
     for pixel in sources[1].rows.iter_mut().flat_map(|row| &mut row.pixels) {
         let light = [f16::from_f32(-1000.0); 3];
         (pixel.steady, pixel.own) = (light, light);
@@ -226,7 +226,8 @@ fn one_ulp_apart() -> Result<Measured> {
     Ok(wrong.with_interpolations([on_devices("planes one ulp apart", &views, &sources)]))
 }
 
-/// More surfaces behind each other than a source has layers: the nearest are kept, and views of sources are those of ray casting.
+/// A source with more surfaces behind each other than it has layers: the nearest are kept, and the views of sources
+/// equal ray casting.
 fn too_many_layers() -> Result<Measured> {
     let sheet = |at: usize| {
         let corner = DVec3::new(-0.2, -9.0, -1.0 - 0.4 * at as f64);
@@ -244,7 +245,7 @@ fn too_many_layers() -> Result<Measured> {
     Ok(wrong)
 }
 
-/// What lies before a wall hides it where it is, and nowhere else.
+/// A surface before a wall hides the wall at its own columns and nowhere else.
 fn before_a_wall(is_leaf: fn(i32) -> bool) -> Result<Measured> {
     let views = views(9, 0.02, f64::INFINITY, SIZE)?;
     let leaves = |column: i32| Some(if is_leaf(column) { 1.0f32 } else { 4.0 });
@@ -257,7 +258,7 @@ fn before_a_wall(is_leaf: fn(i32) -> bool) -> Result<Measured> {
         for column in 0..SIZE[0] {
             let at = (f64::from(column) + 0.5 - moved).floor() as i32;
             let is_open = found.coverage.get(column, 0) != Coverage::Covered;
-            // The pixel of a leaf shows that of its source, or lies between two of the same leaf.
+            // The pixel shows that of its source leaf, or lies between two pixels of the same leaf.
             let shows_leaf = (found.color.get(column, 0)[0].to_f32() - at as f32).abs() <= 1.0;
             wrong.count_if(is_open || is_leaf(at) && !shows_leaf, || format!("view {view}, column {column}"));
         }
@@ -280,7 +281,7 @@ fn nothing() -> Result<Measured> {
 fn pole() -> Result<Measured> {
     let mut wrong = Measured::count(0);
     for depth_m in [1e-6f64, 0.3, 2.0, 1e6] {
-        // Where twice the reach is the width.
+        // Twice the reach equals the width.
         let at = 0.5 * depth_m * 0.01;
         for reach_m in [0.0, at.next_down(), at] {
             wrong.count_if(hidden_m(depth_m, 0.01, reach_m) != f64::INFINITY, || format!("{depth_m} m, {reach_m} m"));
@@ -313,7 +314,8 @@ fn best_places() -> Result<Measured> {
     Ok(worst)
 }
 
-/// Highlights have their own radiance at both ends, at the best place of a lamp, and at all splits, whose number is limited.
+/// Highlights have their exact radiance at both ends, at the best place of a lamp, and at all splits, whose number is
+/// limited.
 fn highlights_at_splits() -> Result<Measured> {
     let (mut wrong, cases) = (Measured::count(0), highlights::cases()?);
     for case in &cases {
@@ -327,7 +329,7 @@ fn highlights_at_splits() -> Result<Measured> {
             let is_ordered = places.windows(2).all(|pair| pair[0].0 < pair[1].0);
             let is_exact = places.iter().all(|&(place, light)| {
                 let exact = gloss.towards(eye(place));
-                // An eye is found by another sum here.
+                // This eye position is computed by a different sum, hence the tolerance.
                 highlight.at(place) == light && (light - exact).abs().max_element() <= 1e-6 * exact.max_element()
             });
             let has_ends = places[0].0 == 0.0 && (first_m == last_m || places[places.len() - 1].0 == 1.0);
@@ -355,7 +357,7 @@ fn mirror() -> SceneAtTime {
     SceneAtTime::new(vec![Object::new(Shape::Quad(quad), material)], SceneLight::default())
 }
 
-/// A quad that the middle view sees from its edge.
+/// A quad that the middle view sees edge-on.
 fn edge_on() -> SceneAtTime {
     let quad = Quad { corner: DVec3::new(0.0, -1.0, -2.0), u: DVec3::NEG_Z, v: DVec3::Y * 2.0 };
     let material = Material::diffuse(Texture::Solid(DVec3::ONE));
@@ -373,7 +375,7 @@ fn settings() -> Result<Settings> {
     })
 }
 
-/// Pixels of some views that differ from ray casting.
+/// Counts pixels of the given views that differ from ray casting.
 fn different(scene: &SceneAtTime, views: &OutputViews, compared: &[usize]) -> Result<Measured> {
     let (mut wrong, settings) = (Measured::count(0), settings()?);
     let (sources, _) = acquire(scene, views, &settings.acquire, (&Cpu, &Silent))?;
@@ -396,7 +398,7 @@ fn same_as_cast(scene: &SceneAtTime, count: u32, size: [u32; 2]) -> Result<Measu
     different(scene, &views, &(0..count as usize).collect::<Vec<_>>())
 }
 
-/// Those at the ends, which are sources.
+/// Compares the views at the ends, which are source views.
 fn own_views(size_m: f64) -> Result<Measured> {
     let views = views(5, 0.3 * size_m, 2.5 * size_m, SIZE)?;
     different(&ball(size_m), &views, &[0, 4])

@@ -1,4 +1,5 @@
-//! Footage of few codes, which predictive depth codes by number (depth.md 15.2): everything must come back exactly.
+//! Hard cases of footage with few codes, which predictive depth codes as levels (depth.md 15.2). Decoding must be
+//! lossless.
 
 use crate::depth::BACKGROUND_CODE;
 use crate::depth::mode_decision::Decide;
@@ -8,33 +9,33 @@ use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::clip::{Clip, Sequence, noise};
 use crate::hard_cases::paths::paths;
 
-/// Width and height: no multiples of 4, and as many pixels as there may be levels.
+/// Width and height: not multiples of 4, and at least as many pixels as the maximum number of levels.
 const SIZE: [u32; 2] = [83, 50];
 const FRAMES: u32 = 5;
-/// Least and most levels of a stream (depth.md 3).
+/// Maximum number of levels of a stream (depth.md 3).
 const MAX_LEVELS: u32 = 4096;
 
 struct Footage {
     name: &'static str,
-    /// The levels: as many, and the code of each.
+    /// Number of levels, and the code of each.
     count: u32,
     code: fn(number: u32) -> u32,
-    /// The number of the level that a pixel shows; `None` for background.
+    /// Index of the level that a pixel shows. `None` for background.
     number: fn(count: u32, place: [u32; 3]) -> Option<u32>,
 }
 
-/// Any level, another in each frame, and one pixel of seven background.
+/// A random level that changes every frame; one pixel in seven is background.
 fn changing_noise(count: u32, place: [u32; 3]) -> Option<u32> {
     (noise(place, 7) > 0).then(|| noise([place[0] + 100, place[1], place[2]], count))
 }
 
-/// All levels in the order of pixels; every other frame in the opposite order.
+/// All levels in pixel order; every other frame in reverse order.
 fn in_order(count: u32, [frame, x, y]: [u32; 3]) -> Option<u32> {
     let number = (x + SIZE[0] * y) % count;
     Some(if frame % 2 == 0 { number } else { count - 1 - number })
 }
 
-/// A slope of levels with noise of a level up or down, as sensors give it, and a hole that moves.
+/// A slope of levels with sensor-like noise of one level up or down, and a moving hole.
 fn slope(count: u32, place @ [frame, x, y]: [u32; 3]) -> Option<u32> {
     let is_hole = (x + frame) % 29 < 3 && y % 17 < 9;
     (!is_hole).then(|| ((x + 2 * y) / 5 + noise(place, 3)).min(count - 1))

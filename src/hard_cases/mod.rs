@@ -1,8 +1,8 @@
-//! Numerically hard cases: for each a generator, a pipeline, a bound and the measured figure.
+//! Numerically hard cases: each has an input generator, a pipeline, a bound and a measured figure.
 //!
-//! Enters: nothing; every case makes its own input, the same on every machine. Leaves: one [`Measured`] per case, and the streams
-//! and light fields that it was measured on, which [`device`] decodes and renders on a graphics device too. Bounds are derived
-//! from the formats and from binary64; none was taken from a result.
+//! Every case generates its own input, identical on every machine. Output: one [`Measured`] per case, and the streams
+//! and light fields that it was measured on, which [`device`] also decodes and renders on a graphics device. Bounds are
+//! derived from the formats and from binary64, never from measured results.
 
 mod blocks;
 mod case;
@@ -58,7 +58,7 @@ pub fn table() -> Vec<HardCase> {
     families.into_iter().flat_map(|cases| cases()).collect()
 }
 
-/// Runs cases on all threads; the monitor advances by one per case. Errors name the case.
+/// Runs cases on all threads. The monitor advances by one per case. Errors name the case.
 pub fn run_all(cases: &[HardCase], monitor: &dyn Monitor) -> Result<Vec<(CaseReport, Inputs)>> {
     let run = |case: &HardCase| {
         monitor.check()?;

@@ -1,4 +1,4 @@
-//! Paths through the frames of a stream.
+//! Decoding paths through the frames of a stream.
 
 use crate::decode::Picture;
 use crate::error::{Error, Result};
@@ -7,14 +7,15 @@ use crate::hard_cases::case::Measured;
 use crate::hard_cases::clip::{Clip, open};
 use crate::math::random::Random;
 
-/// Random paths, and the pictures of each.
+/// Number of random paths, and of pictures per path.
 const RANDOM_PATHS: u32 = 12;
 const RANDOM_PICTURES: u32 = 40;
 
-/// Enters at every frame and takes one step of every legal length, then random paths; counts pictures that differ from those
-/// of decoding in order.
-/// A legal path has steps of 1 to W frames. If a decoder's state is its picture alone, single steps prove all paths; random
-/// paths with a fresh decoder each, steps and jumps, test whether it is.
+/// Starts at every frame and takes one step of every legal length, then follows random paths. Counts pictures that
+/// differ from those of decoding in order.
+///
+/// A legal path has steps of 1 to W frames. If the decoder state is only its picture, single steps prove all paths;
+/// random paths of steps and jumps, each with a new decoder, test whether it is.
 pub(super) fn paths(clip: &Clip) -> Result<Measured> {
     let (window, count) = (clip.window(), clip.frame_count);
     let mut shown = Vec::new();
@@ -32,7 +33,7 @@ pub(super) fn paths(clip: &Clip) -> Result<Measured> {
         wrong.count_if(differs, || format!("frame {frame}, {}", way()));
     };
     for start in 0..count {
-        // One step more than a decoder may take at once: it has to take two.
+        // A step of W + 1 frames has to be split by the decoder.
         for step in 1..=window + 1 {
             for frame in [start, start + step].into_iter().filter(|&frame| frame < count) {
                 look(frame, &face.decode(frame)?, &|| format!("entered at {start}, step {step}"));
@@ -69,8 +70,8 @@ mod tests {
 
     #[test]
     fn paths_enter_at_every_frame() {
-        // From each frame but the last four, W + 1 = 4 steps of two pictures; then 3, 2, 1 of them, and what is left
-        // of each before it ends: the frame entered at.
+        // From each frame except the last four: W + 1 = 4 steps of two pictures each. From the last four: 3, 2, 1 and 0
+        // such steps, and the start frame of the step that would pass the end.
         let pairs = 16 * 8 + (6 + 1) + (4 + 1) + (2 + 1) + 1;
         let random = RANDOM_PATHS * RANDOM_PICTURES;
         assert_eq!(paths(&clip()).unwrap().note, Some(format!("{} pictures", pairs + random)));

@@ -1,4 +1,4 @@
-//! Pictures of depth that are hard to model, from functions of column and row.
+//! Depth pictures that are hard to model, defined as functions of column and row.
 
 use crate::hard_cases::clip::{self, Sequence};
 
@@ -8,7 +8,7 @@ type Generator = fn(usize, usize) -> f64;
 pub(super) struct HardPicture {
     pub name: &'static str,
     pub size: [usize; 2],
-    /// Codes, clamped to 0 to 65535.
+    /// Code at (column, row), clamped to 0 to 65535.
     pixel: Generator,
 }
 
@@ -18,7 +18,7 @@ const fn case(name: &'static str, size: [usize; 2], pixel: Generator) -> HardPic
 
 const BACKGROUND: f64 = 65535.0;
 
-/// A number below `n` that depends on the pixel alone.
+/// Returns a number below `n` that depends only on the pixel.
 fn noise(x: usize, y: usize, n: u32) -> f64 {
     f64::from(clip::noise([0, x as u32, y as u32], n))
 }
@@ -110,7 +110,8 @@ impl HardPicture {
         Sequence { size: self.size.map(|side| side as u32), frames: vec![self.picture()] }
     }
 
-    /// Three frames: the picture, the same moved by three columns, and the picture again. Of large ones the picture alone.
+    /// Three frames: the picture, the picture moved by three columns, and the picture again. Large pictures have one
+    /// frame.
     pub(super) fn moving(&self) -> Sequence<u16> {
         if self.size[0] * self.size[1] > 1 << 17 {
             return self.still();

@@ -1,6 +1,7 @@
-//! Metres to codes and back (depth.md 2), and the logarithm of decoders (arithmetic.md 7), against a reference in binary64.
+//! Quantisation of metres to codes and back (depth.md 2), and the decoders' logarithm (arithmetic.md 7), compared with
+//! a reference in binary64.
 //!
-//! The reference knows nothing of the product: its logarithm is a series of its own.
+//! The reference is independent of the code under test: it computes its logarithm with its own series.
 
 use rayon::prelude::*;
 
@@ -31,7 +32,7 @@ const RANGES: [(&str, f32, f32); 14] = [
     ("greatest float alone", f32::MAX, f32::MAX),
 ];
 
-/// A probe of 2 m to 20 m, and one stray pixel that is nearer or farther.
+/// A probe of 2 m to 20 m with one outlier pixel that is nearer or farther.
 const STRAYS: [(&str, f32, f32); 8] = [
     ("a stray at the least float", 1e-45, 20.0),
     ("a stray at 1e-40 m", 1e-40, 20.0),
@@ -42,26 +43,27 @@ const STRAYS: [(&str, f32, f32); 8] = [
     ("a stray at the greatest float", 2.0, f32::MAX),
     ("strays at both ends", 1e-40, 1e30),
 ];
-/// Bounds in codes.
+/// Error bounds in codes.
 const BOUNDS: [u16; 5] = [0, 1, 100, 1000, 20_000];
 
-/// Two logarithms of binary64, each off by four units in the last place at most, as codes: 65534 · 8 · 2^-52.
+/// Error in codes of two binary64 logarithms, each off by at most four ulps: 65534 · 8 · 2^-52.
 const LOG_ROUNDING: f64 = 65534.0 * 8.0 * f64::EPSILON;
-/// A float's rounding, as a part of it: 2^-24.
+/// Relative rounding error of binary32: 2^-24.
 const FLOAT_ROUNDING: f64 = 1.0 / 16_777_216.0;
-/// Relative rounding of near · exp(log) in binary64: an argument of up to 180, off by four units, and two operations.
+/// Relative rounding error of near · exp(log) in binary64: an argument of up to 180, off by four ulps, and two
+/// operations.
 const EXP_ROUNDING: f64 = (180.0 * 4.0 + 4.0) * f64::EPSILON;
 const DOMAIN_RATIOS: [f32; 6] = [1.0035, 1.5, 74.5, 4000.0, 1e6, 1e12];
 
-/// ln(z / near) for 0 < near <= z, by 2 artanh((z − near) / (z + near)) after factors of two are taken out.
-/// Floats are exact in binary64, and so is their difference where they are close.
+/// Computes ln(z / near) for 0 < near <= z as 2 artanh((z − near) / (z + near)), after extracting factors of two.
+/// Floats are exact in binary64, and so is their difference if they are close.
 fn log_ratio(z: f32, near: f32) -> f64 {
     let (z, near) = (f64::from(z), f64::from(near));
     let doublings = (z / near).log2().floor().max(0.0);
     let scaled = near * doublings.exp2();
     let t = (z - scaled) / (z + scaled);
     let square = t * t;
-    // |t| is a third at most: terms fall by 9 each, and the thirtieth is below 1e-29 of the first.
+    // t| is at most 1/3: each term is 9 times smaller than the one before, and the thirtieth is below 1e-29 of the first.
     let series = (0..30).rev().fold(0.0, |sum, k| sum * square + 1.0 / f64::from(2 * k + 1));
     doublings * std::f64::consts::LN_2 + 2.0 * t * series
 }
@@ -85,7 +87,7 @@ impl Reference {
         self.span * (0.5 + LOG_ROUNDING) / f64::from(FAR_CODE)
     }
 
-    /// The floats around every boundary between codes, 3 on each side, ascending, and the ends.
+    /// Returns the floats within 3 ulps of every boundary between codes, ascending, and both ends of the range.
     fn around_boundaries(self) -> Vec<f32> {
         let (near, far) = (self.range.near_m().to_bits(), self.range.far_m().to_bits());
         let mut bits = vec![near, far];
@@ -109,7 +111,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     let order = group("order of metres and of codes", "descents");
     let ends = group("ends, background and what is no depth", "wrong answers");
     for (name, near, far) in RANGES {
-        // Rounding to a code is half of one; with one code for all, nothing is rounded.
+        // Rounding to a code is at most half a code. With a single code nothing is rounded.
         let half = if near == far { 0.0 } else { 0.5 + LOG_ROUNDING };
         cases.push(codes.case(name, Bound::AtMost(half), move || code_error(Reference::new(near, far)?)));
         cases.push(forms.none(name, move || forms_differ(Reference::new(near, far)?)));
@@ -123,10 +125,11 @@ pub(super) fn cases() -> Vec<HardCase> {
     }
     let refused = group("ranges that are none", "accepted");
     cases.push(refused.none("zero, negative, swapped, infinite, NaN", ranges_accepted));
-    // The chord of log2(1 + x) over 1/256 is off by h²/8 · log2(e) at most; the table and the line round half a unit of
-    // 2^-24 each.
+    // The chord of log2(1 + x) over 1/256 is off by at most h²/8 · log2(e); table and interpolation each round by half
+    // a unit of 2^-24.
     let chord = std::f64::consts::LOG2_E / (8.0 * 65536.0) + FLOAT_ROUNDING;
-    // Of numbers of more than 24 bits the format takes 23 behind the first, and cuts the others off.
+    // For numbers of more than 24 bits the format keeps the leading bit and the 23 bits after it, and truncates the
+    // rest.
     let cut = std::f64::consts::LOG2_E * 2.0 * FLOAT_ROUNDING;
     let log2 = group("integer log2 against binary64", "log2");
     cases.push(log2.case("all Q8 values, 1 to 2^24 - 1", Bound::AtMost(chord), || Ok(log2_error((1 << 24) - 1, 1))));
@@ -160,15 +163,15 @@ fn code_error(reference: Reference) -> Result<Measured> {
     Ok(worst)
 }
 
-/// Errors of floats whose codes are as wrong as bounds allow, in proportion to what is stated, and whether shares become the most
-/// codes that keep them.
+/// Returns the largest relative error of floats whose codes are off by a full bound, as a fraction of the stated error.
+/// NaN if the stated error does not convert back to at least that many codes, or to codes that exceed it.
 fn stated_error(reference: Reference) -> Result<Measured> {
     let range = reference.range;
     let quantiser = Quantiser::new(range);
     let mut worst = Measured::nothing();
     for bound in BOUNDS {
         let stated = range.relative_error(bound);
-        // A statement of binary64, and a code by way of a table, round in their last digits.
+        // Allows for rounding in the last digits of the binary64 statement and of the code looked up in a table.
         let allowed = stated * (1.0 + 1e-9) + 65534.0 * f64::EPSILON;
         for z in reference.around_boundaries() {
             let Some(code) = quantiser.code(z) else { return Err(Error::invalid("a depth without a code")) };
@@ -218,7 +221,7 @@ fn wrong_ends(reference: Reference) -> Result<Measured> {
     let far_code = if range.near_m() == range.far_m() { 0 } else { FAR_CODE };
     let next = |z: f32| f32::from_bits(z.to_bits() + 1);
     let before = |z: f32| f32::from_bits(z.to_bits() - 1);
-    // What lies outside of a range is not brought into it in silence.
+    // Values outside the range are rejected, not clamped.
     let below = before(range.near_m());
     let asked = [
         (range.near_m(), Some(0)),
@@ -241,8 +244,8 @@ fn wrong_ends(reference: Reference) -> Result<Measured> {
     Ok(wrong)
 }
 
-/// The error of metres that went to a code and back: in proportion to the distance where floats are even in that, else
-/// as a share of what is allowed.
+/// Returns a case for the error of metres converted to a code and back: relative to the distance where floats have
+/// constant relative precision, else as a fraction of the allowed error.
 fn round_trip(name: &str, near: f32, far: f32) -> HardCase {
     let pipeline = "metres to code to metres";
     if near < f32::MIN_POSITIVE {
@@ -250,7 +253,7 @@ fn round_trip(name: &str, near: f32, far: f32) -> HardCase {
         return group.case(name, Bound::AtMost(1.0), move || {
             let reference = Reference::new(near, far)?;
             let half = reference.half_step().exp_m1() + EXP_ROUNDING;
-            // Below 2^-126 floats are a fixed distance apart.
+            // Floats below 2^-126 have constant spacing.
             let ulp = |z: f64| (z * 2.0 * FLOAT_ROUNDING).max(f64::from(f32::from_bits(1)));
             let allowed = |z: f64| z * half + ulp(z * (1.0 + half)) / 2.0;
             back_and_forth(reference, |z, error| error / allowed(z))
@@ -259,7 +262,7 @@ fn round_trip(name: &str, near: f32, far: f32) -> HardCase {
     let group = Group::new(Family::Quantisation, pipeline, "of the distance");
     let span = log_ratio(far, near);
     let half = (span * (0.5 + LOG_ROUNDING) / f64::from(FAR_CODE)).exp_m1() + EXP_ROUNDING;
-    // With one code for all surfaces, metres come back as they were.
+    // With a single code for all surfaces, metres are restored exactly.
     let bound = if near == far { 0.0 } else { half + FLOAT_ROUNDING * (1.0 + half) };
     group.case(name, Bound::AtMost(bound), move || back_and_forth(Reference::new(near, far)?, |z, error| error / z))
 }
@@ -280,7 +283,7 @@ fn ranges_accepted() -> Result<Measured> {
     let nears = [0.0, -0.0, -1.0, 2.0, 1.0, inf, nan, 1.0, nan, 0.0];
     let fars = [1.0, 1.0, 1.0, 1.0, inf, inf, 1.0, nan, nan, 0.0];
     let accepted = nears.into_iter().zip(fars).filter(|&(near, far)| DepthRange::new(near, far).is_ok());
-    // A span that is too short for a logarithm in integers has no domain but that of codes.
+    // A range too narrow for the integer logarithm supports only the log domain.
     let kinds = [DomainKind::Linear, DomainKind::Inverse].into_iter();
     let short =
         kinds.filter(|&kind| DepthRange::new(1.0, 1.000_001).and_then(|range| Domain::new(kind, range)).is_ok());
@@ -301,14 +304,14 @@ fn log2_error(last: u32, stride: usize) -> Measured {
     (0..=last / PART).into_par_iter().map(of_part).reduce(Measured::nothing, Measured::join)
 }
 
-/// What a function yields for a depth, rounded to Q14, made a code, against the code of that depth: a share of what
-/// rounding the value to Q8, the table and the code allow.
+/// Converts the function value of each depth, rounded to Q14, to a code, and compares with the code of the depth.
+/// Returns the error as a fraction of what rounding the value to Q8, the table and the code allow.
 fn domain_error(kind: DomainKind, ratio: f32) -> Result<Measured> {
     let domain = Domain::new(kind, DepthRange::new(1.0, ratio)?)?;
     let ratio = f64::from(ratio);
     let span = ratio.ln();
     let codes = |log: f64| log / span * f64::from(FAR_CODE);
-    // In Q8: the greatest value, that of the other end, and that end as the header has it.
+    // In Q8: the largest value, the value at the other end, and the latter as stored in the header.
     let top = 65535.0 * 256.0;
     let small = top / ratio;
     let end = codes((small.round().max(1.0) / small).ln().abs());
@@ -321,14 +324,14 @@ fn domain_error(kind: DomainKind, ratio: f32) -> Result<Measured> {
             _ => small * log.exp(),
         };
         let found = domain.code_of((value * 64.0).round() as i32);
-        // Q14, then Q8, each to nearest; a value below half a unit has none of its own.
+        // Rounded to nearest in Q14, then in Q8. A value below half a unit is not representable.
         let rounding = 0.5 + 1.0 / 128.0;
         let gap = codes((value / (value - rounding).max(1.0 - rounding)).ln());
         let allowed = 0.5 + LOG_ROUNDING + gap + end + table;
-        // Far of the inverse must never become the background.
+        // The inverse of far must never decode as background.
         let background = found == BACKGROUND_CODE && value >= 1.0;
         let error = if background { f64::INFINITY } else { f64::from(found.abs_diff(code)) };
-        // Where nothing is left of the inverse, what is read is the background: no surface is modelled there.
+        // Inverse values that round to nothing decode as background: no surface is modelled at such distances.
         if value >= 1.0 {
             worst.greatest(error / allowed, || format!("code {code} became {found}"));
         }
@@ -336,13 +339,14 @@ fn domain_error(kind: DomainKind, ratio: f32) -> Result<Measured> {
     Ok(worst)
 }
 
-/// Surfaces from near to far through the default codec: the relative error as a share of (E + 1/2 codes and a float).
+/// Encodes surfaces from near to far with the default codec. Returns the relative error as a fraction of (E + 1/2 codes
+/// and one float rounding).
 fn metres_through_nodes(kind: DomainKind, reference: Reference) -> Result<Measured> {
     const SIDE: u32 = 48;
     let settings = NodeSettings { effort: EFFORT, ..NodeSettings::default() };
     let range = reference.range;
     let quantiser = Quantiser::new(range);
-    // Slopes from near to far in depth, in its logarithm and in its inverse, and an edge to the background.
+    // Slopes from near to far, linear in depth, in its logarithm and in its inverse, and an edge to the background.
     let (near, far) = (f64::from(range.near_m()), f64::from(range.far_m()));
     let metres = Sequence::new([SIDE, SIDE], 3, |frame, x, y| {
         let t = f64::from(x + frame) / f64::from(SIDE + 2);

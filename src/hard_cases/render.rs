@@ -1,8 +1,8 @@
-//! Hard cases of rendering: eyes in bad places, edges and corners of cubes, fences, steps over the whole depth range, coincident
-//! probes, a single distance, no surfaces, all sizes.
+//! Hard cases of rendering: eyes in bad places, edges and corners of cubes, fences, steps over the whole depth range,
+//! coincident probes, a single distance, no surfaces, all sizes.
 //!
-//! Measured on the CPU; [`super::device`] renders the pictures on a device too. Light fields are analytic, so that results are
-//! known. Cases with an occluder are in [`super::hidden`].
+//! Measured on the CPU; [`super::device`] also renders the pictures on a device. Light fields are analytic, so that
+//! results are known. Cases with an occluder are in [`super::hidden`].
 
 use glam::{DVec3, Vec3};
 
@@ -24,9 +24,9 @@ use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
 use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, LightField, UNKNOWN};
 
-/// Width and height of faces in texels, unless a case says otherwise.
+/// Width and height of faces in texels, unless a case defines another size.
 pub(super) const SIDE: u32 = 32;
-/// Half the sides of the room, in metres.
+/// Half the side lengths of the box-shaped scene, in metres.
 const ROOM: DVec3 = DVec3::new(4.0, 1.5, 3.0);
 const RAYS: usize = 2000;
 const STEPS: u32 = 96;
@@ -63,7 +63,7 @@ const SETUPS: [(&str, Make); 10] = [
 const FENCE: &str = "a fence one texel wide";
 const STEPS_OF_ALL: &str = "neighbours as far apart as near and far";
 
-/// Where probes stand; multiples of 1/8 m, so that they are exact far from the origin, too.
+/// Positions of probes: multiples of 1/8 m, so that they stay exact far from the origin.
 const POSITIONS: [DVec3; 4] = [
     DVec3::new(1.0, 0.0, -1.0),
     DVec3::new(-1.0, 0.5, -1.0),
@@ -86,8 +86,9 @@ pub(super) fn cases() -> Vec<HardCase> {
         }));
     }
     let own = group("the eye in a probe", "codes that differ");
-    // A ray is off its texel's centre by at most 16 roundings of the side; a neighbour that fits the hit better than the
-    // texel itself does so by at most a step, which weighs ten times. 255 · 2 · 64 · 16 · 2⁻²⁴ · 10 < 0.5 codes.
+    // A ray deviates from its texel's centre by at most 16 roundings of the side. A neighbouring texel can fit the hit
+    // better than the texel itself by at most one step, which is weighted tenfold. 255 · 2 · 64 · 16 · 2⁻²⁴ · 10 < 0.5
+    // codes.
     for side in [1, 2, 33, 64] {
         cases.push(own.none(format!("{side}x{side}"), move || own_codes_of(&own_room(side), side)));
     }
@@ -100,7 +101,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     let near_is_far = || Setup { range_m: [1.0; 2], ..own_room(SIDE) };
     cases.push(depths.none("near = far", move || Ok(own_depths(&near_is_far()))));
     let scaled = group("hits at another size or place", "hits that differ");
-    // Powers of two are exact in all of it, and so are positions that far from the origin, which are multiples of 1/8 m.
+    // Powers of two are exact in all operations, and so are positions that far from the origin, as multiples of 1/8 m.
     for (name, size, away) in [("1/1024", 1.0 / 1024.0, 0.0), ("1024", 1024.0, 0.0), ("1048 km away", 1.0, 1_048_576.0)]
     {
         cases.push(scaled.none(name, move || {
@@ -144,7 +145,7 @@ fn own_room(side: u32) -> Setup {
     alone(position, side, &|direction| room(position, direction, ROOM, 0.1))
 }
 
-/// A probe, and the eye in it.
+/// A single probe, with the eye at its position.
 fn alone(position: DVec3, side: u32, sight: Sight<'_>) -> Setup {
     let view = SyntheticProbe::new(position, side).cube(CODES, sight);
     Setup { field: LightField { views: vec![view], coding: CODES }, eye: position, range_m: [0.0625, 16.0] }
@@ -158,7 +159,7 @@ fn fence() -> Setup {
     })
 }
 
-/// Texels that are by turns at near and at far.
+/// Texels alternate between near and far.
 fn steps_of_all() -> Setup {
     made(|direction| {
         let [u, v] = direction_to_face(direction).plane;
@@ -200,13 +201,13 @@ impl Setup {
         }
     }
 
-    /// The same with all refinements.
+    /// Returns the same settings with all refinements.
     pub(super) fn refined(&self, side: u32) -> RenderSettings {
         RenderSettings { refinements: Refinements::ALL, holes: HoleFill::Behind, ..self.settings(side) }
     }
 
     pub(super) fn on_device(mut self, label: &'static str, settings: RenderSettings) -> Result<PictureCase> {
-        // Devices identify images by their probes.
+        // Devices identify images by probe index.
         self.field.views.iter_mut().enumerate().for_each(|(at, view)| view.probe = at);
         let views = (0..self.field.views.len()).collect();
         Ok(PictureCase { label, views, camera: camera(self.eye, DVec3::NEG_Z)?, field: self.field, settings })
@@ -230,7 +231,7 @@ pub(super) fn camera(eye: DVec3, forward: DVec3) -> Result<Camera> {
     Camera::oriented(eye, glam::DQuat::from_mat3(&axes).normalize().to_array(), Lens::new(90.0))
 }
 
-/// Directions everywhere, every tenth along an axis, an edge or a corner of a cube.
+/// Returns directions in all orientations; every tenth is along an axis, an edge or a corner of a cube.
 fn directions() -> Vec<Vec3> {
     let mut random = Random::new(8);
     let mut any = |values: [f64; 3]| values[random.below(3) as usize];
@@ -256,7 +257,8 @@ fn by_segments(setup: &Setup) -> Measured {
     wrong.with_note(note)
 }
 
-/// Pixels of other coverage, of colours more than half a code off, or not finite; and counts that differ.
+/// Counts pixels whose alpha differs or whose colour differs by more than half a code, and pictures whose counters
+/// differ.
 fn by_packets(setup: &Setup) -> Result<Measured> {
     let camera = camera(setup.eye, DVec3::NEG_Z)?;
     let (views, mut wrong) = (setup.views(), 0);
@@ -273,19 +275,19 @@ fn by_packets(setup: &Setup) -> Result<Measured> {
     Ok(Measured::count(wrong))
 }
 
-/// The code of light, with what follows the point.
+/// Returns the fractional sRGB code of a linear value.
 pub(super) fn code(light: f32) -> f64 {
     Transfer::Srgb.encode(f64::from(light)) * 255.0
 }
 
-/// [`own_codes`] without refinements and with all.
+/// Sums [`own_codes`] without refinements and with all.
 fn own_codes_of(setup: &Setup, side: u32) -> Result<Measured> {
     let [plain, refined] = [setup.settings(side), setup.refined(side)].map(|settings| own_codes(setup, &settings, 0.5));
     Ok(Measured::count((plain?.figure + refined?.figure) as u64))
 }
 
-/// Pixels of pictures from the first probe whose codes are at least `off` from its own, or whose alpha is another: 1, but 0 of a
-/// transparent background.
+/// Counts pixels of pictures rendered from the first probe whose codes differ by at least `off` from the probe's, or
+/// whose alpha is wrong. The expected alpha is 1, or 0 for a transparent background.
 pub(super) fn own_codes(setup: &Setup, settings: &RenderSettings, off: f64) -> Result<Measured> {
     let side = settings.size[0];
     let mut wrong = Measured::count(0);
@@ -312,8 +314,8 @@ pub(super) fn own_codes(setup: &Setup, settings: &RenderSettings, off: f64) -> R
     Ok(wrong)
 }
 
-/// Rays from a probe through the middles of its texels end where these say, and at most an interval between two steps, as
-/// often halved as is asked for, behind it; what is beyond the last step is not met.
+/// Counts rays from a probe through its texel centres whose hit is wrong. A hit must lie at the texel's depth or behind
+/// it by at most the interval between two steps after all bisections. Surfaces beyond the last step must not be hit.
 fn own_depths(setup: &Setup) -> Measured {
     let (views, steps) = (setup.views(), setup.steps());
     let rounding = 1e-5;
@@ -368,7 +370,7 @@ fn empty() -> Result<Measured> {
     Ok(Measured::count(picture.counters.primary_rays - picture.counters.background_rays + blank))
 }
 
-/// The eye in the middle of a cube whose walls are at 1.5 m: rays along the axes meet them between the last two steps.
+/// The eye is at the centre of a cube with walls at 1.5 m: rays along the axes hit them between the last two steps.
 fn at_the_last_step() -> Measured {
     let walls = |direction| room(DVec3::ZERO, direction, DVec3::splat(1.5), 0.0);
     let setup = Setup { range_m: [0.01, 1.5 * 1.0001], ..alone(DVec3::ZERO, SIDE, &walls) };
@@ -389,11 +391,11 @@ fn walls_within_near() -> Setup {
     setup
 }
 
-/// Walls that are nearer than the views' near planes: within these, no point is a surface, and beyond them all are.
+/// Walls nearer than the views' near planes: points in front of the near planes are no surfaces, all points beyond are.
 fn within_near() -> Measured {
     let setup = walls_within_near();
     let views = setup.views();
-    // The first step beyond 8 m is a surface; refinement goes back to 8 m, but for its rounding.
+    // The first step beyond 8 m is a surface; refinement moves back to 8 m, up to rounding.
     let wrong =
         directions().into_iter().filter(|&direction| !setup.hit(&views, direction).is_some_and(|hit| hit > 7.999));
     Measured::count(wrong.count() as u64)

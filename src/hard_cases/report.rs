@@ -1,4 +1,4 @@
-//! Results of hard cases, and a row for each pipeline.
+//! Results of hard cases, and the table row of each pipeline.
 
 use serde::Serialize;
 
@@ -53,7 +53,7 @@ impl CaseReport {
     }
 }
 
-/// A case, measured on the CPU and, where it has streams or pictures, decoded or rendered on a device.
+/// A case measured on the CPU and, if it has streams or pictures, decoded or rendered on a device.
 #[derive(Debug, Serialize)]
 pub struct CaseRow<'a> {
     #[serde(flatten)]
@@ -74,7 +74,7 @@ impl<'a> CaseRow<'a> {
 pub struct FamilyRow<'a> {
     pub cases: usize,
     pub failed: usize,
-    /// The case closest to its bound; of equals the first.
+    /// Case that is closest to its bound; the first of equals.
     pub worst: &'a CaseReport,
 }
 
@@ -126,7 +126,7 @@ pub fn family_rows(reports: &[CaseReport]) -> Vec<FamilyRow<'_>> {
     rows
 }
 
-/// Notes, one line each: of the case that each row shows, and of all condition numbers.
+/// Returns notes, one line each: of the case that each row shows, and of all condition numbers.
 pub fn notes(reports: &[CaseReport]) -> Vec<String> {
     let rows = family_rows(reports);
     let shown = |report: &CaseReport| rows.iter().any(|row| std::ptr::eq(row.worst, report));

@@ -1,8 +1,8 @@
-//! Rays and what they meet where both are hard: cameras in bad places, broken and doubled triangles, all sizes, edges, far
-//! away.
+//! Hard cases of ray intersection: cameras in bad places, degenerate and duplicated triangles, all sizes, edges, large
+//! distances.
 //!
-//! All of it is in binary64 on the CPU; there is nothing for a graphics device to show. The ball of triangles has its
-//! corners at whole numbers of octants, so that neighbours share theirs to the bit.
+//! Everything is binary64 on the CPU; nothing runs on a graphics device. The triangulated ball has its corners at
+//! integer steps of octants, so that adjacent triangles share bit-identical corners.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::scene::{
     Lamp, Light, Material, MeshMaterial, Object, Optics, SceneAtTime, SceneMesh, Shape, Sphere, Texture, Window, trace,
 };
 
-/// Sizes of scenes, metres, and how far from the origin they lie, in sizes.
+/// Scene size in metres, distance from the origin in multiples of the size, and name.
 const SIZES: [(f64, f64, &str); 4] =
     [(1.0, 0.0, "1 m"), (1e-6, 0.0, "a micrometre"), (1e6, 0.0, "1000 km"), (1.0, 1e6, "1 m, 1000 km from the origin")];
 /// Steps along the edge of an octant of the ball.
@@ -30,19 +30,22 @@ pub(super) fn cases() -> Vec<HardCase> {
     let leaks = group("rays at edges and corners of a closed mesh", "leaks");
     let sight = group("sight of points on a closed mesh", "wrong answers");
     for (size, away, name) in SIZES {
-        // A square and its root: half a rounding of one and a whole one of the other.
+        // A square and its root: half a rounding and one rounding.
         cases.push(center.case(name, Bound::AtMost(1.5 * ROUNDING), move || Ok(from_the_center(size, away))));
-        // Inverse and product here, quotient there; the difference above is the same.
+        // An inverse and a product in the code, a quotient in the reference; the differences in both numerators are the
+        // same.
         cases.push(wall.case(name, Bound::AtMost(3.0 * ROUNDING), move || Ok(from_a_wall(size, away))));
-        // Neighbours bring what they share into the ray's frame by the same roundings.
+        // Adjacent triangles transform shared corners into the ray's frame with the same roundings.
         cases.push(leaks.none(name, move || Ok(at_edges(size, away))));
-        // Points are off their triangles by roundings of their coordinates, far less than sight leaves out at its ends.
+        // Points deviate from their triangles by the rounding of their coordinates, far less than visibility rays skip
+        // at their ends.
         cases.push(sight.none(name, move || Ok(sight_of_surfaces(size, away))));
     }
     let scale = group("distances in a scene of another size", "of the radius, times the cosine");
-    // Corners, eye and direction are rounded anew, by 4 roundings of a radius together. In the ray's frame a coordinate, of
-    // up to 4 radii, has 4 roundings; weights of triangles that are nearly equilateral have 5 of these over their
-    // side, thrice, and so does the distance, as it changes by a side at most: 15 · 16, and 40 for what is left.
+    // Scaling rounds corners, eye and direction, together by 4 roundings of a radius. In the ray's frame a coordinate
+    // of up to 4 radii has 4 roundings. Weights of nearly equilateral triangles have 5 of these relative to their side,
+    // for three weights, and so does the distance, since it changes by at most one side: 15 · 16, plus 40 for all other
+    // operations.
     let most = (2.0 * 280.0 + 4.0) * ROUNDING;
     for (size, _, name) in SIZES.into_iter().skip(1).take(2) {
         cases.push(scale.case(name, Bound::AtMost(most), move || Ok(against_one_metre(size))));
@@ -52,7 +55,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     let doubled = group("nearest of coplanar triangles", "answers that are not the first");
     cases.push(doubled.none("each triangle three times", || Ok(among_doubled())));
     let far = group("rays from far away at the middle of a mesh", "missed");
-    // The tree is walked up to 1e9 half sizes, and all triangles are tried beyond.
+    // The tree is traversed up to a distance of 1e9 half sizes; beyond, all triangles are tested.
     for reach in [1e3, 0.99e9, 1.01e9, 1e12] {
         cases.push(far.none(format!("{reach:e} half sizes"), move || Ok(from_afar(reach))));
     }
@@ -61,13 +64,13 @@ pub(super) fn cases() -> Vec<HardCase> {
     cases
 }
 
-/// Triangles around a ball of radius 1.
+/// Returns triangles on a ball of radius 1.
 fn ball() -> Vec<[DVec3; 3]> {
     let mut triangles = Vec::new();
     for octant in 0..8 {
         let at = |a: u32, b: u32, c: u32| {
             let side = |bit: u32, steps: u32| if octant >> bit & 1 == 0 { f64::from(steps) } else { -f64::from(steps) };
-            // The sum makes −0 the 0 of the neighbour.
+            // Adding 0 turns −0 into the 0 of the adjacent octant.
             DVec3::new(side(0, a), side(1, b), side(2, c)).normalize() + 0.0
         };
         for a in 0..STEPS {
@@ -93,7 +96,7 @@ fn mesh(triangles: &[[DVec3; 3]]) -> SceneMesh {
     SceneMesh::new(mesh, [MeshMaterial::default()].into())
 }
 
-/// The ball of a size, so many sizes from the origin along each axis.
+/// Returns the ball scaled to `size`, offset by `away` sizes along each axis.
 fn placed(size: f64, away: f64) -> Vec<[DVec3; 3]> {
     ball().into_iter().map(|corners| corners.map(|corner| size * (corner + away))).collect()
 }
@@ -106,7 +109,7 @@ fn inside(random: &mut Random) -> DVec3 {
     DVec3::new(share(random), share(random), share(random))
 }
 
-/// Rays from points along directions; none where a direction has no length.
+/// Returns rays with generated origins and directions. Directions of zero length are skipped.
 fn rays(seed: u64, mut make: impl FnMut(&mut Random, u32) -> (DVec3, DVec3)) -> Vec<Ray> {
     let mut random = Random::new(seed);
     (0..RAYS).map(|turn| make(&mut random, turn)).filter_map(|(from, along)| Ray::new(from, along)).collect()
@@ -124,7 +127,7 @@ fn from_the_center(size: f64, away: f64) -> Measured {
 
 fn from_a_wall(size: f64, away: f64) -> Measured {
     let min = DVec3::splat(size * away);
-    // Thin, so that most rays leave by the two large faces.
+    // Thin, so that most rays leave through the two large faces.
     let wall = AxisBox { min, max: min + size * DVec3::new(1.0, 0.7, 1e-3) };
     let mut worst = Measured::nothing();
     let middle = 0.5 * (wall.min + wall.max);
@@ -150,7 +153,7 @@ fn at_edges(size: f64, away: f64) -> Measured {
         let [a, b, _] = triangles[turn as usize % triangles.len()];
         let along = [0.0, 0.5, 0.5 + 0.5 * share(random)][turn as usize % 3];
         let target = a + along * (b - a);
-        // From within, and from outside through the ball.
+        // From inside, and from outside through the ball.
         let near = if turn % 2 == 0 { middle } else { target + 2.0 * (target - middle) };
         let origin = near + 0.3 * size * inside(random);
         (origin, target - origin)
@@ -172,7 +175,7 @@ fn sight_of_surfaces(size: f64, away: f64) -> Measured {
         let point = a + s * (b - a) + t * (c - a);
         let across = ((b - a) / size).cross((c - a) / size).normalize();
         let out = if across.dot(point - size * away) < 0.0 { -across } else { across };
-        // Nothing overhangs a ball: all straight above is in sight, and its far side hides all below.
+        // A ball is convex: every point straight above is visible, and the far side hides every point below.
         let ways = [(0.01, true), (3.0, true), (-3.0, false), (-1e3, false)];
         for (reach, in_sight) in ways {
             let eye = point + reach * size * out;
@@ -191,14 +194,14 @@ fn against_one_metre(size: f64) -> Measured {
         let origin = 1.7 * inside(random);
         (origin, 0.9 * inside(random) - origin)
     }) {
-        // Rays of the same direction: the length of one of another size may be rounded otherwise.
+        // Both rays have the same direction; normalising a scaled one could round differently.
         let scaled = Ray::new(size * ray.origin(), ray.direction());
         let nearest = |mesh: &SceneMesh, ray: &Ray| mesh.nearest(ray, 0.0..f64::INFINITY);
         let (a, b) = (nearest(&plain, &ray), scaled.and_then(|ray| nearest(&other, &ray)));
         let (Some(a), Some(b)) = (a, b) else { continue };
         let [p, q, r] = plain.mesh.corners(a.triangle);
         let cosine = (q - p).cross(r - p).normalize().dot(ray.direction()).abs();
-        // What falls to the other side of an edge seen edge on is another question.
+        // Skips grazing hits: rounding may select another triangle.
         if cosine > 0.1 {
             worst.greatest((b.distance / size - a.distance).abs() * cosine, || format!("{:?}", ray.origin()));
         }
@@ -220,7 +223,7 @@ fn among_broken() -> Measured {
             _ => [a, b, 1e200 * c],
         });
     }
-    // Corners on one line may make a sliver after rounding, which is a triangle that can be met.
+    // Nearly collinear corners may form a sliver after rounding, which a ray can hit; these are removed.
     triangles.retain(|[a, b, c]| {
         let across = (*b - *a).cross(*c - *a);
         !(across.is_finite() && across != DVec3::ZERO) || across.length() > 1e-9
@@ -255,7 +258,7 @@ fn from_afar(reach: f64) -> Measured {
         let origin = reach * inside(random).normalize_or(DVec3::X);
         (origin, -origin)
     }) {
-        // At 1e12 the direction is off the middle by a thousandth of the radius at most.
+        // At 1e12 the direction misses the centre by at most a thousandth of the radius.
         let nearest = bvh.nearest(&ray, 0.0..f64::INFINITY);
         let close = nearest.is_some_and(|hit| (hit.distance / reach - 1.0).abs() < 1.1 / reach + 1e-15);
         wrong.count_if(!close || !bvh.occluded(&ray, 0.0..2.0 * reach), || format!("{:?}", ray.origin()));

@@ -1,4 +1,4 @@
-//! Cameras and depths of Seurat manifests at their limits.
+//! Hard cases of cameras and depths in Seurat manifests.
 
 use std::array::from_fn;
 
@@ -10,7 +10,7 @@ use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, ROUNDING
 
 const SIDE: u32 = 8;
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-/// The least positive float.
+/// The smallest positive float.
 const DENORMAL: f32 = 1e-45;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,13 +19,13 @@ enum Kind {
     Orthographic,
 }
 
-/// A projection of 90 degrees, or of a window of 2 m.
+/// Projection with a field of view of 90 degrees, or with an orthographic window of 2 m.
 #[derive(Debug, Clone, Copy)]
 struct Projection {
     kind: Kind,
     near: f64,
     far: f64,
-    /// −1 where the image is mirrored.
+    /// −1 if the image is mirrored, else 1.
     across: f64,
 }
 
@@ -49,7 +49,7 @@ impl Projection {
         SeuratCamera::new([SIDE; 2], depth_type, &matrices)
     }
 
-    /// Metres of a window depth from the eye's plane.
+    /// Returns the distance in metres from the eye's plane at a window depth.
     fn eye_z(self, window: f64) -> f64 {
         let Projection { kind, near, far, .. } = self;
         match kind {
@@ -81,8 +81,8 @@ pub(super) fn cases() -> Vec<HardCase> {
     }
     let window = group("WINDOW_Z to distance", "of the distance");
     for (near, far) in [(1.0, 2.0), (0.1, 1e3), (1e-3, 1e6), (0.1, f64::INFINITY)] {
-        // The inverse matrix has entries of up to 18 roundings, whose sum, the reciprocal of eye z, is as small as 1/far of terms
-        // of 1/near; the greatest window depth here is 1 − 2^-12.
+        // Entries of the inverse matrix have up to 18 roundings. Their sum, the reciprocal of eye z, can be as small as
+        // 1/far while the terms are 1/near. The largest window depth tested is 1 − 2^-12.
         let farthest = Projection::new(Kind::Perspective, near, far).eye_z(1.0 - 1.0 / 4096.0);
         let most = 18.0 * ROUNDING * (1.0 + farthest / near);
         let name = format!("near {near} m, far {far} m");
@@ -90,7 +90,7 @@ pub(super) fn cases() -> Vec<HardCase> {
             window.case(name, Bound::AtMost(most), move || distances(Projection::new(Kind::Perspective, near, far))),
         );
     }
-    // A sum, a product and the length of a vector that is divided by.
+    // A sum, a product, and a division by the length of a vector.
     let most = 8.0 * ROUNDING;
     let mirror = group("Seurat rays of a mirrored camera", "of the direction");
     cases.push(mirror.case("every pixel", Bound::AtMost(most), mirrored));
@@ -101,7 +101,8 @@ pub(super) fn cases() -> Vec<HardCase> {
     cases
 }
 
-/// Counts wrong answers to depths that are no distance.
+/// Counts wrong results for extreme depths: 0, infinite, NaN, negative, window depths above 1, and the smallest
+/// positive floats.
 fn limits(projection: Projection, depth_type: DepthType) -> Result<Measured> {
     let camera = projection.camera(depth_type)?;
     let mut wrong = Measured::count(0);
@@ -126,7 +127,7 @@ fn limits(projection: Projection, depth_type: DepthType) -> Result<Measured> {
     Ok(wrong)
 }
 
-/// The largest relative error of distances of window depths.
+/// Returns the largest relative error of distances computed from window depths.
 fn distances(projection: Projection) -> Result<Measured> {
     let camera = projection.camera(DepthType::WindowZ)?;
     let mut worst = Measured::nothing();
@@ -142,7 +143,8 @@ fn distances(projection: Projection) -> Result<Measured> {
     Ok(worst)
 }
 
-/// The largest difference of the direction of a pixel, and that of the mirrored pixel of the mirrored camera.
+/// Returns the largest difference between the direction of a pixel and that of the mirrored pixel of the mirrored
+/// camera.
 fn mirrored() -> Result<Measured> {
     let plain = Projection::new(Kind::Perspective, 0.1, 1e3);
     let cameras = [plain, Projection { across: -1.0, ..plain }].map(|of| of.camera(DepthType::RayDepth));
@@ -158,7 +160,7 @@ fn mirrored() -> Result<Measured> {
     Ok(worst)
 }
 
-/// The largest distance of the ends of orthographic rays from where they should be.
+/// Returns the largest error of the end points of orthographic rays.
 fn orthographic() -> Result<Measured> {
     let projection = Projection::new(Kind::Orthographic, 0.5, 1e3);
     let mut worst = Measured::nothing();
@@ -181,7 +183,7 @@ fn orthographic() -> Result<Measured> {
     Ok(worst)
 }
 
-/// Counts cameras without an inverse that were accepted.
+/// Counts accepted cameras that have no inverse.
 fn singular() -> Measured {
     let mut accepted = Measured::count(0);
     let flat = Projection::new(Kind::Perspective, 1.0, 2.0).clip_from_eye();
@@ -203,7 +205,7 @@ fn singular() -> Measured {
         for depth_type in DepthType::ALL {
             let matrices = CameraMatrices { clip_from_eye, world_from_eye: IDENTITY };
             let camera = SeuratCamera::new([SIDE; 2], depth_type, &matrices);
-            // What has an inverse of numbers that are not finite is refused at its first pixel.
+            // A matrix whose inverse is not finite is rejected at its first pixel.
             let is_ray = camera.is_ok_and(|camera| camera.ray([0, 0], 0.5).is_ok());
             accepted.count_if(is_ray, || format!("{name}, {}", depth_type.name()));
         }

@@ -1,5 +1,5 @@
-//! What cameras see of a probe's units (CALF 6.2), against points that they certainly see: a unit that is seen must never
-//! be missed.
+//! Visibility of a probe's units from cameras (CALF 6.2), tested with points that are certainly visible: a visible unit
+//! must never be missed.
 
 use glam::{DQuat, DVec3};
 
@@ -12,14 +12,14 @@ use crate::math::{Camera, Lens, Viewer};
 use crate::views::face_frustum::{DepthSpan, FaceImage};
 use crate::views::visibility::{UnitGrid, cull, cull_all};
 
-/// Cameras of a case, and points that are asked of each.
+/// Number of cameras of a case, and of points tested with each.
 const CAMERAS: u64 = 300;
 const POINTS: usize = 60;
-/// Units along each side of a face, and its pixels.
+/// Units along each side of a face, and pixels of the side.
 const UNITS: u32 = 8;
 const SIDE: u32 = 64;
-/// A point counts as seen where it is inside of all planes of a camera by this share of its distance: rounding of the
-/// reference itself is far below.
+/// Margin, relative to distance, by which a point must be inside all planes of a camera to count as visible. Far above
+/// the rounding errors of the reference.
 const INSIDE: f64 = 1e-12;
 
 struct Setup {
@@ -27,22 +27,22 @@ struct Setup {
     span: DepthSpan,
 }
 
-/// Where a camera stands and looks, for a point at `point` in `direction` of the probe.
+/// Places a camera for a target point of the probe.
 type Place = fn(&mut Random, &Setup, Target) -> Pose;
 
-/// A point on the border of a unit: its direction from the probe and the point itself.
+/// Point on the border of a unit: its direction from the probe, and its position.
 #[derive(Clone, Copy)]
 struct Target {
     direction: DVec3,
     point: DVec3,
 }
 
-/// A camera: its eye, the direction that some point of the picture's border looks along, and its field of view.
+/// Camera: eye, the direction `aim` that appears at `border` of the picture, and field of view.
 struct Pose {
     eye: DVec3,
     aim: DVec3,
     fov_deg: f64,
-    /// The place in the picture that looks along `aim`, −1 to 1 each way.
+    /// Position in the picture at which `aim` appears, −1 to 1 per axis.
     border: [f64; 2],
 }
 
@@ -105,7 +105,8 @@ fn unit_vector(random: &mut Random) -> DVec3 {
     DVec3::new(x, y, z).try_normalize().unwrap_or(DVec3::X)
 }
 
-/// A camera that looks along `aim` with some point inside of its picture.
+/// Returns a camera whose picture shows `aim` at a random position, with a random field of view between `least` and
+/// `most` degrees.
 fn pose(random: &mut Random, (eye, aim): (DVec3, DVec3), [least, most]: [f64; 2]) -> Pose {
     let fov_deg = (between(random, least.ln(), most.ln())).exp();
     let border = [(); 2].map(|()| [0.0, 0.5, 1.0 - 1e-9, -1.0 + 1e-9][random.below(4) as usize]);
@@ -125,7 +126,7 @@ impl Setup {
         Setup { centre, span: DepthSpan { near_m, far_m, kind } }
     }
 
-    /// A point of a unit, more often than not at its border and at an end of its depth.
+    /// Returns a point of a unit, more often than not on its border and at an end of its depth span.
     fn target(&self, random: &mut Random, face: Face, unit: [u32; 2]) -> Target {
         let [forward, right, down] = face.axes();
         let at = |random: &mut Random, unit: u32| {
@@ -171,7 +172,7 @@ fn missed(place: Place) -> Result<Measured> {
                     0 => unit,
                     _ => [(); 2].map(|()| random.below(UNITS)),
                 };
-                // First what the camera was aimed at.
+                // The first point is the one that the camera was aimed at.
                 let target = if (face, at) == (aimed, 0) { target } else { setup.target(&mut random, face, unit) };
                 let surface = sees(&camera, &pose, target.point - pose.eye);
                 if surface || sees(&camera, &pose, target.direction) {
@@ -183,14 +184,14 @@ fn missed(place: Place) -> Result<Measured> {
             }
         }
     }
-    // Cameras of which few see anything prove nothing.
+    // Fails if too few points are visible: the case would test nothing.
     if seen <= CAMERAS / 8 {
         wrong.figure = f64::NAN;
     }
     Ok(wrong.with_note(format!("{seen} points seen")))
 }
 
-/// The camera whose picture shows what lies along `aim` at `border`; none where the eye is the point itself.
+/// Returns the camera whose picture shows `aim` at `border`. `None` if the eye coincides with the point.
 fn camera_of(pose: &Pose) -> Result<Option<Camera>> {
     let Some(aim) = pose.aim.try_normalize() else { return Ok(None) };
     let tangent = (pose.fov_deg.to_radians() / 2.0).tan();
@@ -200,7 +201,7 @@ fn camera_of(pose: &Pose) -> Result<Option<Camera>> {
     Camera::oriented(pose.eye, turn.to_array(), Lens::new(pose.fov_deg)).map(Some)
 }
 
-/// Whether a vector from the eye lies in the picture beyond doubt.
+/// True if a vector from the eye is inside the picture by a safe margin.
 fn sees(camera: &Camera, pose: &Pose, vector: DVec3) -> bool {
     let [forward, right, down] = camera.axes().map(|axis| axis.dot(vector));
     let tangent = (pose.fov_deg.to_radians() / 2.0).tan();

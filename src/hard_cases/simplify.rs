@@ -1,7 +1,8 @@
-//! Captures that are hard to simplify: budgets that are kept, pictures without cracks, input that is refused.
+//! Captures that are hard to simplify: budgets that must hold, pictures without cracks, invalid input.
 //!
-//! Every capture is rays in memory. What must hold of each follows from the definitions: budgets are strict, a pixel of the
-//! capture that shows a surface has at least half of its alpha, and a scene of one colour has that colour wherever it is opaque.
+//! Every capture is a set of rays in memory. The tested properties follow from the definitions: budgets are strict, a
+//! pixel of the capture that shows a surface has at least half of its alpha, and a scene of a single colour has that
+//! colour wherever it is opaque.
 
 use glam::DVec3;
 
@@ -33,37 +34,38 @@ use crate::simplify::textures::{TextureBuilder, TileTextures};
 use crate::simplify::tiles::TileSet;
 use crate::simplify::tree::TreeCell;
 
-/// Pixels of a face's side.
+/// Pixels per side of a face.
 const SIDE: u32 = 16;
-/// Linear light of surfaces of one colour; a code of 8 bits stands for it to half a code.
+/// Linear RGB of surfaces of a single colour. 8-bit codes represent it to half a code.
 const COLOR: [f32; 3] = [0.5, 0.25, 0.75];
-/// PSNR of pictures that are wrong by one code of 255 everywhere: 20 log10 255. The texture rounds light to a code, and the picture
-/// rounds it to the same one, or to its neighbour where bilinear weights do not add up to 1 exactly.
+/// PSNR of pictures that are off by one code of 255 everywhere: 20 log10 255. The texture rounds radiance to a code,
+/// and the picture rounds it to the same code, or to an adjacent one if the bilinear weights do not sum to exactly 1.
 const ONE_CODE_DB: f64 = 48.130_803_608_679_1;
 
-/// Metres that a ray goes before a surface, `+inf` without any; from the eye's position and the direction.
+/// Distance in metres to the surface along a ray, from the eye's position and the direction; `+inf` without a surface.
 type Surface = fn(DVec3, DVec3) -> f64;
 
-/// A capture: where eyes stand, what they see, and how that is simplified.
+/// A capture: positions of the eyes, the surface, and the settings of simplification.
 #[derive(Clone)]
 struct Case {
     eyes: Vec<DVec3>,
     faces: Vec<Face>,
     side: u32,
     surface: Surface,
-    /// Volumes, with semicolons between them; the box around the eyes where it is not given.
+    /// Viewing volumes, separated by semicolons. By default the box around the eyes.
     region: Option<String>,
     budgets: Budgets,
     atlas: u32,
     background: Background,
     pixels_per_degree: Option<f64>,
-    /// Whether no surface hides another one.
+    /// True if no surface hides another.
     is_convex: bool,
-    /// Whether an eye beside the middle may see a surface that it alone sees, past all tiles, and nothing behind it.
+    /// True if crack pixels are allowed: an off-centre eye may look past all tiles at a surface that no other eye sees,
+    /// with nothing behind it.
     may_crack: bool,
 }
 
-/// Cube maps at the corners of a box of half this size in metres.
+/// Returns the corners of a box with half sides of `half_m` metres.
 fn corners(half_m: f64) -> Vec<DVec3> {
     let sign = |bit: u32| if bit == 0 { -1.0 } else { 1.0 };
     (0..8u32).map(|at| half_m * DVec3::new(sign(at & 1), sign(at & 2), sign(at & 4))).collect()
@@ -103,7 +105,7 @@ impl Case {
                     let distance_m = (self.surface)(eye, direction);
                     CaptureRay { pixel: [column, row], origin: eye, direction, distance_m, light: COLOR, alpha: 1.0 }
                 };
-                // A distance of 0 stands for no sample.
+                // A distance of 0 means no sample.
                 let rays = (0..side * side).map(ray).filter(|ray| ray.distance_m > 0.0).collect();
                 let name = format!("eye {at}, {}", face.name());
                 images.push((CaptureImage { name, eye, size: [side; 2], camera: Some(camera) }, rays));
@@ -130,7 +132,7 @@ impl Case {
         simplify(&mut self.capture()?, &self.settings()?, &Silent)
     }
 
-    /// Counts promises of a result that are broken.
+    /// Counts violated properties of a result.
     fn broken(&self) -> Result<Measured> {
         let found = self.run()?;
         let Evaluation { fidelity, .. } = found.evaluate(&mut self.capture()?, &self.settings()?, &Silent)?;
@@ -138,7 +140,7 @@ impl Case {
         let Budgets { triangles, area, peak_overdraw } = self.budgets;
         let mesh = &found.scene.mesh;
         let [used, used_area, used_peak] = found.used;
-        // The model's sums have the rounding of their terms.
+        // Sums of the model have the rounding errors of their terms.
         let within = |used: f64, limit: f64| used <= limit * (1.0 + 1e-12);
         wrong.count_if(mesh.triangles.len() as f64 > triangles, || format!("{} triangles", mesh.triangles.len()));
         wrong.count_if(used != mesh.triangles.len() as f64, || format!("{used} triangles in the model"));
@@ -161,12 +163,12 @@ impl Case {
         Ok(wrong.with_note(note))
     }
 
-    /// Whether every ray meets a surface that no other one passes by: then its colour is that of all pixels.
+    /// True if every ray hits a surface that is never occluded or missing: all pixels then have its colour.
     fn is_closed(&self) -> bool {
         self.is_convex && self.background == Background::Sky
     }
 
-    /// Triangles whose plane passes within r_min, 1% of the region's radius, of the region's middle.
+    /// Counts triangles whose plane passes within r_min, 1% of the region's radius, of the region's centre.
     fn slivers(&self, found: &Simplified) -> usize {
         let least_m = 0.01 * found.region.radius();
         let middle = found.region.middle;
@@ -178,7 +180,8 @@ impl Case {
         (0..mesh.triangles.len()).filter(passes_near).count()
     }
 
-    /// Counts what is wrong with the refusal of a capture or of a budget: none, or none that has these words.
+    /// Counts faults of the refusal of a capture or a budget: no error, or an error message that lacks one of `words`
+    /// or has several lines.
     fn refused(&self, words: &[&str]) -> Measured {
         let mut wrong = Measured::count(0);
         match self.run() {
@@ -195,29 +198,29 @@ impl Case {
     }
 }
 
-/// Distance to a box around the origin, of half this size.
+/// Distance to a box around the origin with half sides `half`.
 fn room(half: DVec3, eye: DVec3, direction: DVec3) -> f64 {
     let along = |axis: usize| (half[axis].copysign(direction[axis]) - eye[axis]) / direction[axis];
     along(0).min(along(1)).min(along(2))
 }
 
-/// Distance to the plane y = `height_m`; `+inf` where it is not met.
+/// Distance to the plane y = `height_m`; `+inf` if the ray misses it.
 fn floor(height_m: f64, eye: DVec3, direction: DVec3) -> f64 {
     let metres = (height_m - eye.y) / direction.y;
     if metres > 0.0 { metres } else { f64::INFINITY }
 }
 
-/// Distance to an upright wire 2 m away, as thick as a tenth of a pixel there.
+/// Distance to a vertical wire 2 m away, with a diameter of a tenth of a pixel at that distance.
 fn wire(eye: DVec3, direction: DVec3) -> f64 {
     const RADIUS_M: f64 = 0.5 * 2.0 * (2.0 / SIDE as f64) / 10.0;
     let (beside, ahead) = (DVec3::new(-0.03, 0.0, -2.0) - eye, direction);
-    // In the plane across the wire.
+    // In the plane perpendicular to the wire.
     let (cross, dot) = (ahead.x * beside.z - ahead.z * beside.x, ahead.x * beside.x + ahead.z * beside.z);
     let flat = ahead.x.hypot(ahead.z);
     if flat > 0.0 && dot > 0.0 && (cross / flat).abs() <= RADIUS_M { dot / (flat * flat) } else { f64::INFINITY }
 }
 
-/// Distance to leaves at random places from 2 m to 10 m, outside of a region of 1 m; a third of the rays pass between them.
+/// Distance to leaves at random distances of 2 m to 10 m, outside a region of 1 m. A third of the rays miss them.
 fn foliage(eye: DVec3, direction: DVec3) -> f64 {
     let bits = (eye + 16.0 * direction).to_array().map(f64::to_bits);
     let mut random = Random::new(bits[0] ^ bits[1].rotate_left(21) ^ bits[2].rotate_left(42));
@@ -338,7 +341,7 @@ fn of_budgets() -> Vec<HardCase> {
     let refused = group("budgets that cannot be kept", "wrong answers");
     let with = |triangles: f64, atlas: u32| {
         let budgets = Budgets { triangles, area: 4.0, peak_overdraw: 20.0 };
-        // From beside the middle one sees between the edges of so few tiles.
+        // From off-centre eyes one sees between the edges of so few tiles.
         Case { budgets, atlas, eyes: vec![DVec3::ZERO], ..Case::convex(cube) }
     };
     let small = |area: f64, peak_overdraw: f64| {
@@ -365,7 +368,7 @@ fn of_textures() -> Vec<HardCase> {
     ]
 }
 
-/// Counts texels of a tile with constraints of free space alone, or with none, that are not black and transparent.
+/// Counts texels that are not black and transparent, for a tile with only free-space constraints or with none.
 fn without_solid() -> Measured {
     const TEXELS: usize = 8;
     let mut wrong = Measured::count(0);
@@ -381,7 +384,7 @@ fn without_solid() -> Measured {
     wrong
 }
 
-/// Counts rays that do not meet both of two equal tiles, and samples that are not solid on both.
+/// Counts rays that do not hit both of two equal tiles, and samples that are not solid on both.
 fn coincident() -> Measured {
     const TEXELS: usize = 16;
     let cell = TreeCell::ROOTS[0];
@@ -403,7 +406,7 @@ fn coincident() -> Measured {
         let place = [at % 16, at / 16].map(|at| (f64::from(at) + 0.5) / 8.0 - 1.0);
         let end = 2.0 * (forward + place[0] * right + place[1] * down);
         let crossed = Ray::new(DVec3::ZERO, end).map_or(0, |ray| tiles.crossed(&ray).len());
-        // A ray through the diagonal of a quad meets both of its triangles; one of them counts.
+        // A ray through the diagonal of a quad hits both of its triangles; only one counts.
         wrong.count_if(crossed != 2, || format!("ray {at} meets {crossed} tiles"));
         samples.push(Sample { pixel: at, origin: DVec3::ZERO, end, color: COLOR, is_surface: true });
     }
@@ -418,7 +421,7 @@ fn coincident() -> Measured {
 fn refusals() -> Vec<HardCase> {
     let refused = group("captures that cannot be simplified", "wrong answers");
     let promises = group("surfaces beside the region", "promises broken");
-    // One pixel that looks along x at a surface at 2 m, and a region that ends there, in front of it or behind it.
+    // One pixel that looks along x at a surface 2 m away, and a region that ends in front of the surface or behind it.
     let ending_at = |half_m: f64| Case {
         eyes: vec![DVec3::ZERO],
         faces: vec![Face::Px],

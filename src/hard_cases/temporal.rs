@@ -1,6 +1,7 @@
-//! Sequences that are hard to follow in time (CALF 5.2; depth.md 4 and 12), through every codec that has frames.
+//! Hard cases of temporal coding (CALF 5.2; depth.md 4 and 12), with every codec that has frames.
 //!
-//! Two things must hold of each: every frame is within the bound of its source, and every legal path shows the same frame.
+//! Each must satisfy two properties: every frame is within the bound of its source, and every legal path decodes the
+//! same frames.
 
 use crate::depth::block_tiles::Layout;
 use crate::depth::domain::{Domain, DomainKind};
@@ -13,7 +14,7 @@ use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence, any_range, noise};
 use crate::hard_cases::paths::paths;
 
-/// Width and height: no multiple of 4, 8 or 16.
+/// Width and height: not multiples of 4, 8 or 16.
 const SIZE: [u32; 2] = [21, 18];
 const LONG: u32 = 2000;
 
@@ -28,7 +29,7 @@ fn slope(x: u32, y: u32) -> u16 {
     (20_000 + 5 * x + 2 * y) as u16
 }
 
-/// Whether it is the pixel that moves.
+/// True for the pixel that moves.
 fn one(x: u32, y: u32) -> bool {
     (x, y) == (9, 14)
 }
@@ -46,7 +47,7 @@ const fn scenario(
     Scenario { name, frames, settings, pixel }
 }
 
-/// A chunk of as many frames as there are.
+/// Keyframe interval that puts all frames into one chunk.
 const ALL: u32 = 100_000;
 
 static SCENARIOS: [Scenario; 14] = [
@@ -100,7 +101,7 @@ impl Scenario {
         Sequence::new(SIZE, self.frames, self.pixel)
     }
 
-    /// Bytes of the code: its high half jumps, its low half wraps.
+    /// Uses both bytes of the code: the high byte jumps, the low byte wraps.
     fn material(&self) -> Sequence<[u8; 3]> {
         Sequence::new(SIZE, self.frames, |frame, x, y| {
             let [low, high] = (self.pixel)(frame, x, y).to_le_bytes();
@@ -112,11 +113,11 @@ impl Scenario {
 #[derive(Clone, Copy)]
 enum Codec {
     Boxes(Layout),
-    /// Bound of a node, and domain.
+    /// Error bound of a node, and domain.
     Nodes(u16, DomainKind),
     Tree,
     Blocks,
-    /// Bound.
+    /// Error bound.
     Predictive(u16),
     Material(Layout),
 }
@@ -152,13 +153,13 @@ impl Codec {
     fn unit(self) -> &'static str {
         match self {
             Codec::Material(_) => "of 255",
-            // Plain blocks promise nothing of surfaces, but all of the background.
+            // Plain blocks have no error bound for surfaces, but must keep the background exact.
             Codec::Blocks => "background mixed up",
             _ => "codes",
         }
     }
 
-    /// The promise of formats/depth.md.
+    /// Error bound according to formats/depth.md.
     fn bound(self, settings: TemporalSettings) -> f64 {
         match self {
             Codec::Boxes(_) => f64::from(settings.epsilon),

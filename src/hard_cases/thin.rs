@@ -1,4 +1,4 @@
-//! Rendering with all refinements: surfaces thinner than texels, edges, and probes that disagree.
+//! Hard cases of rendering with all refinements: surfaces thinner than texels, edges, and probes that disagree.
 
 use glam::DVec3;
 
@@ -15,11 +15,11 @@ use crate::views::light_field::{BACKGROUND, ColorTexels, LightField, UNKNOWN};
 const WALL_M: f64 = 4.0;
 const RED: [u8; 3] = [220, 20, 20];
 const GRAY: [u8; 3] = [90, 120, 200];
-/// Where probes stand: multiples of the width of a texel 1 m away, 1/16 m.
+/// Positions of probes: multiples of 1/16 m, the width of a texel at 1 m.
 const PROBES: [DVec3; 3] = [DVec3::ZERO, DVec3::new(0.25, 0.0, 0.0), DVec3::new(-0.1875, 0.125, 0.0625)];
-/// The middle of a texel of the first probe 1 m away.
+/// Centre of a texel of the first probe at 1 m.
 const ROD_M: f64 = 1.0 / 32.0;
-/// A probe whose depth is wrong, the farthest of four from the eye, makes at most this part of the error that it makes alone.
+/// Maximum error caused by a probe with wrong depth, the farthest of four from the eye, relative to its error alone.
 const PART_OF_ONE: f64 = 0.5;
 
 pub(super) fn cases() -> Vec<HardCase> {
@@ -53,7 +53,8 @@ pub(super) fn cases() -> Vec<HardCase> {
 /// An eye between the probes.
 const BESIDE: DVec3 = DVec3::new(0.1, 0.05, -0.03);
 
-/// A red rod 1 m before probes, at `rod_m` right of the first, and a wall behind it. The first `seen_by` probes saw it.
+/// Returns a red rod 1 m in front of the probes, at `rod_m` right of the first, and a wall behind it. Only the first
+/// `seen_by` probes see it.
 fn rod(rod_m: f64, width_m: f64, seen_by: usize) -> Setup {
     let view = |(number, &position): (usize, &DVec3)| {
         SyntheticProbe::new(position, SIDE).cube(CODES, &|direction| {
@@ -69,7 +70,7 @@ fn rod(rod_m: f64, width_m: f64, seen_by: usize) -> Setup {
     Setup { field: LightField { views, coding: CODES }, eye: PROBES[0], range_m: [0.05, 16.0] }
 }
 
-/// Of one colour, a rod and its wall are one picture, whatever part of each a pixel shows.
+/// If rod and wall have the same colour, every pixel must have it, whichever of the two it shows.
 fn one_color() -> Result<Measured> {
     let mut setup = rod(ROD_M, 1.0 / 20.0, PROBES.len());
     for texels in setup.field.views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
@@ -84,7 +85,7 @@ fn one_color() -> Result<Measured> {
     Ok(Measured::count(pixels.filter(|(color, alpha)| !is_gray(color) || **alpha != 1.0).count() as u64))
 }
 
-/// A checkerboard of white background and black surfaces: alpha goes by depth, and nothing white shows beside it.
+/// A checkerboard of white background and black surfaces: alpha follows depth, and no white appears next to it.
 fn color_without_surface() -> Result<Measured> {
     let view = SyntheticProbe::new(DVec3::ZERO, SIDE).cube(CODES, &|_| Some((2.0, [0; 3])));
     let mut setup =
@@ -106,9 +107,10 @@ fn color_without_surface() -> Result<Measured> {
     Ok(all.with_picture(beside.on_device("colours without depth", settings)?))
 }
 
-/// Pixels that change as a rod moves, although neither the eye nor a probe sees it before that part of the wall.
+/// Counts pixels that change as a rod moves, although neither the eye nor a probe sees the rod before that part of the
+/// wall.
 fn moving_rod() -> Result<Measured> {
-    // Half a rod, texels around a point, and one more.
+    // Half a rod, the texels around a point, and one more texel.
     const NEAR_M: f64 = 3.0 / 16.0;
     let rods_m = [ROD_M, ROD_M + 0.25];
     let camera = camera(BESIDE, DVec3::NEG_Z)?;
@@ -146,8 +148,8 @@ fn nothing_known() -> Result<Measured> {
     Ok(Measured::count(shown + picture.counters.primary_rays - picture.counters.hole_rays))
 }
 
-/// The error of a picture of a room by four probes, over that by the one farthest from the eye alone, all of whose surfaces are that
-/// many metres too far (below 0: too near).
+/// Returns the RMS error of a scene rendered from four probes, divided by that from the first one alone. The first is
+/// the farthest from the eye, and all its surfaces are `metres` too far (negative: too near).
 fn wrong_by_metres(metres: f64) -> Result<Measured> {
     let half = DVec3::splat(WALL_M);
     let corners = [[0.5, 0.0, 0.5], [-0.5, 0.0, 0.5], [0.5, 0.0, -0.5], [-0.5, 0.0, -0.5]].map(DVec3::from_array);

@@ -1,14 +1,14 @@
-//! Selects the colour and depth channels of a file: common names, or a given one.
+//! Selects the colour, depth and alpha channels of a file, by common names or by a given name.
 //!
-//! A channel has its own name and, in a file of several layers (parts), `layer.name`. The tables are searched in order,
-//! first by full name, then by the channel's own name. An ambiguous name is an error that lists the candidates. A given name
-//! is that of a channel, or else of a layer, part or stereo view, inside which the tables are searched.
+//! A channel has its own name and, in a file of several layers (parts), the full name `layer.name`. The tables are searched in
+//! order, first by full name, then by the channel's own name. An ambiguous name is an error that lists the candidates. A given
+//! name is the name of a channel, or else of a layer, part or stereo view, in which the tables are then searched.
 
 use std::collections::{BTreeSet, HashSet};
 
 use crate::error::{Error, Result};
 
-/// Names of depth in order of preference: first as written, then ignoring case.
+/// Depth channel names in order of preference, compared first exactly, then ignoring case.
 pub const DEPTH_CHANNELS: &[&str] = &[
     "Z",
     "depth.Z",
@@ -31,13 +31,13 @@ pub const DEPTH_CHANNELS: &[&str] = &[
     "Pz",
 ];
 
-/// Last parts of names of layers that hold depth three times, as R, G and B, ignoring case.
+/// Names of layers (last component) that hold depth three times, as R, G and B; compared ignoring case.
 pub const DEPTH_LAYERS: &[&str] = &["VRayZDepth", "ZDepth", "Depth", "Z"];
 
-/// Suffixes of depth channels, used where exactly one channel of the file has one.
+/// Suffixes of depth channels, used if exactly one channel of the file has one.
 pub const DEPTH_ENDINGS: &[&str] = &[".depth.z", ".depth.v", ".depth.y", ".depth"];
 
-/// Layers (prefixes of channel names) of colour in order of preference; the first is no prefix.
+/// Colour layers (prefixes of channel names) in order of preference; the first entry is no prefix.
 pub const COLOR_LAYERS: &[&str] = &[
     "",
     "rgba",
@@ -53,19 +53,19 @@ pub const COLOR_LAYERS: &[&str] = &[
     "Image",
 ];
 
-/// Names of the three colour components inside a layer.
+/// Names of the three colour components in a layer.
 pub const COLOR_COMPONENTS: &[[&str; 3]] = &[["R", "G", "B"], ["r", "g", "b"], ["red", "green", "blue"]];
 
-/// Names of a channel that is read as gray where there is no RGB.
+/// Names of channels that are read as gray if there is no RGB.
 pub const GRAY_CHANNELS: &[&str] = &["Y", "L", "luminance", "gray"];
 
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub enum ChannelSelect {
-    /// [`DEPTH_CHANNELS`] for depth, [`COLOR_LAYERS`] and [`COLOR_COMPONENTS`] for colour.
+    /// The channels of [`DEPTH_CHANNELS`] for depth, of [`COLOR_LAYERS`] and [`COLOR_COMPONENTS`] for colour.
     #[default]
     Auto,
-    /// For depth the name of a channel, layer, part or view. For colour the name of a layer, part or view, three names of
-    /// channels separated by commas, or the name of a channel that is read as gray.
+    /// For depth, the name of a channel, layer, part or view. For colour, the name of a layer, part or view, three
+    /// comma-separated channel names, or the name of a channel that is read as gray.
     Named(String),
 }
 
@@ -79,7 +79,7 @@ impl ChannelSelect {
 }
 
 impl ChannelSelect {
-    /// With the name of a probe for `{probe}` and that of a face for `{face}`.
+    /// Replaces `{probe}` and `{face}` in the name by the names of a probe and a face.
     #[must_use]
     pub fn of_image(&self, probe: &str, face: &str) -> ChannelSelect {
         match self {
@@ -97,30 +97,31 @@ impl From<Option<String>> for ChannelSelect {
 
 #[derive(Debug, Clone)]
 pub(crate) struct ChannelName {
-    /// Name of its layer (part); empty where the file has none.
+    /// Name of the layer (part) of the channel; empty if the part has none.
     pub layer: String,
     pub part: usize,
-    /// Stereo view of its part, or of the channel where a part holds several; empty where the file has none.
+    /// Stereo view of the part, or of the channel if the part holds several; empty if the file has none.
     pub view: String,
     pub name: String,
 }
 
-/// Where depth is stored.
+/// Indices of the channels that hold depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct DepthChannels {
     pub channel: usize,
-    /// Two more channels of a layer that holds depth three times, which must be equal to it.
+    /// Two more channels of a layer that holds depth three times; their samples must equal those of `channel`.
     pub copies: Option<[usize; 2]>,
 }
 
 impl ChannelName {
-    /// `layer.name`, or the name alone where the layer has no name or the name already starts with it.
+    /// Returns `layer.name`, or the name alone if the layer has no name or the name already starts with it.
     fn full(&self) -> String {
         let repeats = self.name.strip_prefix(&self.layer).is_some_and(|rest| rest.starts_with('.'));
         if self.layer.is_empty() || repeats { self.name.clone() } else { format!("{}.{}", self.layer, self.name) }
     }
 
-    /// True if [`Self::full`] is the wanted name. Compares in place: allocating a name for each of thousands of channels is slow.
+    /// Returns true if [`Self::full`] equals `wanted`. Compares in place, since allocating a name for each of thousands of
+    /// channels is slow.
     fn is_called(&self, wanted: &str, same: Same) -> bool {
         let repeats = self.name.strip_prefix(&self.layer).is_some_and(|rest| rest.starts_with('.'));
         if self.layer.is_empty() || repeats {
@@ -132,13 +133,13 @@ impl ChannelName {
     }
 }
 
-/// How a channel or layer of depth is named.
+/// Settings that name a depth channel or layer, for messages.
 const DEPTH_KEY: &str = "`depth_channel` or the manifest's depth.channel";
-/// How a layer or channels of colour are named.
+/// Settings that name a colour layer or channels, for messages.
 const COLOR_KEY: &str = "`color_channel` or the manifest's color.layer";
-/// How a channel of alpha is named.
+/// Settings that name an alpha channel, for messages.
 const ALPHA_KEY: &str = "`alpha_channel` or the manifest's alpha.channel";
-/// How other channels are named.
+/// How messages ask for other channels to be named.
 const OTHER_KEY: &str = "its full name";
 
 const LISTED: usize = 24;
@@ -162,7 +163,7 @@ enum By {
 
 type Same = fn(&str, &str) -> bool;
 
-/// Order of comparison: full before plain names, as written before ignoring case.
+/// Order of comparisons: full names before own names, exact before ignoring case.
 const TRIES: [(By, Same); 4] = [
     (By::Full, str::eq),
     (By::Full, str::eq_ignore_ascii_case),
@@ -170,7 +171,7 @@ const TRIES: [(By, Same); 4] = [
     (By::Plain, str::eq_ignore_ascii_case),
 ];
 
-/// Index of the channel of that name; `None` when there is none, an error when several layers have it.
+/// Returns the index of the channel with that name, or `None`. Fails if several layers have a channel with that name.
 fn lookup(names: &[ChannelName], wanted: &str, (by, same): (By, Same), key: &str) -> Result<Option<usize>> {
     if let By::Full = by {
         return Ok(names.iter().position(|channel| channel.is_called(wanted, same)));
@@ -201,8 +202,8 @@ pub(crate) fn find_named(names: &[ChannelName], wanted: &str) -> Result<usize> {
     named(names, wanted, OTHER_KEY)?.ok_or_else(|| none_of_that_name(names, wanted, "channel"))
 }
 
-/// Channels of a layer or part with names inside it, else those of a stereo view with names that do not contain the view's;
-/// and their indices in `names`.
+/// Returns the channels of a layer or part, with their names in that layer, and their indices in `names`. If there is no such
+/// layer or part, returns the channels of the stereo view called `wanted`, with the view removed from their names.
 fn inside(names: &[ChannelName], wanted: &str) -> (Vec<usize>, Vec<ChannelName>) {
     let of_layer = |channel: &ChannelName| {
         let full = channel.full();
@@ -222,7 +223,7 @@ fn inside(names: &[ChannelName], wanted: &str) -> (Vec<usize>, Vec<ChannelName>)
     }
 }
 
-/// Whether the channel is a coordinate of a vector, as the Z of a normal or a position.
+/// Returns true if the channel is a vector coordinate, such as the Z of a normal or position.
 fn is_coordinate(names: &[ChannelName], index: usize) -> bool {
     let channel = &names[index];
     let Some(stem) = channel.name.strip_suffix(['Z', 'z']) else { return false };
@@ -232,7 +233,7 @@ fn is_coordinate(names: &[ChannelName], index: usize) -> bool {
     })
 }
 
-/// Index of the alpha channel beside a channel of red or gray, of the same layer.
+/// Returns the index of the alpha channel in the layer of a red or gray channel.
 pub(crate) fn find_alpha(names: &[ChannelName], red: usize) -> Option<usize> {
     let red = names.get(red)?;
     let prefix = &red.name[..red.name.rfind('.').map_or(0, |dot| dot + 1)];
@@ -243,7 +244,8 @@ pub(crate) fn find_alpha(names: &[ChannelName], red: usize) -> Option<usize> {
     names.iter().position(is_alpha)
 }
 
-/// The channel of alpha by its name; else the one beside colour, and in a file without colour the only one of that name.
+/// Returns the index of the alpha channel: the one that `select` names, else the one in the layer of colour, and in a file
+/// without colour the only channel `A`.
 pub(crate) fn find_alpha_channel(
     names: &[ChannelName],
     select: &ChannelSelect,
@@ -264,7 +266,7 @@ pub(crate) fn find_alpha_channel(
     })
 }
 
-/// Indices of red, green and blue of a rendered picture, whose channels nobody names.
+/// Returns the indices of red, green and blue of a rendered image. No setting names its channels, so errors mention none.
 pub(crate) fn find_picture_color(names: &[ChannelName]) -> Result<[usize; 3]> {
     find_color(names, &ChannelSelect::Auto).map_err(|_| {
         Error::invalid(format!("one picture with channels R, G and B was expected; the channels are: {}", list(names)))
@@ -281,7 +283,7 @@ pub(crate) fn find_depth(names: &[ChannelName], select: &ChannelSelect) -> Resul
         return Err(none_of_that_name(names, wanted, "channel, layer or view"));
     }
     let found = match find_layer(&inner, "", (By::Full, str::eq), DEPTH_KEY)? {
-        // A layer of nothing but depth, three times.
+        // The layer holds only depth, three times.
         Some([r, g, b]) if usual_depth(&inner).is_err() => DepthChannels { channel: r, copies: Some([g, b]) },
         _ => usual_depth(&inner)?,
     };
@@ -290,7 +292,7 @@ pub(crate) fn find_depth(names: &[ChannelName], select: &ChannelSelect) -> Resul
 }
 
 fn usual_depth(names: &[ChannelName]) -> Result<DepthChannels> {
-    // A normal's Z would win over the depth beside it; such triples are set aside first.
+    // The Z of a normal would be chosen before the depth channel beside it, so vectors are excluded first.
     let candidates: Vec<usize> = (0..names.len()).filter(|&i| !is_coordinate(names, i)).collect();
     let kept: Vec<ChannelName> = candidates.iter().map(|&i| names[i].clone()).collect();
     let alone = |channel: usize| Ok(DepthChannels { channel, copies: None });
@@ -332,7 +334,7 @@ fn usual_depth(names: &[ChannelName]) -> Result<DepthChannels> {
     )))
 }
 
-/// Names of channels up to their last dot, each once, in order.
+/// Returns the channel names up to their last dot, sorted, without duplicates.
 fn layers(names: &[ChannelName]) -> BTreeSet<String> {
     names.iter().filter_map(|channel| channel.full().rsplit_once('.').map(|(layer, _)| layer.to_string())).collect()
 }
@@ -351,7 +353,7 @@ fn find_layer(names: &[ChannelName], layer: &str, how: (By, Same), key: &str) ->
     Ok(None)
 }
 
-/// Indices of red, green and blue; the same index three times for gray.
+/// Returns the indices of red, green and blue; the same index three times for gray.
 pub(crate) fn find_color(names: &[ChannelName], select: &ChannelSelect) -> Result<[usize; 3]> {
     let ChannelSelect::Named(wanted) = select else { return usual_color(names) };
     if let [r, g, b] = wanted.split(',').map(str::trim).collect::<Vec<_>>().as_slice() {

@@ -4,25 +4,25 @@ use serde::{Deserialize, Serialize};
 
 use crate::image::{Primaries, Transfer};
 
-/// What the values of colour files are. All but sRGB are linear light; the largest code of a PNG is 1.0.
+/// Encoding and primaries of the values of colour files. All spaces but sRGB are linear; the maximum code of a PNG file is 1.0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ColorSpace {
-    /// Linear light of Rec. 709.
+    /// Linear RGB, Rec. 709 primaries.
     #[serde(rename = "linear-rec709")]
     LinearRec709,
-    /// sRGB codes with the primaries of Rec. 709.
+    /// sRGB codes, Rec. 709 primaries.
     #[serde(rename = "srgb")]
     Srgb,
-    /// Linear light of AP1.
+    /// Linear RGB, AP1 primaries.
     #[serde(rename = "acescg")]
     AcesCg,
-    /// Linear light of AP0.
+    /// Linear RGB, AP0 primaries.
     #[serde(rename = "aces2065-1")]
     Aces2065,
-    /// Linear light of Rec. 2020.
+    /// Linear RGB, Rec. 2020 primaries.
     #[serde(rename = "linear-rec2020")]
     LinearRec2020,
-    /// Linear light of P3 with the white of D65.
+    /// Linear RGB, P3 primaries with D65 white.
     #[serde(rename = "linear-p3-d65")]
     LinearP3D65,
 }
@@ -37,7 +37,7 @@ impl ColorSpace {
         ColorSpace::LinearP3D65,
     ];
 
-    /// As in manifests.
+    /// Returns the name used in manifests.
     pub fn name(self) -> &'static str {
         match self {
             ColorSpace::LinearRec709 => "linear-rec709",
@@ -63,7 +63,7 @@ impl ColorSpace {
         if self == ColorSpace::Srgb { Transfer::Srgb } else { Transfer::Linear }
     }
 
-    /// The space of linear light with these primaries, where it has a name.
+    /// Returns the linear colour space with these primaries, if it is a named one.
     pub fn of_light(primaries: Primaries) -> Option<ColorSpace> {
         ColorSpace::ALL
             .into_iter()

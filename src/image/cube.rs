@@ -1,5 +1,5 @@
-//! The six faces of an OpenGL cube map in a right-handed world with +Y up: names, axes, and which one a direction meets.
-//! [`super::projection`] has the directions of their pixels.
+//! The six faces of an OpenGL cube map in a right-handed world with +Y up: names, axes, and the face that a direction intersects.
+//! [`super::projection`] computes the directions of pixels.
 
 use glam::DVec3;
 
@@ -24,10 +24,10 @@ pub enum Face {
 }
 
 impl Face {
-    /// The six faces of a cube map, in the order of their numbers.
+    /// The six faces of a cube map, in the order of their indices.
     pub const CUBE: [Face; 6] = [Face::Px, Face::Nx, Face::Py, Face::Ny, Face::Pz, Face::Nz];
 
-    /// Two letters, as in file names: `px`, `nx`, `py`, `ny`, `pz`, `nz`; `view` for a perspective image.
+    /// Returns the name used in file names: `px`, `nx`, `py`, `ny`, `pz`, `nz`; `view` for a perspective image.
     pub fn name(self) -> &'static str {
         match self {
             Face::Px => "px",
@@ -40,17 +40,17 @@ impl Face {
         }
     }
 
-    /// The face of that name, if there is one.
+    /// Returns the face with that name, or `None`.
     pub fn from_name(name: &str) -> Option<Face> {
         Face::CUBE.into_iter().chain([Face::View]).find(|face| face.name() == name)
     }
 
-    /// The face of that number (container.md 5), if there is one.
+    /// Returns the face with that index (container.md 5), or `None`.
     pub fn from_index(index: u8) -> Option<Face> {
         Face::CUBE.into_iter().chain([Face::View]).find(|face| *face as u8 == index)
     }
 
-    /// Forward, right and down, of length 1. [`Face::View`] looks along −Z with +Y up.
+    /// Returns the unit vectors forward, right and down. [`Face::View`] looks along −Z with +Y up.
     pub fn axes(self) -> [DVec3; 3] {
         match self {
             Face::Px => [DVec3::X, DVec3::NEG_Z, DVec3::NEG_Y],
@@ -64,16 +64,16 @@ impl Face {
     }
 }
 
-/// Where a direction meets a cube.
+/// Intersection of a direction with a cube.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FacePoint {
     pub face: Face,
-    /// u and v in its plane at distance 1, each in −1..1.
+    /// u and v in the plane of the face at distance 1, each in −1..1.
     pub plane: [f64; 2],
 }
 
-/// The point of the cube that a direction of any length goes through.
-/// On an edge or corner the axis that comes first in X, Y, Z wins. The zero vector answers as +X would.
+/// Returns the point of the cube that a direction of any length intersects. On an edge or corner the first axis in the order X,
+/// Y, Z is chosen. The zero vector gives the centre of +X.
 pub fn direction_to_face(direction: DVec3) -> FacePoint {
     let size = direction.abs();
     let pick = |component: f64, positive: Face, negative: Face| if component < 0.0 { negative } else { positive };
@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn axes_are_those_of_opengl() {
-        // Major axis, then the axes of s and t, as the cube map selection table of the OpenGL specification has them.
+        // Major axis, then the axes of s and t, as in the cube map selection table of the OpenGL specification.
         let table = [
             (Face::Px, [DVec3::X, DVec3::NEG_Z, DVec3::NEG_Y]),
             (Face::Nx, [DVec3::NEG_X, DVec3::Z, DVec3::NEG_Y]),
@@ -110,14 +110,14 @@ mod tests {
         ];
         for (face, axes) in table {
             assert_eq!(face.axes(), axes, "{face:?}");
-            // Cube maps are seen from outside: every face is mirrored, unlike a camera's image.
+            // Cube maps are viewed from outside: every face is mirrored, unlike a camera image.
             assert_eq!(axes[1].cross(axes[2]), -axes[0], "{face:?}");
         }
     }
 
     #[test]
     fn seams_meet() {
-        // A step across any edge of any face lands on a neighbour, at that neighbour's edge.
+        // A step across an edge of a face reaches another face, near its edge.
         let size = 16;
         for face in Face::CUBE {
             let [forward, right, down] = face.axes();

@@ -1,4 +1,4 @@
-//! Equirectangular images resampled to cube faces: colour and alpha filtered, depth by its nearest sample.
+//! Resampling of equirectangular images to cube faces: colour and alpha are filtered, depth takes the nearest sample.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -14,11 +14,11 @@ use crate::error::{Error, Result};
 
 const SUPERSAMPLES: u32 = 4;
 
-/// Limit of a face's side, so that the filters of six faces stay within 30 GiB.
+/// Maximum side of a face in pixels; the filters of six faces then take at most 30 GiB.
 pub const MAX_FACE_SIDE: u32 = 8192;
 
-/// Checks the side of a cube face: at most [`MAX_FACE_SIDE`], and at most half the width of the equirectangular image. A
-/// quarter of the width keeps the resolution of the equator.
+/// Checks the side of a cube face: at most [`MAX_FACE_SIDE`], and at most half the width of the equirectangular image. A quarter
+/// of the width keeps the resolution of the equator.
 pub fn check_face_size(size: u32, width: u32) -> Result<()> {
     if size > MAX_FACE_SIDE {
         return Err(Error::unsupported(format!(
@@ -37,9 +37,10 @@ pub fn check_face_size(size: u32, width: u32) -> Result<()> {
 }
 
 /// Sample positions of a cube face in equirectangular images of one size.
-/// Two tables are computed once for all frames, when first needed, since that costs far more than resampling. Nearest
-/// samples, for depth and material, take 4 bytes per pixel of the face; filters, for colour, about 75 bytes at a quarter of
-/// the image's width, and up to 520 for much smaller faces.
+///
+/// Two tables are computed on first use and kept for all frames, since computing them costs far more than resampling. Nearest
+/// samples, for depth and material, take 4 bytes per pixel of the face. Filters, for colour and alpha, take about 75 bytes per
+/// pixel if the face is a quarter as wide as the image, and up to 520 for much smaller faces.
 #[derive(Debug, Clone)]
 pub struct FaceMap {
     pub face: Face,
@@ -53,7 +54,7 @@ pub struct FaceMap {
 #[derive(Debug, Clone)]
 struct FilterRow {
     ends: Box<[u32]>,
-    /// Source pixel and weight; the weights of one pixel add up to 1.
+    /// Source pixel index and weight; the weights of one output pixel sum to 1.
     taps: Box<[(u32, f32)]>,
 }
 
@@ -73,7 +74,7 @@ impl FaceMap {
         ImageProjection::Equirect { size: [self.width, self.height] }
     }
 
-    /// Computes the filters of colour and alpha, which the first image would wait for.
+    /// Computes the filters of colour and alpha in advance, so that the first image does not wait for them.
     pub fn prepare_filters(&self) {
         self.filters();
     }
@@ -94,11 +95,12 @@ impl FaceMap {
         })
     }
 
-    /// Upper bound of the bytes of the filters, which are made once.
+    /// Returns an upper bound of the bytes of the filters; they are allocated once.
     pub fn filter_bytes(&self) -> u64 {
-        // Lookups of a pixel are 3/4 of it apart, and one reads two columns and two rows. In the middle of a face a pixel is 4/π as wide
-        // as the mean of a row, towards its corners narrower; around a pole it has more columns, and rows that they cross. Measured: 7.7
-        // taps, and 10.6 around a pole, where a face is a quarter as wide as the image.
+        // The outermost lookups of an output pixel are 3/4 of a pixel apart, and each reads two columns and two rows. In the
+        // middle of a face a pixel is 4/π times as wide as the mean of a row, and narrower towards the corners. Around a pole a
+        // pixel covers more columns and rows. Measured at a face width of a quarter of the image width: 7.7 taps, and 10.6 around
+        // a pole.
         let columns = f64::from(self.width) / (std::f64::consts::PI * f64::from(self.size));
         let across = match self.face {
             Face::Py | Face::Ny => 2.25 + 0.85 * columns,
@@ -109,7 +111,7 @@ impl FaceMap {
         rows + (self.pixels() as f64 * (taps * size_of::<(u32, f32)>() as f64 + size_of::<u32>() as f64)) as u64
     }
 
-    /// Bytes of the places of nearest samples, which are found once.
+    /// Returns the bytes of the table of nearest samples; it is allocated once.
     pub fn nearest_bytes(&self) -> u64 {
         u64::from(self.size) * size_of::<Vec<u32>>() as u64 + self.pixels() * size_of::<u32>() as u64
     }
@@ -141,7 +143,8 @@ impl FaceMap {
         FilterRow { ends: ends.into(), taps: all.into() }
     }
 
-    /// Adds the four pixels around a direction. Columns wrap; beyond a pole the image continues 180° away.
+    /// Adds the four pixels around a direction. Columns wrap around; across a pole the image continues at the longitude 180°
+    /// away.
     fn add_bilinear(&self, direction: DVec3, pixel: &mut Vec<(u32, f64)>) {
         let [x, y] = self.panorama().project(direction).unwrap_or_default().map(|at| at - 0.5);
         let (left, top) = (x.floor(), y.floor());
@@ -168,8 +171,8 @@ impl FaceMap {
     }
 }
 
-/// Computes rows 0 to `count` on several threads.
-/// Not on those of rayon: a worker that waits for the table must not steal work that waits for the same table.
+/// Computes rows 0 to `count` on several threads. These are not rayon workers: a worker that waits for the table could steal a
+/// task that waits for the same table, which deadlocks.
 fn rows<T: Send>(count: u32, make: impl Fn(u32) -> T + Sync) -> Vec<T> {
     let next = AtomicU32::new(0);
     let work = || {
@@ -177,7 +180,7 @@ fn rows<T: Send>(count: u32, make: impl Fn(u32) -> T + Sync) -> Vec<T> {
         taken.map(|row| (row, make(row))).collect::<Vec<_>>()
     };
     let mut made = thread::scope(|scope| {
-        // As many as the caller allows itself. Where the system refuses a thread, the others do its share.
+        // As many threads as the rayon pool of the caller has. If the system refuses a thread, the others compute its rows.
         let helpers: Vec<_> = (1..rayon::current_num_threads().min(count as usize))
             .map_while(|_| thread::Builder::new().spawn_scoped(scope, work).ok())
             .collect();
@@ -191,12 +194,12 @@ fn rows<T: Send>(count: u32, make: impl Fn(u32) -> T + Sync) -> Vec<T> {
     made.into_iter().map(|(_, row)| row).collect()
 }
 
-/// Colour of a face: the mean of 4×4 bilinear lookups per pixel.
+/// Returns the colour of a face: the mean of 4×4 bilinear lookups per pixel.
 pub fn resample_color(image: &ColorPlane, map: &FaceMap) -> Result<ColorPlane> {
     resample_filtered(image, map, |light| light.map(f16::to_f32), |sum| sum.map(f16::from_f32))
 }
 
-/// Alpha of a face, by the filter of colour.
+/// Returns the alpha of a face, filtered as colour.
 pub fn resample_alpha(image: &AlphaPlane, map: &FaceMap) -> Result<AlphaPlane> {
     resample_filtered(image, map, |alpha| [alpha], |[sum]| sum)
 }
@@ -226,7 +229,7 @@ fn resample_filtered<T: Copy, const N: usize>(
     Plane::new(map.size, map.size, pixels)
 }
 
-/// Depth or material of a face: the nearest sample, so that surfaces never mix.
+/// Returns the depth or material of a face by nearest sample, so that surfaces are never averaged.
 pub fn resample_nearest<T: Copy>(image: &Plane<T>, map: &FaceMap) -> Result<Plane<T>> {
     map.check(image.width(), image.height())?;
     Plane::new(map.size, map.size, map.nearest().iter().flatten().map(|&index| image.data()[index as usize]).collect())
@@ -253,7 +256,7 @@ mod tests {
                 assert!(DVec3::from_array(got).distance(expected) < 0.004, "{face:?} {col},{row}");
                 let index = near.get(col, row) as u32;
                 let there = panorama.pixel_direction(index % width, index / width);
-                // Half a pixel's diagonal.
+                // Half the diagonal of a pixel.
                 assert!(there.angle_between(expected) < 0.0088, "{face:?} {col},{row}");
             }
         }

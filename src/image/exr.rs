@@ -1,8 +1,8 @@
-//! OpenEXR files: reads selected channels as planes; writes planes as half or float ZIP files.
+//! OpenEXR files: reads selected channels as planes; writes planes as ZIP compressed files of half or float channels.
 //!
-//! Nothing that a file says is believed before it is checked: a header may claim only as many pixels as its file could hold
-//! (`guard`), and a chunk only as many bytes as its pixels take (`chunks`, `payload`). Chunks of other parts are neither read
-//! nor decompressed. Files are decoded on the calling thread; callers read several at once.
+//! Every size that a file states is checked before it is used: a header may claim only as many pixels as the file could hold
+//! (`guard`), and a chunk only as many bytes as its pixels take (`chunks`, `payload`). Chunks of unused parts are neither read
+//! nor decompressed. A file is decoded on the calling thread; callers read several files in parallel.
 
 use std::path::Path;
 
@@ -34,12 +34,12 @@ pub use write::{
     write_rgba_and,
 };
 
-/// Colour of a file, rounded to half floats to nearest, ties to even. A single luminance channel is read as gray.
+/// Reads colour, rounded to half floats (nearest, ties to even). A single luminance channel is read as gray.
 pub fn read_color(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> Result<ColorPlane> {
     read_planes(path, limits, f16::ZERO, |names| find_color(names, select))
 }
 
-/// As [`read_color`], with the primaries of the file's `chromaticities`; those of Rec. 709 where it has none.
+/// Reads colour as [`read_color`] does, and the primaries of the `chromaticities` attribute; Rec. 709 if the file has none.
 pub fn read_color_and_primaries(
     path: &Path,
     select: &ChannelSelect,
@@ -51,12 +51,12 @@ pub fn read_color_and_primaries(
     plane.and_then(|plane| Ok((plane, primaries?))).map_err(|error| named(error, path))
 }
 
-/// The primaries of a file's `chromaticities`; those of Rec. 709 where it has none.
+/// Reads the primaries of the `chromaticities` attribute; Rec. 709 if the file has none.
 pub fn read_primaries(path: &Path) -> Result<Primaries> {
     Ok(read_stated_primaries(path)?.unwrap_or(Primaries::REC709))
 }
 
-/// The primaries of a file's `chromaticities`, where it has any.
+/// Reads the primaries of the `chromaticities` attribute; `None` if the file has none.
 pub fn read_stated_primaries(path: &Path) -> Result<Option<Primaries>> {
     let opened = open(path)?;
     stated_primaries(opened.headers()).map_err(|error| named(error, path))
@@ -71,8 +71,8 @@ fn stated_primaries(headers: &[Header]) -> Result<Option<Primaries>> {
         .map_err(|error| error.context("`color_space` takes their place"))
 }
 
-/// Colour as [`read_color`] finds it, with the alpha of its layer; alpha is 1 where the layer has none. Colour is multiplied by
-/// alpha already, as the format has it.
+/// Reads colour as [`read_color`] does with [`ChannelSelect::Auto`], and the alpha of its layer; alpha is 1 if the layer has
+/// none. Colour is premultiplied by alpha, as OpenEXR defines it.
 pub fn read_rgba(path: &Path, limits: &ReadLimits) -> Result<Plane<[f16; 4]>> {
     let mut has_alpha = false;
     let mut plane = read_planes(path, limits, f16::ZERO, |names| {
@@ -87,7 +87,7 @@ pub fn read_rgba(path: &Path, limits: &ReadLimits) -> Result<Plane<[f16; 4]>> {
     Ok(plane)
 }
 
-/// Alpha of a file: the channel of that name, else that of the layer of colour; 0 outside the data window.
+/// Reads alpha: the channel that `select` names, or the alpha channel of the layer of colour; 0 outside the data window.
 pub fn read_alpha(
     path: &Path,
     select: &ChannelSelect,
@@ -98,8 +98,8 @@ pub fn read_alpha(
     Plane::new(plane.width(), plane.height(), plane.into_data().into_flattened())
 }
 
-/// Depth of a file as it is stored, in whatever unit and kind the file has; `+inf` outside the data window. Of a layer that
-/// holds depth three times, all three must be equal.
+/// Reads depth unchanged, in the unit and kind of the file; `+inf` outside the data window. Fails if a layer holds depth as R, G
+/// and B and the three differ.
 pub fn read_depth(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> Result<DepthPlane> {
     let opened = open(path)?;
     let found = find_depth(&channel_names(opened.headers()), select).map_err(|error| error.in_file(path))?;
@@ -121,12 +121,12 @@ pub fn read_depth(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> R
     Ok(plane.map(|pixel| pixel[0]))
 }
 
-/// Reflection weight, refraction weight and index of refraction from the channels of the three `names`.
+/// Reads reflection weight, refraction weight and index of refraction from the channels called `names`.
 pub fn read_material(path: &Path, names: [&str; 3], limits: &ReadLimits) -> Result<MaterialPlane> {
     read_channels(path, names, limits)
 }
 
-/// The channels of these names, of which any may occur twice; 0 outside the data window.
+/// Reads the channels called `names`, in which a name may occur twice; 0 outside the data window.
 pub fn read_channels<const N: usize>(path: &Path, names: [&str; N], limits: &ReadLimits) -> Result<Plane<[f32; N]>> {
     read_planes(path, limits, 0.0, |all| {
         let mut found = [0; N];
@@ -144,16 +144,16 @@ pub fn read_size(path: &Path, limits: &ReadLimits) -> Result<(u32, u32)> {
     Ok((window.width() as u32, window.height() as u32))
 }
 
-/// What the header of a file says of footage.
+/// Properties that the header of a file states.
 #[derive(Debug, Clone)]
 pub struct FileHeader {
     pub size: (u32, u32),
     pub(crate) channels: Vec<ChannelName>,
     /// Frames per second, above 0.
     pub fps: Option<f64>,
-    /// `worldToCamera`, row by row, for row vectors: the camera's x is right and y is up.
+    /// `worldToCamera`, row-major, for row vectors; the camera's x axis points right and y up.
     pub world_to_camera: Option<[f32; 16]>,
-    /// `worldToNDC`, in the same way: the image is −1 to 1, or 0 to 1.
+    /// `worldToNDC`, row-major, for row vectors; it maps the image to −1 to 1, or to 0 to 1.
     pub world_to_ndc: Option<[f32; 16]>,
 }
 
@@ -188,7 +188,7 @@ impl Sample for f16 {
         f16::from_f32(value)
     }
     fn from_uint(value: u32) -> Self {
-        // Through f64: rounding to f32 first would round twice.
+        // Converted through f64: a conversion to f32 first would round twice.
         f16::from_f64(f64::from(value))
     }
 }
@@ -205,7 +205,7 @@ impl Sample for f32 {
     }
 }
 
-/// Names of the channels of all parts, in order.
+/// Returns the names of the channels of all parts, in file order.
 pub(crate) fn channel_names(headers: &[Header]) -> Vec<ChannelName> {
     let mut names = Vec::new();
     for (part, header) in headers.iter().enumerate() {
@@ -214,7 +214,7 @@ pub(crate) fn channel_names(headers: &[Header]) -> Vec<ChannelName> {
         let views: Vec<String> = own.multi_view_names.iter().flatten().map(ToString::to_string).collect();
         for channel in &header.channels.list {
             let name = channel.name.to_string();
-            // Channels of the first of several views are called as if there was one.
+            // Channels of the first of several views have no view in their name.
             let named = views.iter().find(|view| name.rsplit('.').skip(1).any(|part| part == view.as_str()));
             let view = own.view_name.as_ref().map(ToString::to_string).or(named.or(views.first()).cloned());
             names.push(ChannelName { layer: layer.clone(), part, view: view.unwrap_or_default(), name });
@@ -226,7 +226,7 @@ pub(crate) fn channel_names(headers: &[Header]) -> Vec<ChannelName> {
 struct Wanted {
     part: usize,
     sample_type: SampleType,
-    /// Bytes of all channels before this one, for one pixel.
+    /// Bytes per pixel of all channels before this one.
     bytes_before: usize,
     slot: usize,
 }
@@ -301,7 +301,7 @@ fn select<const N: usize>(
     let mut wanted = Vec::with_capacity(N);
     for (slot, index) in chosen.into_iter().enumerate() {
         let (part, sample_type, bytes_before) = places[index];
-        // One subsampled channel shifts the bytes of all channels of its layer.
+        // A subsampled channel shifts the bytes of all channels of its layer.
         if headers[part].channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
             return Err(Error::unsupported("EXR layers with subsampled channels are not read: save all at full size"));
         }
@@ -310,8 +310,8 @@ fn select<const N: usize>(
     Ok(wanted)
 }
 
-/// Copies what a block has of one channel into the plane, leaving out what lies outside.
-/// `origin` is the corner of the data window, seen from the corner of the display window.
+/// Copies the samples of one channel of a block into the plane, clipped to the plane. `origin` is the upper left corner of the
+/// data window relative to that of the display window.
 fn paste<T: Sample, const N: usize>(
     block: &UncompressedBlock,
     header: &Header,
@@ -346,7 +346,7 @@ fn paste<T: Sample, const N: usize>(
     Ok(())
 }
 
-/// Converts samples, native-endian as the `exr` crate hands them over, into one component of the pixels.
+/// Converts samples, in native byte order as the `exr` crate returns them, to one component of the pixels.
 fn convert<T: Sample, const N: usize>(bytes: &[u8], channel: &Wanted, target: &mut [[T; N]]) {
     match channel.sample_type {
         SampleType::F16 => fill(bytes, channel.slot, target, |sample| T::from_half(f16::from_ne_bytes(sample))),

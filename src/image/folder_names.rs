@@ -1,4 +1,4 @@
-//! Names of the files in folders.
+//! File names in folders.
 
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 
-/// Names in folders, each of which is listed once.
+/// Cache of the file names in folders; each folder is listed once.
 #[derive(Debug, Default)]
 pub struct FolderNames(BTreeMap<PathBuf, Option<Vec<String>>>);
 
 impl FolderNames {
-    /// Sorted names, none of a folder that is not there; `None` where it may not be listed.
+    /// Returns the sorted names in `folder`, empty if the folder does not exist; `None` if listing it is not permitted.
     pub fn list(&mut self, folder: &Path) -> Result<Option<&[String]>> {
         if !self.0.contains_key(folder) {
             let names = match file_names(folder) {
@@ -33,7 +33,7 @@ impl FolderNames {
     }
 }
 
-/// Names that are UTF-8, in any order.
+/// Returns the names that are valid UTF-8, in any order.
 pub fn file_names(folder: &Path) -> Result<Vec<String>> {
     let entries = std::fs::read_dir(folder).map_err(|error| Error::io(folder, error))?;
     let mut names = Vec::new();

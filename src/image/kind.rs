@@ -1,6 +1,6 @@
-//! What the pixels of an image are, and how they were projected.
+//! Kinds of image streams, projections and kinds of depth.
 
-/// What the pixels of a stream are; the numbers are those of container.md 5.
+/// Quantity that the pixels of a stream hold; the discriminants are those of container.md 5.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
 pub enum StreamKind {
@@ -8,17 +8,17 @@ pub enum StreamKind {
     Color = 0,
     /// Distance in metres.
     Depth = 1,
-    /// Weights of reflection and refraction, index of refraction.
+    /// Reflection weight, refraction weight, index of refraction.
     Material = 2,
-    /// The part of a pixel that surfaces cover; colour beside it is multiplied by it.
+    /// Coverage of a pixel by surfaces; colour of the same image is premultiplied by it.
     Alpha = 3,
 }
 
 impl StreamKind {
-    /// All kinds, in the order of their numbers.
+    /// All kinds, in the order of their discriminants.
     pub const ALL: [StreamKind; 4] = [StreamKind::Color, StreamKind::Depth, StreamKind::Material, StreamKind::Alpha];
 
-    /// `color`, `depth`, `material` or `alpha`.
+    /// Returns `color`, `depth`, `material` or `alpha`.
     pub fn name(self) -> &'static str {
         match self {
             StreamKind::Color => "color",
@@ -28,12 +28,12 @@ impl StreamKind {
         }
     }
 
-    /// The kind of that name, if there is one.
+    /// Returns the kind with that name, or `None`.
     pub fn from_name(name: &str) -> Option<StreamKind> {
         StreamKind::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// The kind of that number, if there is one.
+    /// Returns the kind with that index, or `None`.
     pub fn from_index(index: u8) -> Option<StreamKind> {
         StreamKind::ALL.into_iter().find(|kind| *kind as u8 == index)
     }
@@ -45,14 +45,14 @@ impl StreamKind {
 pub enum Projection {
     /// Faces of an OpenGL cube map.
     Cubemap,
-    /// Longitude across, latitude down.
+    /// Longitude along x, latitude along y.
     Equirect,
     /// A pinhole camera.
     Perspective,
 }
 
 impl Projection {
-    /// As in manifests.
+    /// Returns the name used in manifests.
     pub fn name(self) -> &'static str {
         match self {
             Projection::Cubemap => "cubemap",
@@ -62,11 +62,11 @@ impl Projection {
     }
 }
 
-/// What a depth value measures.
+/// Definition of a depth value.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "encode", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum DepthKind {
-    /// Euclidean distance from the centre of the probe.
+    /// Euclidean distance from the probe centre.
     #[default]
     Distance,
     /// Distance along the viewing axis (Z buffer).
@@ -74,7 +74,7 @@ pub enum DepthKind {
 }
 
 impl DepthKind {
-    /// `distance` or `planar`.
+    /// Returns `distance` or `planar`.
     pub fn name(self) -> &'static str {
         if self == DepthKind::Distance { "distance" } else { "planar" }
     }

@@ -1,37 +1,37 @@
-//! Writes textures of compressed blocks as KTX 2.0 (Khronos Texture 2.0, revision 4): one level, no supercompression.
+//! Writes textures of compressed blocks as KTX 2.0 (Khronos Texture 2.0, revision 4): one mip level, no supercompression.
 
 use crate::error::{Error, Result};
 
 const IDENTIFIER: [u8; 12] = *b"\xABKTX 20\xBB\r\n\x1A\n";
-/// Bytes of the header, the index and the entry of one level (sections 3.1 to 3.9).
+/// Bytes of the header, the index and the index entry of one level (sections 3.1 to 3.9).
 const HEAD: usize = 80 + 24;
-/// Bytes of each block of all formats here; levels start at multiples of it (section 3.9.7).
+/// Bytes per block, equal for all formats of this module; levels start at multiples of it (section 3.9.7).
 const BLOCK_BYTES: usize = 16;
-/// Pixels along the side of a block.
+/// Block width and height in pixels.
 const BLOCK_SIDE: u32 = 4;
-/// Row 0 is the top.
+/// Row 0 is the top row.
 const ORIENTATION: (&str, &str) = ("KTXorientation", "rd");
 const WRITER: (&str, &str) = ("KTXwriter", "lightfold");
 
-/// Blocks of 4x4 pixels in 16 bytes.
+/// Compressed texture formats with 4x4 pixels in 16 bytes per block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BlockFormat {
-    /// sRGB codes, and alpha that they are not multiplied by.
+    /// sRGB codes with straight (not premultiplied) alpha.
     Bc7Srgb,
-    /// Linear light without a sign.
+    /// Linear RGB, unsigned.
     Bc6hUnsigned,
 }
 
-/// What the header and the data format descriptor say of a format.
+/// Fields of the header and the data format descriptor that depend on the block format.
 struct Description {
     vk_format: u32,
     /// Khronos Data Format 1.3, section 5.6.
     color_model: u8,
-    /// 1 linear, 2 sRGB.
+    /// Transfer function: 1 linear, 2 sRGB.
     transfer: u8,
-    /// Of the one sample: 0x80 for floating point.
+    /// Qualifiers of the single sample: 0x80 for floating point.
     qualifiers: u8,
-    /// Bits of the value that is shown as 1.
+    /// Bits of the sample value that represents 1.0.
     upper: u32,
 }
 
@@ -48,7 +48,7 @@ impl BlockFormat {
     }
 }
 
-/// A file with one texture of `width`×`height` pixels, from its blocks row by row.
+/// Returns the bytes of a file with one texture of `width`×`height` pixels; `blocks` are in row order.
 pub fn bytes(format: BlockFormat, [width, height]: [u32; 2], blocks: &[u8]) -> Result<Vec<u8>> {
     let [columns, rows] = [width, height].map(|side| u64::from(side.div_ceil(BLOCK_SIDE)));
     if columns * rows == 0 || blocks.len() as u64 != columns * rows * BLOCK_BYTES as u64 {
@@ -58,13 +58,13 @@ pub fn bytes(format: BlockFormat, [width, height]: [u32; 2], blocks: &[u8]) -> R
     let (descriptor, pairs) = (data_format_descriptor(format), key_value_data());
     let (first_descriptor, first_pair) = (HEAD, HEAD + descriptor.len());
     let first_block = (first_pair + pairs.len()).next_multiple_of(BLOCK_BYTES);
-    // type size 1 for blocks; one level, layer 0 for no array, one face.
+    // Type size 1 for block formats, depth 0, layer count 0 (no array), one face, one level, no supercompression.
     let header = [vk_format, 1, width, height, 0, 0, 1, 1, 0];
     let index = [first_descriptor, descriptor.len(), first_pair, pairs.len()].map(|at| at as u32);
     let of_level = [first_block, blocks.len(), blocks.len()].map(|at| at as u64);
     let mut file = IDENTIFIER.to_vec();
     file.extend(header.into_iter().chain(index).flat_map(u32::to_le_bytes));
-    // No supercompression, no global data for it.
+    // Offset and length of the supercompression global data: none.
     file.extend([0; 2].into_iter().chain(of_level).flat_map(u64::to_le_bytes));
     file.extend(descriptor);
     file.extend(pairs);
@@ -73,25 +73,26 @@ pub fn bytes(format: BlockFormat, [width, height]: [u32; 2], blocks: &[u8]) -> R
     Ok(file)
 }
 
-/// Its size in bytes and one basic block with one sample of 128 bits (Khronos Data Format 1.3, section 5).
+/// Returns the descriptor: its size in bytes and one basic block with one sample of 128 bits (Khronos Data Format
+/// 1.3, section 5).
 fn data_format_descriptor(format: BlockFormat) -> Vec<u8> {
     let Description { color_model, transfer, qualifiers, upper, .. } = format.description();
     let (block_bytes, version, primaries_bt709, flag_straight_alpha) = (24 + 16, 2u16, 1, 0);
     let mut bytes = u32::to_le_bytes(4 + block_bytes).to_vec();
-    // Vendor Khronos, a basic block.
+    // Vendor Khronos, descriptor type basic.
     bytes.extend([0; 4]);
     bytes.extend(version.to_le_bytes());
     bytes.extend((block_bytes as u16).to_le_bytes());
     bytes.extend([color_model, primaries_bt709, transfer, flag_straight_alpha]);
     bytes.extend([BLOCK_SIDE as u8 - 1, BLOCK_SIDE as u8 - 1, 0, 0]);
     bytes.extend([BLOCK_BYTES as u8, 0, 0, 0, 0, 0, 0, 0]);
-    // Bits 0 to 127, channel 0 (colour), at the corner of the block.
+    // Bits 0 to 127, channel 0 (colour), sample position at the block corner.
     bytes.extend([0, 0, 127, qualifiers, 0, 0, 0, 0]);
     bytes.extend([0, upper].into_iter().flat_map(u32::to_le_bytes));
     bytes
 }
 
-/// Keys in the order of their bytes, each entry filled up to a multiple of four bytes (section 3.11).
+/// Returns the key/value entries, sorted by key, each padded to a multiple of four bytes (section 3.11).
 fn key_value_data() -> Vec<u8> {
     let mut bytes = Vec::new();
     for (key, value) in [ORIENTATION, WRITER] {
@@ -130,7 +131,7 @@ mod tests {
             assert_eq!((reader.color_model(), reader.transfer_function()), (Some(model), Some(transfer)));
             assert_eq!(reader.color_primaries(), Some(::ktx2::ColorPrimaries::BT709));
             assert_eq!(reader.is_alpha_premultiplied(), Some(false));
-            // Values of both keys end with a zero.
+            // Both values are NUL-terminated.
             assert_eq!(reader.writer(), Some("lightfold\0"));
             let levels: Vec<_> = reader.levels().collect();
             assert_eq!(levels.len(), 1);
@@ -138,7 +139,7 @@ mod tests {
         }
     }
 
-    /// The rules of the specification that a reader need not check.
+    /// Checks rules of the specification that readers do not have to enforce.
     #[test]
     fn descriptor_keys_and_alignment_are_as_the_specification_has_them() {
         for format in [BlockFormat::Bc7Srgb, BlockFormat::Bc6hUnsigned] {
@@ -151,15 +152,15 @@ mod tests {
             assert_eq!((pairs, pairs % 4, global, global_bytes), (148, 0, 0, 0));
             assert_eq!((level % 16, level_bytes, plain_bytes, level + 16), (0, 16, 16, file.len()));
             assert!(file[pairs + pairs_bytes..level].iter().all(|byte| *byte == 0));
-            // One basic block of version 2, with texel blocks of 4x4 and 16 bytes in its one plane.
+            // One basic block of version 2, with texel blocks of 4x4 and 16 bytes in its single plane.
             assert_eq!([word(descriptor + 4), word(descriptor + 8)], [0, 2 | 40 << 16]);
             assert_eq!(file[descriptor + 16..descriptor + 28], [3, 3, 0, 0, 16, 0, 0, 0, 0, 0, 0, 0]);
-            // The sample: 128 bits, from 0 to 1.
+            // The sample: 128 bits, range 0 to 1.
             let is_float = format == BlockFormat::Bc6hUnsigned;
             let (kind, upper) = if is_float { (0x80, 0x3f80_0000) } else { (0, u32::MAX as usize) };
             assert_eq!(file[descriptor + 28..descriptor + 36], [0, 0, 127, kind, 0, 0, 0, 0]);
             assert_eq!([word(descriptor + 36), word(descriptor + 40)], [0, upper]);
-            // Keys are sorted and end with a zero, and lengths leave the padding out.
+            // Keys are sorted and NUL-terminated, and lengths do not include the padding.
             let (mut at, mut keys) = (pairs, Vec::new());
             while at < pairs + pairs_bytes {
                 let pair = &file[at + 4..at + 4 + word(at)];

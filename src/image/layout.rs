@@ -1,4 +1,4 @@
-//! Images with all six faces of a cube, crosses and strips; images with the pictures of both eyes.
+//! Images that hold all six faces of a cube (crosses and strips), and images that hold both eyes of a stereo pair.
 //!
 //! ```text
 //! cross 4:3          cross 3:4           strips 6:1, 1:6
@@ -7,13 +7,13 @@
 //!     ny                 ny
 //!                        nz, turned by 180°
 //! ```
-//! Every face but that last one has the orientation of [`Face::axes`], so that neighbours in a cross join seamlessly.
+//! All other faces have the orientation of [`Face::axes`], so that neighbours in a cross join seamlessly.
 
 use super::cube::Face;
 use super::plane::Plane;
 use crate::error::{Error, Result};
 
-/// Layout of the faces; horizontal or vertical by the image's shape.
+/// Layout of the six faces; the orientation follows from the aspect ratio of the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaceLayout {
     /// An unfolded cube, 4:3 or 3:4.
@@ -25,9 +25,9 @@ pub enum FaceLayout {
 struct Cells {
     columns: u32,
     rows: u32,
-    /// Column and row of each face in the order of [`Face::CUBE`].
+    /// Column and row of each face, in the order of [`Face::CUBE`].
     places: [[u32; 2]; 6],
-    /// The face that is turned by 180°.
+    /// The face that is rotated by 180°.
     turned: Option<Face>,
 }
 
@@ -50,7 +50,7 @@ fn cells(layout: FaceLayout, width: u32, height: u32) -> Cells {
     }
 }
 
-/// Side in pixels of the faces in an image of that shape.
+/// Returns the side of a face in pixels. Fails if the image does not have the aspect ratio of the layout.
 pub fn face_size(layout: FaceLayout, width: u32, height: u32) -> Result<u32> {
     let Cells { columns, rows, .. } = cells(layout, width, height);
     let size = width / columns;
@@ -67,18 +67,18 @@ pub fn face_size(layout: FaceLayout, width: u32, height: u32) -> Result<u32> {
     Err(Error::invalid(format!("{shapes}, this image is {width}x{height}")))
 }
 
-/// Place of the pictures of two eyes in one image.
+/// Arrangement of the images of both eyes in one image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "encode", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum StereoLayout {
-    /// The left eye's picture above the right eye's.
+    /// The left eye above the right eye.
     OverUnder,
-    /// The left eye's picture to the left of the right eye's.
+    /// The left eye to the left of the right eye.
     SideBySide,
 }
 
 impl StereoLayout {
-    /// As in manifests.
+    /// Returns the name used in manifests.
     pub fn name(self) -> &'static str {
         if self == StereoLayout::OverUnder { "over-under" } else { "side-by-side" }
     }
@@ -92,7 +92,7 @@ pub enum Eye {
     Right,
 }
 
-/// Size of the picture of an eye; `None` where the image cannot be halved.
+/// Returns the size of the image of one eye; `None` if the side of the image is odd or 0.
 pub fn eye_size(layout: StereoLayout, [width, height]: [u32; 2]) -> Option<[u32; 2]> {
     match layout {
         StereoLayout::OverUnder => (height % 2 == 0 && height > 0).then_some([width, height / 2]),
@@ -100,7 +100,7 @@ pub fn eye_size(layout: StereoLayout, [width, height]: [u32; 2]) -> Option<[u32;
     }
 }
 
-/// Cuts the picture of an eye out.
+/// Returns the image of one eye.
 pub fn cut_eye<T: Copy>(image: &Plane<T>, layout: StereoLayout, eye: Eye) -> Result<Plane<T>> {
     let [width, height] = [image.width(), image.height()];
     let size = eye_size(layout, [width, height])
@@ -113,7 +113,7 @@ pub fn cut_eye<T: Copy>(image: &Plane<T>, layout: StereoLayout, eye: Eye) -> Res
     Ok(image.cut(origin, size))
 }
 
-/// Cuts the six faces out, in the order of [`Face::CUBE`].
+/// Returns the six faces, in the order of [`Face::CUBE`].
 pub fn cut_faces<T: Copy>(image: &Plane<T>, layout: FaceLayout) -> Result<Vec<Plane<T>>> {
     let size = face_size(layout, image.width(), image.height())?;
     let Cells { places, turned, .. } = cells(layout, image.width(), image.height());
@@ -133,8 +133,8 @@ mod tests {
 
     #[test]
     fn neighbours_in_a_cross_join() {
-        // Paint each pixel with its direction; inside a cross neighbouring directions differ by little, also where
-        // two faces meet.
+        // Each pixel holds its direction. In a cross, directions of neighbouring pixels differ little, also across the edge of
+        // two faces.
         let size = 8;
         for (layout, columns, rows) in [(FaceLayout::Cross, 4, 3), (FaceLayout::Cross, 3, 4)] {
             let mut image = Plane::filled(columns * size, rows * size, None);
@@ -150,7 +150,7 @@ mod tests {
             let mut joined = 0;
             for y in 0..image.height() {
                 for x in 1..image.width() {
-                    // nz (lower) touches no face sideways; all others that touch must join.
+                    // The lower nz of a 3:4 cross has no horizontal neighbour; all neighbours must join.
                     if let (Some(a), Some(b)) = (image.get(x - 1, y), image.get(x, y)) {
                         assert!(a.distance(b) < 0.3, "{columns}: {x},{y}");
                         joined += 1;

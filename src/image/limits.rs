@@ -1,9 +1,9 @@
-//! Limits of the memory that image files may claim.
+//! Memory limits of image files.
 
-/// Checked before memory is allocated for an image.
+/// Limits checked before memory is allocated for an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ReadLimits {
-    /// Limit of bytes of decoded pixels of an image file, over all layers and channels.
+    /// Maximum bytes of decoded pixels of an image file, summed over all layers and channels.
     pub max_image_bytes: u64,
 }
 
@@ -14,15 +14,15 @@ impl Default for ReadLimits {
 }
 
 impl ReadLimits {
-    /// Peak memory in bytes of reading an image file of `file_len` bytes: its decoded pixels twice (as stored and as
-    /// returned), three times where integers become floats, the display window, and the decoder's tables.
+    /// Returns the peak memory in bytes of reading an image file of `file_len` bytes: its decoded pixels twice (as stored and as
+    /// returned), or three times if integers are converted to floats, the display window, and the decoder's tables.
     pub fn memory_bound(&self, file_len: u64) -> u64 {
         self.believable(file_len, 64 << 20).saturating_mul(4).saturating_add(64 << 20)
     }
 
-    /// Plausible bytes of pixels of a file of `file_len` bytes, within the limit.
-    /// `floor` is allowed to any file. Beyond it no compression of real images exceeds 4096 to 1, so a header that
-    /// claims more is damaged or hostile.
+    /// Returns the maximum plausible bytes of pixels of a file of `file_len` bytes, within the limit. Files of any size are
+    /// allowed `floor` bytes. Beyond that, no compression of real images exceeds 4096:1, so a header that claims more is damaged
+    /// or hostile.
     pub(crate) fn believable(&self, file_len: u64, floor: u64) -> u64 {
         self.max_image_bytes.min(floor.max(file_len.saturating_mul(4096)))
     }

@@ -1,4 +1,4 @@
-//! Images: planes of pixels, their files, transfer functions, and the image model.
+//! Images: planes of pixels, image files, transfer functions, and projections.
 
 pub mod channels;
 #[cfg(feature = "encode")]

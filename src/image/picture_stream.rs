@@ -1,11 +1,11 @@
-//! Streams of pictures for other programs, such as ffmpeg: PNG files one behind the other, Y4M, or raw codes.
+//! Image streams for other programs, such as ffmpeg: concatenated PNG files, Y4M, or raw samples.
 //!
-//! Enters: pictures of one size, in order, and their rate. Leaves: bytes for a pipe.
+//! Takes images of one size, in order, and their frame rate; writes bytes to a pipe.
 //!
-//! - `Png`: each picture as a PNG file with all that it holds: 16-bit codes of depth, alpha of rendered pictures.
-//! - `Y4m`: YUV4MPEG2 of 8 bits, 4:4:4, BT.709 in limited range. Colour is over black.
-//! - `Raw`: a line of text, `width=W height=H pixel_format=F fps=N/D`, then the pictures, row by row without padding. F is `rgb24`,
-//!   over black, or `gray16le`.
+//! - `Png`: each image as a PNG file. 16-bit depth codes and the alpha of rendered images are kept.
+//! - `Y4m`: YUV4MPEG2, 8 bits, 4:4:4, BT.709 in limited range. Images with alpha are composited over black.
+//! - `Raw`: a text line, `width=W height=H pixel_format=F fps=N/D`, then the images in row order without padding. F is `rgb24`,
+//!   composited over black, or `gray16le`.
 
 use std::fmt;
 use std::io::Write;
@@ -21,12 +21,12 @@ pub enum StreamFormat {
     Raw,
 }
 
-/// A picture in codes, as PNG files hold it.
+/// An image of integer codes, as stored in PNG files.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CodePicture {
     Gray16(Plane<u16>),
     Rgb8(Plane<[u8; 3]>),
-    /// Colour is not multiplied by alpha.
+    /// Colour is not premultiplied by alpha.
     Rgba8(Plane<[u8; 4]>),
 }
 
@@ -39,7 +39,7 @@ impl CodePicture {
         }
     }
 
-    /// The bytes of a PNG file.
+    /// Writes the image as a PNG file.
     pub fn encode_png(&self, out: &mut dyn Write) -> Result<()> {
         match self {
             CodePicture::Gray16(plane) => png::encode_depth16(out, plane),
@@ -48,7 +48,7 @@ impl CodePicture {
         }
     }
 
-    /// Red, green and blue over black, row by row; none of gray pictures.
+    /// Returns the RGB codes in row order, composited over black; `None` for gray images.
     fn rgb(&self) -> Option<Vec<[u8; 3]>> {
         let over_black = |&[r, g, b, alpha]: &[u8; 4]| {
             [r, g, b].map(|code| ((u32::from(code) * u32::from(alpha) + 127) / 255) as u8)
@@ -60,13 +60,13 @@ impl CodePicture {
         }
     }
 
-    /// ffmpeg's name of the pixels of [`StreamFormat::Raw`].
+    /// Returns the ffmpeg name of the pixel format of [`StreamFormat::Raw`].
     fn pixel_format(&self) -> &'static str {
         if matches!(self, CodePicture::Gray16(_)) { "gray16le" } else { "rgb24" }
     }
 }
 
-/// Pictures per second as a fraction.
+/// Frame rate in images per second, as a fraction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrameRate {
     pub numerator: u32,
@@ -76,14 +76,14 @@ pub struct FrameRate {
 impl FrameRate {
     const MAX_TERM: f64 = i32::MAX as f64;
 
-    /// The fraction of a rate above 0. 23.976, 29.97 and the like are multiples of 1000/1001, as in television.
+    /// Converts `fps`, above 0, to a fraction. Rates such as 23.976 and 29.97 become multiples of 1000/1001, the NTSC rates.
     pub fn of(fps: f64) -> FrameRate {
         let of_television = (fps * 1.001).round();
         let is_whole = fps.fract() == 0.0;
         if !is_whole && of_television <= 1e6 && (fps * 1.001 - of_television).abs() < 1e-3 && of_television >= 1.0 {
             return FrameRate { numerator: 1000 * of_television as u32, denominator: 1001 };
         }
-        // Continued fraction.
+        // Continued fraction expansion.
         let (mut rest, [mut p, mut q], [mut before_p, mut before_q]) = (fps, [1.0, 0.0], [0.0, 1.0]);
         loop {
             let whole = rest.floor();
@@ -113,15 +113,15 @@ impl fmt::Display for FrameRate {
     }
 }
 
-/// Writes pictures into a pipe.
+/// Writer of an image stream.
 #[derive(Debug)]
 pub struct PictureStream<W: Write> {
     out: W,
     format: StreamFormat,
     rate: FrameRate,
-    /// Size and pixels of all pictures, once there is one.
+    /// Size and pixel format of all images; `None` before the first one.
     layout: Option<([u32; 2], &'static str)>,
-    /// Bytes so far.
+    /// Number of bytes written.
     pub bytes: u64,
 }
 
@@ -134,11 +134,11 @@ impl<W: Write> PictureStream<W> {
         self.format
     }
 
-    /// Writes the next picture.
+    /// Writes the next image.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a picture that the format cannot hold, or of another size than those before; [`Error::Io`] where the
-    /// reader has left.
+    /// [`Error::Usage`] if the format cannot hold the image, or if its size or pixel format differs from that of the first image;
+    /// [`Error::Io`] if writing fails, for example because the reader closed the pipe.
     pub fn put(&mut self, picture: &CodePicture) -> Result<()> {
         let layout = (picture.size(), picture.pixel_format());
         let is_first = self.layout.is_none();
@@ -189,7 +189,7 @@ impl<W: Write> PictureStream<W> {
     }
 }
 
-/// Y, Cb, Cr of BT.709 in limited range, to the nearest code.
+/// Converts RGB to Y, Cb, Cr of BT.709 in limited range, rounded to nearest.
 fn yuv(rgb: [u8; 3]) -> [u8; 3] {
     const RED: f64 = 0.2126;
     const BLUE: f64 = 0.0722;
@@ -240,7 +240,7 @@ mod tests {
     #[test]
     fn y4m_is_bt709_in_limited_range() {
         let colors = [[0; 3], [255; 3], [255, 0, 0], [0, 255, 0], [0, 0, 255]];
-        // Of ITU-R BT.709-6, table 4: quantised levels of black, white and the primaries.
+        // ITU-R BT.709-6, table 4: quantised levels of black, white and the primaries.
         let expected = [[16, 128, 128], [235, 128, 128], [63, 102, 240], [173, 42, 26], [32, 240, 118]];
         assert_eq!(colors.map(yuv), expected);
         let picture = CodePicture::Rgba8(Plane::new(2, 1, vec![[255, 255, 255, 255], [255, 0, 0, 0]]).unwrap());

@@ -12,19 +12,20 @@ pub struct Plane<T> {
     data: Vec<T>,
 }
 
-/// Linear scene-referred colour, of Rec. 709 unless its owner says otherwise, `[r, g, b]` per pixel. Half floats, since renderers
-/// write them, and their 65,536 values make every transfer function and metric a table.
+/// Linear scene-referred RGB per pixel, in Rec. 709 primaries unless stated otherwise. Half floats, since renderers write them,
+/// and since their 65,536 values allow any transfer function or metric to be a table.
 pub type ColorPlane = Plane<[f16; 3]>;
 /// Depth in metres, `f32::INFINITY` for the background.
 pub type DepthPlane = Plane<f32>;
 /// Reflection weight, refraction weight and index of refraction per pixel.
 pub type MaterialPlane = Plane<[f32; 3]>;
-/// The part of each pixel that surfaces cover, 0 to 1.
+/// Coverage of each pixel by surfaces, 0 to 1.
 pub type AlphaPlane = Plane<f32>;
-/// Unit vectors in world axes; zero for the background.
+/// Unit normals in world axes; zero for the background.
 pub type NormalPlane = Plane<[f32; 3]>;
 
-/// Alpha within 0 to 1; half floats and filters may have left it a little beyond. `Err` says what it is instead.
+/// Clamps alpha to 0..1; half floats and filters may exceed that range by up to 0.002. Fails for other values with a message that
+/// states the value.
 pub fn unit_alpha(alpha: f32) -> std::result::Result<f32, String> {
     if (-0.002..=1.002).contains(&alpha) {
         Ok(alpha.clamp(0.0, 1.0))
@@ -94,10 +95,10 @@ impl<T: Clone> Plane<T> {
 }
 
 impl<T: Copy> Plane<T> {
-    /// Pixel by pixel with another image.
+    /// Combines two images pixel by pixel.
     ///
     /// # Errors
-    /// It has another size.
+    /// Fails if the sizes differ.
     pub fn zip<U: Copy, V>(&self, other: &Plane<U>, value: impl Fn(T, U) -> V) -> Result<Plane<V>> {
         if (other.width, other.height) != (self.width, self.height) {
             let [own, others] = [(self.width, self.height), (other.width, other.height)];
@@ -107,7 +108,7 @@ impl<T: Copy> Plane<T> {
         Ok(Plane { width: self.width, height: self.height, data })
     }
 
-    /// A rectangle of it, which must lie inside.
+    /// Returns a rectangle of the image; panics if it is not inside.
     pub fn cut(&self, origin: [u32; 2], [width, height]: [u32; 2]) -> Plane<T> {
         Plane::from_fn(width, height, |x, y| self.get(origin[0] + x, origin[1] + y))
     }

@@ -15,10 +15,10 @@ use super::transfer::{DecodeTable, ToneMap, Transfer, srgb16};
 use crate::error::{Error, Result};
 use crate::files::DiskFile;
 
-/// Any file may claim this much; see [`ReadLimits`].
+/// Bytes of decoded pixels that are allowed for a file of any size; see [`ReadLimits`].
 const PIXEL_FLOOR: u64 = 16 << 20;
 
-/// Colour as linear light of the space's primaries. Gray is repeated in all three components; alpha is ignored.
+/// Reads colour as linear RGB in the primaries of `space`. Gray is repeated in all three components; alpha is ignored.
 pub fn read_color(path: &Path, space: ColorSpace, limits: &ReadLimits) -> Result<ColorPlane> {
     let transfer = space.transfer();
     let image = decode(path, limits)?;
@@ -38,10 +38,10 @@ pub fn read_color(path: &Path, space: ColorSpace, limits: &ReadLimits) -> Result
     Plane::new(width, height, data)
 }
 
-/// Alpha of 0 to 1, or gray of a file without colour.
+/// Reads alpha, 0 to 1; for gray images without alpha, reads gray as alpha.
 ///
 /// # Errors
-/// Names a file that has colour and no alpha.
+/// Fails if the file has colour and no alpha.
 pub fn read_alpha(path: &Path, limits: &ReadLimits) -> Result<AlphaPlane> {
     let image = decode(path, limits)?;
     let (width, height) = (image.width(), image.height());
@@ -54,34 +54,34 @@ pub fn read_alpha(path: &Path, limits: &ReadLimits) -> Result<AlphaPlane> {
     Plane::new(width, height, data)
 }
 
-/// Whether a file has an alpha channel.
+/// Returns true if the file has an alpha channel.
 pub fn has_alpha(path: &Path, limits: &ReadLimits) -> Result<bool> {
     Ok(decode(path, limits)?.color().has_alpha())
 }
 
-/// Whether a file is read as PNG, by its name.
+/// Returns true if the file extension is `png`, ignoring case.
 pub fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
 }
 
-/// Red, green, blue and alpha as 16-bit codes, those of 8 bits times 257. Gray is repeated in all three components; alpha is
-/// 65535 where the file has none.
+/// Reads red, green, blue and alpha as 16-bit codes; 8-bit codes are multiplied by 257. Gray is repeated in all three components;
+/// alpha is 65535 for files without alpha.
 pub fn read_rgba16(path: &Path, limits: &ReadLimits) -> Result<Plane<[u16; 4]>> {
     let image = decode(path, limits)?;
     let (width, height) = (image.width(), image.height());
     Plane::new(width, height, image.into_rgba16().pixels().map(|pixel| pixel.0).collect())
 }
 
-/// Red, green, blue and alpha as 8-bit codes, those of 16 bits rounded to nearest. Gray is repeated in all three components;
-/// alpha is 255 where the file has none.
+/// Reads red, green, blue and alpha as 8-bit codes; 16-bit codes are rounded to nearest. Gray is repeated in all three
+/// components; alpha is 255 for files without alpha.
 pub fn read_rgba8(path: &Path, limits: &ReadLimits) -> Result<Plane<[u8; 4]>> {
     let image = decode(path, limits)?;
     let (width, height) = (image.width(), image.height());
     Plane::new(width, height, image.into_rgba8().pixels().map(|pixel| pixel.0).collect())
 }
 
-/// Depth from a gray image of 8 or 16 bits: code × `scale` (metres per unit), so that code 0 is 0.0. What 0 means is
-/// up to the caller.
+/// Reads depth from a gray image of 8 or 16 bits: code × `scale`, where `scale` is metres per code. Code 0 becomes 0.0; the
+/// caller decides whether that is background.
 pub fn read_depth(path: &Path, scale: f64, limits: &ReadLimits) -> Result<DepthPlane> {
     let image = decode(path, limits)?;
     let (width, height) = (image.width(), image.height());
@@ -101,12 +101,12 @@ pub fn read_size(path: &Path, limits: &ReadLimits) -> Result<(u32, u32)> {
     Ok(open(path, limits)?.dimensions())
 }
 
-/// Whether the file has one gray channel of 16 bits.
+/// Returns true if the file has one 16-bit gray channel.
 pub fn is_gray16(path: &Path, limits: &ReadLimits) -> Result<bool> {
     Ok(open(path, limits)?.color_type() == ColorType::L16)
 }
 
-/// Writes 8-bit R, G, B. The bytes depend on the pixels alone.
+/// Writes 8-bit R, G, B. The bytes of the file depend only on the pixels.
 pub fn write_color8(path: &Path, plane: &Plane<[u8; 3]>) -> Result<()> {
     write(path, plane, plane.data().as_flattened(), ExtendedColorType::Rgb8)
 }
@@ -115,27 +115,27 @@ pub fn encode_color8(writer: &mut dyn Write, plane: &Plane<[u8; 3]>) -> Result<(
     encode(writer, [plane.width(), plane.height()], plane.data().as_flattened(), ExtendedColorType::Rgb8)
 }
 
-/// The bytes of a file of 8-bit R, G, B and alpha, into anything that takes bytes; colour is not multiplied by alpha.
+/// Writes a PNG file of 8-bit R, G, B and alpha to `writer`; colour is not premultiplied by alpha.
 pub fn encode_rgba8(writer: &mut dyn Write, plane: &Plane<[u8; 4]>) -> Result<()> {
     encode(writer, [plane.width(), plane.height()], plane.data().as_flattened(), ExtendedColorType::Rgba8)
 }
 
-/// Writes 8-bit R, G, B and alpha; colour is not multiplied by alpha. The bytes depend on the pixels alone.
+/// Writes 8-bit R, G, B and alpha; colour is not premultiplied by alpha. The bytes of the file depend only on the pixels.
 pub fn write_rgba8(path: &Path, plane: &Plane<[u8; 4]>) -> Result<()> {
     write(path, plane, plane.data().as_flattened(), ExtendedColorType::Rgba8)
 }
 
-/// Writes 16-bit gray, the codes as they are. The bytes depend on the pixels alone.
+/// Writes codes as 16-bit gray, unchanged. The bytes of the file depend only on the pixels.
 pub fn write_depth16(path: &Path, plane: &Plane<u16>) -> Result<()> {
     write(path, plane, &native_bytes(plane), ExtendedColorType::L16)
 }
 
-/// The bytes of a file of 16-bit gray, into anything that takes bytes.
+/// Writes a PNG file of 16-bit gray to `writer`.
 pub fn encode_depth16(writer: &mut dyn Write, plane: &Plane<u16>) -> Result<()> {
     encode(writer, [plane.width(), plane.height()], &native_bytes(plane), ExtendedColorType::L16)
 }
 
-/// The encoder takes native-endian samples and swaps them itself.
+/// Returns the samples in native byte order; the encoder converts them to big-endian.
 fn native_bytes(plane: &Plane<u16>) -> Vec<u8> {
     plane.data().iter().flat_map(|code| code.to_ne_bytes()).collect()
 }
@@ -162,7 +162,8 @@ fn encode(writer: &mut dyn Write, size: [u32; 2], bytes: &[u8], color: ExtendedC
     }
 }
 
-/// Keeps the system's error, which the encoder hands on as another kind, or, of the last bytes, not at all.
+/// Writer that keeps the error of the operating system. The encoder converts it to another kind, and drops errors of the final
+/// bytes.
 struct Watched<'a> {
     writer: &'a mut dyn Write,
     failed: Option<std::io::Error>,
@@ -231,7 +232,7 @@ fn translate(error: ImageError, path: &Path) -> Error {
 mod tests {
     use super::*;
 
-    /// Has room for so many bytes.
+    /// A writer that fails with `StorageFull` after this number of bytes.
     struct Disk(usize);
 
     impl Write for Disk {
@@ -300,7 +301,7 @@ mod tests {
             let mut bad = good.clone();
             bad[at] ^= 0xff;
             std::fs::write(&path, &bad).unwrap();
-            // Every chunk has a checksum; only what lies behind the last needed byte may change unseen.
+            // Every chunk has a checksum; only a change after the last byte that is read can pass unnoticed.
             let _ = read_depth(&path, 1.0, &ReadLimits::default());
         }
         std::fs::write(&path, &good[..40]).unwrap();

@@ -1,7 +1,8 @@
-//! Primaries and white of linear light, as CIE 1931 chromaticities, and the matrices between them.
+//! Primaries and white point of linear RGB, as CIE 1931 chromaticities, and conversion matrices between them.
 //!
-//! A matrix goes from one set of primaries to CIE XYZ (SMPTE RP 177), adapts the white point by the Bradford transform, and goes on
-//! to the other set. It is computed in 64 bits. Light outside the other gamut becomes negative; nothing is clipped.
+//! A conversion maps the first primaries to CIE XYZ (SMPTE RP 177), adapts the white point by the Bradford transform, and maps
+//! XYZ to the second primaries. Matrices are computed in 64-bit floats. Colours outside the target gamut have negative
+//! components; nothing is clipped.
 
 use glam::{DMat3, DVec3};
 use half::f16;
@@ -9,10 +10,10 @@ use half::f16;
 use crate::error::{Error, Result};
 use crate::image::ColorPlane;
 
-/// Cone responses of XYZ (Lam 1985).
+/// Matrix from XYZ to cone responses (Lam 1985).
 const BRADFORD: DMat3 =
     DMat3::from_cols_array(&[0.8951, -0.7502, 0.0389, 0.2664, 1.7135, -0.0685, -0.1614, 0.0367, 1.0296]);
-/// Chromaticities that differ by no more are those of the same primaries: files round them differently.
+/// Maximum difference of chromaticities that count as equal; writers round them differently.
 const SAME: f32 = 1e-5;
 
 /// The x and y of red, green, blue and white.
@@ -28,7 +29,7 @@ const D65: [f32; 2] = [0.3127, 0.3290];
 const ACES_WHITE: [f32; 2] = [0.32168, 0.33767];
 
 impl Primaries {
-    /// Those of sRGB, and of OpenEXR files that state none.
+    /// Primaries of sRGB, and of OpenEXR files that state none.
     pub const REC709: Primaries = Primaries { red: [0.64, 0.33], green: [0.3, 0.6], blue: [0.15, 0.06], white: D65 };
     /// AP1 (S-2014-004).
     pub const ACESCG: Primaries =
@@ -39,10 +40,11 @@ impl Primaries {
     /// ITU-R BT.2020.
     pub const REC2020: Primaries =
         Primaries { red: [0.708, 0.292], green: [0.17, 0.797], blue: [0.131, 0.046], white: D65 };
-    /// SMPTE EG 432-1 with the white of D65.
+    /// SMPTE EG 432-1 with D65 white.
     pub const P3_D65: Primaries = Primaries { red: [0.68, 0.32], green: [0.265, 0.69], blue: [0.15, 0.06], white: D65 };
 
-    /// Red x, red y, green x, and so on to white y, as files hold them.
+    /// Creates primaries from red x, red y, green x, and so on to white y, the order of files. Fails if the chromaticities span
+    /// no gamut.
     pub fn from_array(values: [f32; 8]) -> Result<Primaries> {
         let [red, green, blue, white] = [0, 2, 4, 6].map(|at| [values[at], values[at + 1]]);
         let primaries = Primaries { red, green, blue, white };
@@ -62,12 +64,12 @@ impl Primaries {
         self.is_same(Primaries::REC709)
     }
 
-    /// Whether these are the same but for the rounding of files.
+    /// Returns true if both are equal up to the rounding in files.
     pub fn is_same(self, other: Primaries) -> bool {
         self.to_array().iter().zip(other.to_array()).all(|(a, b)| (a - b).abs() <= SAME)
     }
 
-    /// From linear light of these primaries to linear light of others; `None` where they are the same.
+    /// Returns the matrix from linear RGB in these primaries to linear RGB in `other`; `None` if both are the same.
     pub fn conversion_to(self, other: Primaries) -> Option<LightMatrix> {
         if self.is_same(other) {
             return None;
@@ -78,7 +80,7 @@ impl Primaries {
         Some(LightMatrix(to.inverse() * adapt * from))
     }
 
-    /// Columns are the XYZ of red, green and blue, which add up to white of Y 1.
+    /// Returns the matrix from RGB to XYZ. Its columns are the XYZ of red, green and blue; they sum to white with Y = 1.
     fn to_xyz(self) -> Option<DMat3> {
         let columns = DMat3::from_cols(xyz(self.red)?, xyz(self.green)?, xyz(self.blue)?);
         if columns.determinant().abs() < 1e-9 {
@@ -88,14 +90,14 @@ impl Primaries {
     }
 }
 
-/// XYZ of Y 1; `None` where no colour has these chromaticities.
+/// Returns XYZ with Y = 1; `None` if the chromaticities are not those of a colour.
 fn xyz([x, y]: [f32; 2]) -> Option<DVec3> {
     let (x, y) = (f64::from(x), f64::from(y));
     let found = DVec3::new(x / y, 1.0, (1.0 - x - y) / y);
     found.is_finite().then_some(found)
 }
 
-/// Converts linear light between two sets of primaries.
+/// Matrix that converts linear RGB between two sets of primaries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightMatrix(DMat3);
 
@@ -104,7 +106,7 @@ impl LightMatrix {
         (self.0 * DVec3::from_array(light.map(f64::from))).to_array().map(|value| value as f32)
     }
 
-    /// As [`Self::convert`], rounded to half floats; what is too large for one becomes the largest.
+    /// Converts as [`Self::convert`] does, rounded to half floats and clamped to their finite range.
     pub fn convert_half(self, light: [f16; 3]) -> [f16; 3] {
         let [least, most] = [f16::MIN, f16::MAX].map(f16::to_f64);
         let light = self.0 * DVec3::from_array(light.map(f16::to_f64));

@@ -1,16 +1,16 @@
-//! The image model: the direction that a position in an image looks along, and the position of a direction.
+//! The image model: maps a position in an image to a direction, and a direction to a position.
 //!
 //! - Axes are right-handed with +Y up.
-//! - Positions are in pixels from the upper left corner, x to the right, y down. The centre of pixel (col, row) is
-//!   (col + 0.5, row + 0.5); an image of W×H pixels is 0..=W by 0..=H.
-//! - Cube faces and pinholes are flat: (u, v) is where a ray meets the plane at distance 1, and its direction is
-//!   forward + u·right + v·down. The length of that is distance over planar depth.
+//! - Positions are in pixels from the upper left corner, x to the right, y down. The centre of pixel (col, row) is (col + 0.5,
+//!   row + 0.5); an image of W×H pixels spans 0..=W by 0..=H.
+//! - Cube faces and pinhole images are planar: a ray that meets the plane at distance 1 in (u, v) has the direction forward +
+//!   u·right + v·down. The length of that vector is distance divided by planar depth.
 //! - Cube face: u = 2x/W − 1, v = 2y/H − 1, axes of OpenGL cube maps ([`Face::axes`]).
-//! - Pinhole: u = (x − cx)/fx, v = (y − cy)/fy, looks along −Z. The principal point (cx, cy) may lie off the middle, and
-//!   outside the image: an off-axis window, as each view of a light-field display has.
+//! - Pinhole: u = (x − cx)/fx, v = (y − cy)/fy, the camera looks along −Z. The principal point (cx, cy) may be off centre or
+//!   outside the image (an off-axis frustum, as for the views of a light-field display).
 //! - Equirectangular: longitude (2x/W − 1)π, latitude (0.5 − y/H)π, direction (sin lon cos lat, sin lat, −cos lon cos lat).
 //!
-//! [`super::texel_map`] is the same in single precision; shaders/march/light_field.wgsl mirrors that.
+//! [`super::texel_map`] computes the same in single precision; shaders/march/light_field.wgsl mirrors it.
 
 use std::f64::consts::PI;
 
@@ -18,11 +18,11 @@ use glam::DVec3;
 
 use super::cube::{Face, direction_to_face};
 
-/// How an image is projected, and its width and height in pixels.
+/// Projection of an image, with its width and height in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ImageProjection {
     CubeFace {
-        /// Which; not [`Face::View`].
+        /// The face; not [`Face::View`].
         face: Face,
         size: [u32; 2],
     },
@@ -41,7 +41,7 @@ impl ImageProjection {
         ImageProjection::CubeFace { face, size: [size; 2] }
     }
 
-    /// The image of a face of a probe: `intrinsics` are those of [`Face::View`].
+    /// Returns the projection of a face of a probe; `intrinsics` apply to [`Face::View`] only.
     pub fn of_face(face: Face, size: [u32; 2], intrinsics: [f64; 4]) -> ImageProjection {
         match face {
             Face::View => ImageProjection::Pinhole { size, intrinsics },
@@ -55,7 +55,7 @@ impl ImageProjection {
         }
     }
 
-    /// Forward, right and down of a flat image.
+    /// Returns forward, right and down of a planar image; `None` for equirectangular images.
     pub fn axes(&self) -> Option<[DVec3; 3]> {
         match *self {
             Self::CubeFace { face, .. } => Some(face.axes()),
@@ -64,7 +64,7 @@ impl ImageProjection {
         }
     }
 
-    /// (u, v) of a position in a flat image; 0 in others.
+    /// Returns (u, v) of a position in a planar image; 0 for equirectangular images.
     pub fn plane(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         match *self {
             Self::CubeFace { size: [width, height], .. } => {
@@ -75,7 +75,7 @@ impl ImageProjection {
         }
     }
 
-    /// Position of (u, v) in a flat image; 0 in others.
+    /// Returns the position of (u, v) in a planar image; 0 for equirectangular images.
     pub fn position(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         match *self {
             Self::CubeFace { size: [width, height], .. } => {
@@ -86,7 +86,7 @@ impl ImageProjection {
         }
     }
 
-    /// Direction of a position: of length 1 in equirectangular images, of planar depth 1 in flat ones.
+    /// Returns the direction of a position: of length 1 in equirectangular images, of planar depth 1 in planar ones.
     pub fn unproject(&self, at: [f64; 2]) -> DVec3 {
         let (Some([forward, right, down]), [u, v]) = (self.axes(), self.plane(at)) else {
             let [width, height] = self.size().map(f64::from);
@@ -97,8 +97,9 @@ impl ImageProjection {
         forward + u * right + v * down
     }
 
-    /// Position of a direction of any length above 0. None where the image does not show it: behind a pinhole or beyond its
-    /// edges, and on another face of the cube (on edges and corners, the first of X, Y, Z has it).
+    /// Returns the position of a direction of any length above 0. `None` if the direction is outside the image: behind a pinhole,
+    /// beyond its edges, or on another face of the cube. Directions on edges and corners of the cube belong to the first axis in
+    /// the order X, Y, Z.
     pub fn project(&self, direction: DVec3) -> Option<[f64; 2]> {
         let [width, height] = self.size().map(f64::from);
         match *self {
@@ -124,7 +125,7 @@ impl ImageProjection {
         self.unproject(centre_of(col, row))
     }
 
-    /// Distance over planar depth at the centre of a pixel: √(1 + u² + v²), and 1 in equirectangular images.
+    /// Returns distance divided by planar depth at the centre of a pixel: √(1 + u² + v²), and 1 in equirectangular images.
     pub fn ray_length_factor(&self, col: u32, row: u32) -> f64 {
         let [u, v] = self.plane(centre_of(col, row));
         (1.0 + u * u + v * v).sqrt()
@@ -136,7 +137,7 @@ pub fn centre_of(col: u32, row: u32) -> [f64; 2] {
 }
 
 impl Face {
-    /// Direction, of planar depth 1, of the centre of a pixel of a cube face of `size`×`size` pixels.
+    /// Returns the direction, of planar depth 1, of a pixel centre of a cube face of `size`×`size` pixels.
     pub fn direction(self, col: u32, row: u32, size: u32) -> DVec3 {
         ImageProjection::cube_face(self, size).pixel_direction(col, row)
     }
@@ -155,7 +156,7 @@ mod tests {
     fn projections() -> impl Strategy<Value = ImageProjection> {
         let cube =
             (0usize..6, sizes()).prop_map(|(face, size)| ImageProjection::CubeFace { face: Face::CUBE[face], size });
-        // Also far off the axis: the principal point may lie outside the image.
+        // Includes principal points outside the image.
         let pinhole =
             (sizes(), [0.05..5.0f64, 0.05..5.0f64], [-2.0..3.0f64, -2.0..3.0f64]).prop_map(|(size, focal, middle)| {
                 let [width, height] = size.map(f64::from);
@@ -165,7 +166,7 @@ mod tests {
         prop_oneof![cube, pinhole, sizes().prop_map(|size| ImageProjection::Equirect { size })]
     }
 
-    /// A share of an image's side, its ends among them.
+    /// A position as a fraction of an image's side, including both ends.
     fn share() -> impl Strategy<Value = f64> {
         prop_oneof![8 => 0.0..=1.0f64, 1 => Just(0.0), 1 => Just(1.0), 1 => Just(0.5)]
     }
@@ -179,12 +180,12 @@ mod tests {
             if projection.axes().is_none() {
                 prop_assert!((direction.length() - 1.0).abs() < 1e-12);
             }
-            // Within rounding of its edge, an image may hand a direction to its neighbour, or to nobody.
+            // Near the edge, rounding may assign a direction to the neighbouring image or to none.
             let inside = |[x, y]: [f64; 2]| x > 1e-9 * width && x < (1.0 - 1e-9) * width && y > 1e-9 * height && y < (1.0 - 1e-9) * height;
             match projection.project(direction * length) {
                 None => prop_assert!(!inside(at) && projection.axes().is_some()),
                 Some(found) => {
-                    // At the poles all longitudes are one direction; at the date line 0 and W are.
+                    // At the poles all longitudes are the same direction, and positions 0 and W are the same longitude.
                     let cosine = (PI * (0.5 - at[1] / height)).cos();
                     let wraps = projection.axes().is_none();
                     let apart = |a: f64, b: f64, size: f64| {
@@ -201,12 +202,12 @@ mod tests {
         #[test]
         fn unprojecting_undoes_projecting(projection in projections(), direction in [-1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64], axis in 0usize..9) {
             let mut direction = DVec3::from_array(direction);
-            // Onto an axis (a pole), an edge of the cube, or a corner.
+            // Project to an axis (a pole), an edge of the cube, or a corner.
             match axis {
                 0..3 => direction = DVec3::AXES[axis] * direction.x,
                 3 => direction.y = direction.x,
                 4 => direction = DVec3::new(direction.x.signum(), direction.y.signum(), direction.z.signum()),
-                // The date line.
+                // Longitude 180°.
                 5 => (direction.x, direction.z) = (0.0, direction.z.abs()),
                 _ => {}
             }

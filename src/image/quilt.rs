@@ -1,8 +1,8 @@
-//! Quilts: the views of a light field as tiles of one picture, as displays of Looking Glass read it.
+//! Quilts: the views of a light field as tiles of one image, for Looking Glass displays.
 //!
-//! View 0 is the leftmost view of the scene and the tile at the bottom left; views go right, then rows go up. The name of a
-//! file says its layout: `name_qs8x6a0.75.png` has 8 columns, 6 rows and views of width / height 0.75. Tiles are never
-//! resampled.
+//! View 0 is the leftmost view of the scene and the bottom left tile; views are ordered left to right, then bottom to top. The
+//! file name states the layout: `name_qs8x6a0.75.png` has 8 columns, 6 rows and views of aspect ratio (width / height) 0.75.
+//! Tiles are never resampled.
 
 use std::cmp::Reverse;
 use std::fmt;
@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 
 use super::plane::Plane;
 
-/// A display and the quilt that its maker recommends.
+/// A display, and the quilt layout that its manufacturer recommends.
 struct Device {
     name: &'static str,
     columns: u32,
@@ -26,7 +26,7 @@ const fn device(name: &'static str, [columns, rows]: [u32; 2], size: [u32; 2]) -
 }
 
 /// Source: "Quilt Settings by Device", docs.lookingglassfactory.com/keyconcepts/quilts, as of 2026. Displays of the second
-/// generation, `-gen2`, are in earlier editions of that page and in lookingglassfactory.com/tutorial/what-is-a-quilt.
+/// generation, `-gen2`, are listed in earlier editions of that page and in lookingglassfactory.com/tutorial/what-is-a-quilt.
 const DEVICES: [Device; 9] = [
     device("portrait", [8, 6], [3360, 3360]),
     device("go", [11, 6], [4092, 4092]),
@@ -39,13 +39,13 @@ const DEVICES: [Device; 9] = [
     device("65", [8, 9], [8192, 8192]),
 ];
 
-/// Columns or rows, at most.
+/// Maximum number of columns, and of rows.
 const MAX_TILES: u32 = 4096;
-/// Pixels of a quilt, at most: 4 GiB of 8-bit RGBA.
+/// Maximum number of pixels of a quilt: 4 GiB of 8-bit RGBA.
 const MAX_PIXELS: u64 = 1 << 30;
-/// A layout without blank tiles is preferred to one nearer to a square up to this ratio of the picture's sides.
+/// Maximum ratio of the sides of the image at which a layout without blank tiles is preferred to one nearer to a square.
 const LONGEST_RATIO: f64 = 3.0;
-/// Difference of aspect ratios that a name may have: the maker writes 16:9 as 1.777.
+/// Tolerance between the aspect ratio in a file name and that of the views: the manufacturer writes 16:9 as 1.777.
 const ASPECT_TOLERANCE: f64 = 0.001;
 const SUFFIX: &str = "_qs";
 
@@ -54,12 +54,12 @@ const SUFFIX: &str = "_qs";
 pub struct QuiltLayout {
     pub columns: u32,
     pub rows: u32,
-    /// Width and height in pixels of the picture that a device expects; `None` where no device is meant.
+    /// Width and height in pixels of the image that a device expects; `None` without a device.
     pub size: Option<[u32; 2]>,
 }
 
 impl QuiltLayout {
-    /// A layout for no device in particular; an error where a count is 0 or more than 4096.
+    /// Returns a layout without a device. Fails if a count is 0 or more than 4096.
     pub fn new(columns: u32, rows: u32) -> Result<QuiltLayout> {
         for count in [columns, rows] {
             if !(1..=MAX_TILES).contains(&count) {
@@ -71,9 +71,9 @@ impl QuiltLayout {
         Ok(QuiltLayout { columns, rows, size: None })
     }
 
-    /// The layout for `views` views of `view_size` pixels: that of a device with as many tiles of this size. Otherwise, of the
-    /// layouts without blank tiles whose picture is at most three times as long as wide, the nearest to a square. Otherwise
-    /// the nearest to a square, with blank tiles.
+    /// Chooses the layout for `views` views of `view_size` pixels. The first choice is the layout of a device with that number
+    /// and size of tiles. The second is the layout nearest to a square among those without blank tiles and with sides of at most
+    /// 3:1. The third is the layout nearest to a square, with blank tiles.
     pub fn choose(views: u32, view_size: [u32; 2]) -> Result<QuiltLayout> {
         let fits = |device: &QuiltLayout| device.tiles() == u64::from(views) && device.view_size() == Some(view_size);
         if let Some(device) = DEVICES.iter().map(Device::layout).find(fits) {
@@ -84,7 +84,7 @@ impl QuiltLayout {
             let [width, height] = [0, 1].map(|axis| sides[axis] * f64::from(view_size[axis]));
             width.max(height) / width.min(height)
         };
-        // Of equally square ones that with fewer tiles, then that with more columns.
+        // Ties are broken by fewer tiles, then by more columns.
         let nearest = |layouts: &mut dyn Iterator<Item = [u32; 2]>| {
             let key = |layout: &[u32; 2]| (layout[0] * layout[1], Reverse(layout[0]));
             layouts.min_by(|a, b| ratio(*a).total_cmp(&ratio(*b)).then_with(|| key(a).cmp(&key(b))))
@@ -105,17 +105,17 @@ impl QuiltLayout {
         u64::from(self.columns) * u64::from(self.rows)
     }
 
-    /// The name of the device that the layout is for.
+    /// Returns the name of the device that the layout belongs to.
     pub fn device(self) -> Option<&'static str> {
         DEVICES.iter().find(|device| device.layout() == self).map(|device| device.name)
     }
 
-    /// Width and height in pixels of the views that a device expects, rounded down to whole pixels.
+    /// Returns the width and height in pixels of the views that the device expects, rounded down.
     pub fn view_size(self) -> Option<[u32; 2]> {
         self.size.map(|[width, height]| [width / self.columns, height / self.rows])
     }
 
-    /// Width and height in pixels of the quilt of such views; an error beyond 2^30 pixels.
+    /// Returns the width and height in pixels of a quilt with views of that size. Fails if it has more than 2^30 pixels.
     pub fn picture_size(self, view_size: [u32; 2]) -> Result<[u32; 2]> {
         let sides = [self.columns.checked_mul(view_size[0]), self.rows.checked_mul(view_size[1])];
         let fits = |size: &[u32; 2]| u64::from(size[0]) * u64::from(size[1]) <= MAX_PIXELS;
@@ -127,14 +127,15 @@ impl QuiltLayout {
         })
     }
 
-    /// Top left pixel of a view's tile, rows counted from the top of the picture; `None` for a view beyond the tiles.
+    /// Returns the top left pixel of a view's tile, rows counted from the top of the image; `None` if there is no such tile.
     pub fn corner(self, view: u32, view_size: [u32; 2]) -> Option<[u32; 2]> {
         let from_bottom = view / self.columns;
         let row = self.rows.checked_sub(from_bottom + 1)?;
         Some([(view % self.columns).checked_mul(view_size[0])?, row.checked_mul(view_size[1])?])
     }
 
-    /// Whether the views fit the tiles. Answers what a user should know: blank tiles, and the size that a device expects.
+    /// Returns notes for the user: the number of blank tiles, and the size that the device expects if it differs. Fails if the
+    /// views do not fit the tiles.
     pub fn notes(self, views: u32, view_size: [u32; 2]) -> Result<Vec<String>> {
         let [width, height] = self.picture_size(view_size)?;
         let Some(blank) = self.tiles().checked_sub(views.into()) else {
@@ -169,7 +170,7 @@ impl fmt::Display for QuiltLayout {
 impl FromStr for QuiltLayout {
     type Err = Error;
 
-    /// The name of a device, or columns and rows as `8x6`.
+    /// Parses the name of a device, or columns and rows such as `8x6`.
     fn from_str(text: &str) -> Result<Self> {
         if let Some(device) = DEVICES.iter().find(|device| device.name == text) {
             return Ok(device.layout());
@@ -192,16 +193,17 @@ impl Device {
     }
 }
 
-/// What the name of a quilt's file says.
+/// Layout stated by the file name of a quilt.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QuiltName {
     pub columns: u32,
     pub rows: u32,
-    /// Width / height of a view as it is shown; some names leave it out.
+    /// Width / height of a view as displayed; `None` if the name does not state it.
     pub aspect: Option<f64>,
 }
 
-/// The layout in a file name such as `name_qs8x6a0.75.png` or `name_qs8x6.png`; `None` where its stem does not end so.
+/// Parses the layout of a file name such as `name_qs8x6a0.75.png` or `name_qs8x6.png`; `None` if the stem does not end with a
+/// layout.
 pub fn parse_quilt_name(path: &Path) -> Option<QuiltName> {
     let stem = path.file_stem()?.to_str()?;
     let (_, suffix) = stem.rsplit_once(SUFFIX)?;
@@ -218,14 +220,15 @@ pub fn parse_quilt_name(path: &Path) -> Option<QuiltName> {
     (is_decimal && columns > 0 && rows > 0).then_some(QuiltName { columns, rows, aspect })
 }
 
-/// The digits at the start of a text as a number, and what follows them.
+/// Splits a text into the number at its start and the remaining text.
 fn whole_number(text: &str) -> Option<(u32, &str)> {
     let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
     Some((text[..end].parse().ok()?, &text[end..]))
 }
 
-/// The path with the layout in its name, as the maker's programs expect it: `quilt.png` becomes `quilt_qs8x6a0.75.png`. A name
-/// that has the layout already is kept; one that says another is an error. `aspect` is the width / height of a view.
+/// Returns the path with the layout in the file name, as the manufacturer's programs expect it: `quilt.png` becomes
+/// `quilt_qs8x6a0.75.png`. A name that already states the layout is kept. Fails if the name states another layout. `aspect` is
+/// the width / height of a view.
 pub fn quilt_path(path: &Path, layout: QuiltLayout, aspect: f64) -> Result<PathBuf> {
     let words = aspect_words(aspect);
     if !aspect.is_finite() || words == "0" {
@@ -259,12 +262,12 @@ pub fn quilt_path(path: &Path, layout: QuiltLayout, aspect: f64) -> Result<PathB
     }
 }
 
-/// The ratio rounded to four digits after the point, without zeros at the end.
+/// Formats the ratio with up to four decimals, without trailing zeros.
 fn aspect_words(aspect: f64) -> String {
     format!("{aspect:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// A quilt that views are put into, in any order.
+/// A quilt under construction; views may be added in any order.
 pub struct Quilt<T> {
     layout: QuiltLayout,
     view_size: [u32; 2],
@@ -272,13 +275,13 @@ pub struct Quilt<T> {
 }
 
 impl<T: Copy> Quilt<T> {
-    /// A quilt of tiles of the colour `blank`; `view_size` is their width and height in pixels.
+    /// Creates a quilt filled with the colour `blank`; `view_size` is the width and height of a tile in pixels.
     pub fn new(layout: QuiltLayout, view_size: [u32; 2], blank: T) -> Result<Quilt<T>> {
         let [width, height] = layout.picture_size(view_size)?;
         Ok(Quilt { layout, view_size, picture: Plane::filled(width, height, blank) })
     }
 
-    /// Copies a view to its tile; an error where it has another size, or there is no such tile.
+    /// Copies a view to its tile. Fails if the view has another size, or if there is no such tile.
     pub fn put(&mut self, view: u32, pixels: &Plane<T>) -> Result<()> {
         let ([width, height], size) = (self.view_size, [pixels.width(), pixels.height()]);
         if size != self.view_size {
@@ -341,11 +344,11 @@ mod tests {
         for (views, words) in square {
             assert_eq!(layout(views, [10, 10]), words);
         }
-        // With blank tiles, where no layout without is at most 3:1.
+        // With blank tiles, if no layout without blank tiles is within 3:1.
         for (views, words) in [(5, "3x2"), (7, "3x3"), (11, "4x3"), (13, "4x4"), (46, "7x7"), (47, "7x7")] {
             assert_eq!(layout(views, [10, 10]), words);
         }
-        // Portrait views have more columns, landscape views more rows.
+        // Portrait views give more columns, landscape views more rows.
         assert_eq!(layout(48, [30, 40]), "8x6");
         assert_eq!(layout(45, [160, 90]), "5x9");
         assert_eq!(layout(66, [90, 160]), "11x6");

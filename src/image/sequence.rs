@@ -8,7 +8,7 @@ use std::str::FromStr;
 use super::folder_names::{FolderNames, file_names};
 use crate::error::{Error, Result};
 
-/// Frames `first..=last`. Never empty.
+/// The frames `first..=last`; never empty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct FrameRange {
     /// First frame.
@@ -18,30 +18,30 @@ pub struct FrameRange {
 }
 
 impl FrameRange {
-    /// Number of frames, at least 1 (u64: the range 0..=u32::MAX has 2^32).
+    /// Returns the number of frames, at least 1 (u64: the range 0..=u32::MAX has 2^32).
     pub fn count(self) -> u64 {
         u64::from(self.last) - u64::from(self.first) + 1
     }
 
-    /// Whether `frame` lies inside.
+    /// Returns true if `frame` is in the range.
     pub fn contains(self, frame: u32) -> bool {
         (self.first..=self.last).contains(&frame)
     }
 
-    /// The common frames, if any.
+    /// Returns the frames in both ranges, or `None`.
     pub fn intersect(self, other: FrameRange) -> Option<FrameRange> {
         let first = self.first.max(other.first);
         let last = self.last.min(other.last);
         (first <= last).then_some(FrameRange { first, last })
     }
 
-    /// The smallest range that contains both.
+    /// Returns the smallest range that contains both.
     #[must_use]
     pub fn hull(self, other: FrameRange) -> FrameRange {
         FrameRange { first: self.first.min(other.first), last: self.last.max(other.last) }
     }
 
-    /// All frames in order.
+    /// Iterates over all frames in order.
     pub fn iter(self) -> impl DoubleEndedIterator<Item = u32> {
         self.first..=self.last
     }
@@ -56,7 +56,7 @@ impl fmt::Display for FrameRange {
 impl FromStr for FrameRange {
     type Err = Error;
 
-    /// `A-B` (both inclusive) or `A` for a single frame.
+    /// Parses `A-B` (both inclusive), or `A` for a single frame.
     fn from_str(text: &str) -> Result<Self> {
         let wrong = || Error::Usage(format!("\"{text}\" is not a frame range: write it as 0-99, or 7 for one frame"));
         let number = |part: &str| part.trim().parse::<u32>().map_err(|_| wrong());
@@ -72,9 +72,10 @@ impl FromStr for FrameRange {
 }
 
 /// A file name pattern with a field for the frame number.
-/// Fields are `%d` and `%04d`, n `#` for n digits (a single `#` for four), n `@` for n digits, `$F`, `$F4` and `${F4}` as
-/// Houdini writes them, `<frame>`, `<frame04>`, `<f>` and `<f4>`, where a width is missing as many digits as the number has.
-/// There is at most one, in the file name. `%%` is a percent sign. Longer numbers are written in full.
+///
+/// Fields are `%d` and `%04d`; n `#` for n digits (a single `#` for four); n `@` for n digits; `$F`, `$F4` and `${F4}` as in
+/// Houdini; `<frame>`, `<frame04>`, `<f>` and `<f4>`. Without a width, the number is not padded. A pattern has at most one field,
+/// in the file name. `%%` is a percent sign. Numbers longer than the width are written in full.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
     directory: PathBuf,
@@ -88,17 +89,17 @@ pub struct Pattern {
 struct Field {
     /// Minimum number of digits.
     digits: usize,
-    /// As written, `####` or `%04d`, for messages.
+    /// Field as written, such as `####` or `%04d`, for messages.
     text: String,
 }
 
 impl Field {
-    /// Of the form `%04d`.
+    /// Returns a field of the form `%04d`.
     fn percent(digits: usize) -> Field {
         Field { digits, text: if digits == 1 { "%d".into() } else { format!("%0{digits}d") } }
     }
 
-    /// A field of another width and the same form.
+    /// Returns a field of another width in the same form.
     fn of_width(&self, digits: usize) -> Field {
         match self.text.chars().next() {
             Some(mark @ ('#' | '@')) if (mark, digits) != ('#', 1) => {
@@ -112,7 +113,7 @@ impl Field {
 }
 
 impl Pattern {
-    /// Parses a pattern; without a field it names one file.
+    /// Parses a pattern; a pattern without a field names one file.
     pub fn parse(text: &str) -> Result<Pattern> {
         let path = Path::new(text);
         let name = path
@@ -170,7 +171,7 @@ impl Pattern {
         self.field.is_some()
     }
 
-    /// The file of a frame; without a field, the one file.
+    /// Returns the path of a frame; without a field, the one file.
     pub fn path(&self, frame: u32) -> PathBuf {
         let name = match &self.field {
             Some(Field { digits, .. }) => format!("{}{frame:0digits$}{}", self.before, self.after),
@@ -185,7 +186,7 @@ impl Pattern {
         self
     }
 
-    /// Whether the pattern names a file that exists.
+    /// Returns true if `file` exists and its name matches the pattern.
     pub fn has_name_of(&self, file: &Path) -> bool {
         let is_beside = match (self.folder().canonicalize(), file.canonicalize()) {
             (Ok(folder), Ok(file)) => file.parent() == Some(&folder),
@@ -196,13 +197,13 @@ impl Pattern {
             && name.is_some_and(|name| self.frame_of(name).is_some() || self.field.is_none() && name == self.before)
     }
 
-    /// The digits in a file name that matches the pattern with any number of digits.
+    /// Returns the digits of a file name that matches the pattern with any number of digits.
     fn number_of<'a>(&self, name: &'a str) -> Option<&'a str> {
         let number = name.strip_prefix(self.before.as_str())?.strip_suffix(self.after.as_str())?;
         (!number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit())).then_some(number)
     }
 
-    /// The frame number in a file name that [`Pattern::path`] would write.
+    /// Returns the frame number of a file name that [`Pattern::path`] would produce.
     fn frame_of(&self, name: &str) -> Option<u32> {
         let digits = self.field.as_ref()?.digits;
         let number = self.number_of(name)?;
@@ -210,10 +211,10 @@ impl Pattern {
         if padded { number.parse().ok() } else { None }
     }
 
-    /// A suggestion where no name matches but some differ in the number of digits.
+    /// Suggests another number of digits if a file name matches the pattern except for its width.
     fn other_width(&self, names: &[String]) -> Option<String> {
         let field = self.field.as_ref()?;
-        // The shortest number tells the padding, as in a folder.
+        // The shortest number determines the padding, as in `only_sequence`.
         let near = names.iter().filter_map(|name| {
             let number = self.number_of(name)?;
             let usable = number.len() != field.digits && number.parse::<u32>().is_ok();
@@ -235,7 +236,7 @@ impl fmt::Display for Pattern {
     }
 }
 
-/// Digits and length of a `%d` or `%0Nd` at the start of the text.
+/// Parses a `%d` or `%0Nd` at the start of the text; returns its number of digits and its length.
 fn percent_field(text: &str) -> Option<(usize, usize)> {
     let inner = &text[1..text.find('d')?];
     match inner.strip_prefix('0') {
@@ -247,7 +248,7 @@ fn percent_field(text: &str) -> Option<(usize, usize)> {
     }
 }
 
-/// Digits and length of a `$F4`, `${F4}`, `<frame04>` or `<f4>` at the start of the text.
+/// Parses a `$F4`, `${F4}`, `<frame04>` or `<f4>` at the start of the text; returns its number of digits and its length.
 fn named_field(text: &str) -> Option<(usize, usize)> {
     let (name, used) = if let Some(name) = text.strip_prefix("$F") {
         let digits = name.bytes().take_while(u8::is_ascii_digit).count();
@@ -279,20 +280,20 @@ pub struct Sequence {
 }
 
 impl Sequence {
-    /// Finds the files of `spec`: a pattern, a folder with one sequence of .exr or .png files, or one file. The range defaults
-    /// to the first and last file on disk.
+    /// Finds the files of `spec`: a pattern, a folder with one sequence of .exr or .png files, or one file. The range defaults to
+    /// the first and last file on disk. Fails if the file of a frame is missing.
     pub fn find(spec: &str, frames: Option<FrameRange>) -> Result<Sequence> {
         let sequence = Sequence::find_with_gaps(spec, frames)?;
         if sequence.pattern.has_field() { Sequence::known(sequence.pattern, sequence.frames) } else { Ok(sequence) }
     }
 
-    /// As [`Self::find`], where files of frames may be missing.
+    /// Finds files as [`Self::find`] does; files of frames may be missing.
     pub fn find_with_gaps(spec: &str, frames: Option<FrameRange>) -> Result<Sequence> {
         let path = Path::new(spec);
         if path.is_dir() {
             return Sequence::of_pattern(only_sequence(path)?, frames);
         }
-        // A file that is there is meant as it is, even when its name looks like a pattern.
+        // An existing file is taken literally, even if its name looks like a pattern.
         if path.is_file() {
             return Sequence::of_file(path, frames);
         }
@@ -303,9 +304,9 @@ impl Sequence {
         Sequence::of_pattern(pattern, frames)
     }
 
-    /// The sequence of a pattern whose range is known; each file must exist.
+    /// Creates the sequence of a pattern with a known range. Fails if a file is missing.
     pub fn known(pattern: Pattern, frames: FrameRange) -> Result<Sequence> {
-        // Without a field all frames have one file.
+        // Without a field all frames share one file.
         for frame in frames.iter().take(if pattern.has_field() { usize::MAX } else { 1 }) {
             let path = pattern.path(frame);
             if !path.is_file() {
@@ -320,17 +321,17 @@ impl Sequence {
         Ok(Sequence { pattern, frames })
     }
 
-    /// The sequence of a pattern, whose files may be missing.
+    /// Creates the sequence of a pattern with a known range, without checking that files exist.
     pub fn unchecked(pattern: Pattern, frames: FrameRange) -> Sequence {
         Sequence { pattern, frames }
     }
 
-    /// Frames of the range whose file is there, ascending, by the names in its folder. Time is in proportion to these, not to the
-    /// range.
+    /// Returns the frames of the range whose file exists, ascending, found by listing the folder. The time is proportional to
+    /// their number, not to the length of the range.
     pub fn frames_there(&self, folders: &mut FolderNames) -> Result<Vec<u32>> {
         let is_there = |frame: &u32| self.path(*frame).is_file();
         let Some(names) = folders.list(self.pattern.folder())? else {
-            // A folder that can be entered but not listed still holds known names.
+            // A folder that permits access but no listing still allows its files to be checked by name.
             return Ok(self.frames.iter().filter(is_there).collect());
         };
         let start = names.partition_point(|name| name.as_str() < self.pattern.before.as_str());
@@ -341,12 +342,12 @@ impl Sequence {
         Ok(there)
     }
 
-    /// True if there is a file for each frame, not one for all.
+    /// Returns true if each frame has its own file; false if all frames share one.
     pub fn has_field(&self) -> bool {
         self.pattern.has_field()
     }
 
-    /// The files of all frames, each once.
+    /// Iterates over the files of all frames, each file once.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
         let count = if self.has_field() { usize::MAX } else { 1 };
         self.frames.iter().take(count).map(|frame| self.path(frame))
@@ -375,7 +376,7 @@ impl Sequence {
         }
         let names = match (file_names(pattern.folder()), frames) {
             (Ok(names), _) => names,
-            // A folder that can be entered but not listed still holds known names.
+            // A folder that permits access but no listing still allows its files to be opened by name.
             (Err(_), Some(_)) => Vec::new(),
             (Err(error), None) => return Err(error),
         };
@@ -394,13 +395,13 @@ impl Sequence {
         Ok(Sequence { pattern, frames: FrameRange { first, last } })
     }
 
-    /// The file of a frame; outside `frames` it may not exist.
+    /// Returns the path of a frame; outside `frames` the file may not exist.
     pub fn path(&self, frame: u32) -> PathBuf {
         self.pattern.path(frame)
     }
 }
 
-/// Splits a file name at the last digits before its extension: prefix, digits, suffix.
+/// Splits a file name at the last number before its extension: prefix, digits, suffix.
 pub(crate) fn split_number(name: &str) -> Option<(&str, &str, &str)> {
     let stem = name.rfind('.').map_or(name, |dot| &name[..dot]);
     let end = stem.rfind(|c: char| c.is_ascii_digit())? + 1;
@@ -419,7 +420,7 @@ fn only_sequence(folder: &Path) -> Result<Pattern> {
         }
         match split_number(&name) {
             Some((before, number, after)) => {
-                // The shortest number tells the padding: 08, 09, 10, 100 are %02d.
+                // The shortest number determines the padding: 08, 09, 10, 100 are %02d.
                 let digits = found.entry((before.into(), after.into())).or_insert(Some(number.len()));
                 *digits = digits.map(|least| least.min(number.len()));
             }

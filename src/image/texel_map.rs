@@ -1,23 +1,23 @@
-//! The image model in single precision, as renderers compute it for each ray.
+//! The image model in single precision, as renderers evaluate it per ray.
 //!
-//! The conventions of [`super::projection`], of which this is a rounding: positions differ by less than 10⁻⁶ of the image's side
-//! (tested). `march::packet` and shaders/march/light_field.wgsl do the same operations in the same order.
+//! Follows the conventions of [`super::projection`]; positions differ by less than 10⁻⁶ of the side of the image (tested).
+//! `march::packet` and shaders/march/light_field.wgsl perform the same operations in the same order.
 
 use glam::Vec3;
 
 use super::cube::Face;
 
-/// Position of (u, v) in a flat image: `[u, v] · scale + centre`, in pixels.
+/// Map from (u, v) to a position in a planar image: `[u, v] · scale + centre`, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TexelMap {
     /// Pixels per unit of u and v.
     pub scale: [f32; 2],
-    /// The position of u = v = 0.
+    /// Position of u = v = 0, in pixels.
     pub centre: [f32; 2],
 }
 
 impl TexelMap {
-    /// The map of the image of a face of a probe, as [`ImageProjection::of_face`](super::ImageProjection::of_face).
+    /// Returns the map of a face of a probe, as [`ImageProjection::of_face`](super::ImageProjection::of_face) does.
     pub fn of_face(face: Face, size: [u32; 2], intrinsics: [f64; 4]) -> TexelMap {
         match face {
             Face::View => {
@@ -46,7 +46,7 @@ impl TexelMap {
         (1.0 + u * u + v * v).sqrt()
     }
 
-    /// Direction, of planar depth 1, of a position in the image of a face.
+    /// Returns the direction, of planar depth 1, of a position in the image of a face.
     pub fn direction(&self, face: Face, at: [f32; 2]) -> Vec3 {
         let [forward, right, down] = face.axes().map(|axis| axis.as_vec3());
         let [u, v] = self.plane(at);
@@ -54,18 +54,18 @@ impl TexelMap {
     }
 }
 
-/// A point seen from a probe, in the image plane of the face that shows it.
+/// A point relative to a probe, projected to the image plane of the face that contains it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlanarPoint {
-    /// Number of the face ([`Face`]).
+    /// Index of the face ([`Face`]).
     pub face: usize,
     pub plane: [f32; 2],
-    /// Depth along the axis of the face, in units of the point.
+    /// Depth along the axis of the face, in the unit of the point.
     pub planar: f32,
 }
 
 impl PlanarPoint {
-    /// On a cube: as [`super::cube::direction_to_face`].
+    /// Projects a point to a cube, as [`super::cube::direction_to_face`] does.
     pub fn on_cube(x: Vec3) -> PlanarPoint {
         let size = x.abs();
         let (face, planar, [u, v]) = if size.x >= size.y && size.x >= size.z {
@@ -81,7 +81,7 @@ impl PlanarPoint {
         PlanarPoint { face, plane: [u * inverse, v * inverse], planar }
     }
 
-    /// In a pinhole image; None behind it.
+    /// Projects a point to a pinhole image; `None` if it is behind the camera.
     pub fn in_view(x: Vec3) -> Option<PlanarPoint> {
         let inverse = 1.0 / -x.z;
         let plane = [x.x * inverse, -x.y * inverse];
@@ -133,10 +133,10 @@ mod tests {
                     Face::View => PlanarPoint::in_view(direction.as_vec3()),
                     _ => Some(PlanarPoint::on_cube(direction.as_vec3())),
                 };
-                // On an edge of the cube, rounding may hand a point to the neighbour.
+                // On an edge of the cube, rounding may assign a point to the neighbouring face.
                 let Some(point) = point.filter(|point| point.face == face as usize) else { continue };
                 let found = map.position(point.plane);
-                // Rounding grows with the way from the principal point.
+                // The rounding error grows with the distance from the principal point.
                 for axis in 0..2 {
                     let error = (f64::from(found[axis]) - exact[axis]).abs() / f64::from(size[axis]);
                     prop_assert!(error < 1e-6, "{error} {found:?} {exact:?}");

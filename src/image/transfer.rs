@@ -1,30 +1,30 @@
-//! Conversion of scene-referred half floats to and from 8-bit display codes, by tables.
+//! Table-based conversion of scene-referred half floats to and from 8-bit display codes.
 //!
-//! Encoding: value × 2^exposure, transfer curve, × 255, rounded to nearest, clamped to 0..255. Decoding is its inverse:
-//! codes round-trip for exposures in −8..8 EV.
+//! Encoding: value × 2^exposure, transfer curve, × 255, rounded to nearest, clamped to 0..255. Decoding is the inverse: codes
+//! round-trip for exposures in −8..8 EV.
 
 use std::sync::OnceLock;
 
 use half::f16;
 
-/// Transfer function between linear light and 8-bit codes.
+/// Transfer function between linear RGB and 8-bit codes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "encode", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Transfer {
     /// The piecewise curve of IEC 61966-2-1.
     #[default]
     Srgb,
-    /// Code = 255 × light.
+    /// Code = 255 × linear value.
     Linear,
 }
 
 impl Transfer {
-    /// `srgb` or `linear`.
+    /// Returns `srgb` or `linear`.
     pub fn name(self) -> &'static str {
         if self == Transfer::Srgb { "srgb" } else { "linear" }
     }
 
-    /// Linear light, where 1 is the brightest code, to a code in 0..1. Odd-symmetric below 0; NaN stays NaN.
+    /// Converts a linear value, where 1 is the maximum code, to a code in 0..1. Odd-symmetric below 0; NaN stays NaN.
     pub fn encode(self, linear: f64) -> f64 {
         match self {
             Transfer::Linear => linear,
@@ -33,7 +33,7 @@ impl Transfer {
         }
     }
 
-    /// The inverse of [`Self::encode`].
+    /// Inverse of [`Self::encode`].
     pub fn decode(self, code: f64) -> f64 {
         match self {
             Transfer::Linear => code,
@@ -46,14 +46,14 @@ impl Transfer {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ToneMap {
     pub transfer: Transfer,
-    /// Exposure in stops, −8..8; with 0, light of 1.0 is the brightest code.
+    /// Exposure in stops, −8..8; at 0, a linear value of 1.0 is the maximum code.
     pub exposure_ev: f32,
 }
 
 impl ToneMap {
-    /// The 8-bit code of light, clamped to 0..255; 0 for what is not a number.
+    /// Returns the 8-bit code of a linear value, clamped to 0..255; 0 for NaN.
     pub fn code(self, light: f32) -> u8 {
-        // A float that is not a number becomes 0 in the cast.
+        // The cast converts NaN to 0.
         (self.transfer.encode(f64::from(light) * self.gain()) * 255.0).round().clamp(0.0, 255.0) as u8
     }
 
@@ -62,7 +62,7 @@ impl ToneMap {
     }
 }
 
-/// Bit of an entry of [`EncodeTable`]: the value did not fit.
+/// Flag of an entry of [`EncodeTable`]: the value was clipped.
 const CLIPPED: u16 = 0x100;
 
 /// The 8-bit code of each of the 65,536 half floats.
@@ -77,7 +77,7 @@ impl EncodeTable {
         let gain = tone.gain();
         let entry = |bits: u16| {
             let value = f16::from_bits(bits).to_f64() * gain;
-            // Few values need the power function.
+            // The power function is evaluated only for values in range.
             if value.is_nan() {
                 return 0;
             }
@@ -88,34 +88,34 @@ impl EncodeTable {
                 return CLIPPED;
             }
             let code = tone.transfer.encode(value) * 255.0;
-            // Above 1 by no more than a half float rounds is still the brightest code, which decoding may have made.
+            // Decoding may give values above 1 by half-float rounding; these are code 255 and not clipped.
             let clipped = value > 1.0 + 1.0 / 2048.0 || code <= -0.5;
             code.round().clamp(0.0, 255.0) as u16 | if clipped { CLIPPED } else { 0 }
         };
         EncodeTable { entries: (0..=u16::MAX).map(entry).collect(), tone: *tone }
     }
 
-    /// The code; 0 for what is not a number.
+    /// Returns the 8-bit code; 0 for NaN.
     pub fn code(&self, value: f16) -> u8 {
         self.entries[value.to_bits() as usize] as u8
     }
 
-    /// The code that the curve would go on to beyond 0 and 255; 0 for what is not a number.
+    /// Returns the code without clamping to 0..255, by extending the curve; 0 for NaN.
     pub fn unclipped_code(&self, value: f16) -> i32 {
         if !self.is_clipped(value) {
             return i32::from(self.code(value));
         }
-        // A float that does not fit becomes the nearest integer in the cast.
+        // The cast saturates.
         (self.tone.transfer.encode(value.to_f64() * self.tone.gain()) * 255.0).round() as i32
     }
 
-    /// Whether the value is clipped, by more than rounding.
+    /// Returns true if the value is clipped by more than rounding.
     pub fn is_clipped(&self, value: f16) -> bool {
         self.entries[value.to_bits() as usize] & CLIPPED != 0
     }
 }
 
-/// The least light of each code from 1 on: the codes of [`ToneMap::code`] without its power function.
+/// Minimum linear value of each code from 1 on. Gives the codes of [`ToneMap::code`] without a power function.
 #[derive(Debug, Clone)]
 pub struct CodeSteps {
     least: [f32; 255],
@@ -124,7 +124,7 @@ pub struct CodeSteps {
 impl CodeSteps {
     pub fn new(tone: ToneMap) -> CodeSteps {
         let least = |code: usize| {
-            // Bits of floats from 0 on are in the order of their values.
+            // Bits of non-negative floats sort as their values.
             let (mut below, mut from) = (0, f32::INFINITY.to_bits());
             while from - below > 1 {
                 let middle = below + (from - below) / 2;
@@ -136,13 +136,13 @@ impl CodeSteps {
         CodeSteps { least: std::array::from_fn(|at| least(at + 1)) }
     }
 
-    /// The code; 0 for what is not a number.
+    /// Returns the 8-bit code; 0 for NaN.
     pub fn code(&self, light: f32) -> u8 {
         self.least.partition_point(|least| *least <= light) as u8
     }
 }
 
-/// The linear light of each of the 256 codes.
+/// The linear value of each of the 256 codes.
 #[derive(Debug, Clone)]
 pub struct DecodeTable {
     entries: [f16; 256],
@@ -160,7 +160,7 @@ impl DecodeTable {
     }
 }
 
-/// Linear light of every 16-bit sRGB code, computed once.
+/// Returns the linear value of every 16-bit sRGB code, computed once.
 pub(crate) fn srgb16() -> &'static [f16] {
     static TABLE: OnceLock<Vec<f16>> = OnceLock::new();
     TABLE.get_or_init(|| {

@@ -1,4 +1,4 @@
-//! Counts of one chunk, frame by frame: keyframes, boxes, nodes, pixels, bytes.
+//! Per-frame counts of one chunk: keyframes, boxes, nodes, pixels, bytes.
 
 use crate::color::transform::region::{Content, Region};
 use crate::color::transform::{Keyed, TransformChunk};
@@ -20,10 +20,10 @@ use crate::streams::{DepthChunk, StreamChunk};
 pub struct FrameCost {
     pub keyframe_units: u64,
     pub aabbs: u64,
-    /// Nodes of a quadtree, and BC4w blocks.
+    /// Number of quadtree nodes and BC4w blocks.
     pub nodes: u64,
     pub updated_pixels: u64,
-    /// Payload of the frame's keyframes, records and weights, before compression, counted for every chunk.
+    /// Payload bytes of the keyframes, records and weights of the frame, before compression; shared chunks count each time.
     pub bytes: u64,
 }
 
@@ -37,7 +37,7 @@ impl FrameCost {
     }
 }
 
-/// Keyframes of colour, and block tiles of depth or material, by storage.
+/// Colour keyframes, and block tiles of depth or material, by storage.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct BlockCount {
     pub keyframes: BlockTileCount,
@@ -52,13 +52,13 @@ impl BlockCount {
     }
 }
 
-/// Chunks of the transform codec.
+/// Counts of chunks and blocks of streams of the transform codec.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct TransformCount {
     pub transform_chunks: u64,
-    /// Chunks of keyframes and weights in a stream of the transform codec.
+    /// Number of chunks of keyframes and weights in a stream of the transform codec.
     pub cells_chunks: u64,
-    /// Transformed blocks of 4, 8, 16 and 32 pixels square.
+    /// Number of transform blocks of 4, 8, 16 and 32 pixels square.
     pub blocks: [u64; 4],
     pub palette_blocks: u64,
 }
@@ -72,16 +72,17 @@ impl TransformCount {
     }
 }
 
-/// Blocks of predictive coding.
+/// Counts of predictive blocks with one [`BlockCoding`].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PredictedShare {
     pub blocks: u64,
     pub pixels: u64,
-    /// Bits of their symbols.
+    /// Bits of the symbols of these blocks.
     pub bits: f64,
 }
 
-/// Blocks of all frames, in the order of [`BlockCoding::ALL`]. Frames that are coded as equal to the one before have none.
+/// Predictive blocks of all frames, in the order of [`BlockCoding::ALL`]. Frames coded as equal to the previous one have no
+/// blocks.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PredictiveCount {
     shares: [PredictedShare; BlockCoding::ALL.len()],
@@ -112,7 +113,7 @@ impl PredictiveCount {
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Event {
-    /// Counted from the chunk's first; [`crate::inspect::inspect`] adds its number.
+    /// Frame number relative to the first frame of the chunk; [`crate::inspect::inspect`] adds the number of that frame.
     pub frame: u32,
     pub cost: FrameCost,
 }
@@ -120,7 +121,7 @@ pub(super) struct Event {
 #[derive(Default)]
 pub(super) struct ChunkMeasure {
     pub events: Vec<Event>,
-    /// Every record fills the unit with one value.
+    /// True if every record fills the unit with one value.
     pub constant: bool,
     pub modes: ModeStatistics,
     pub blocks: BlockCount,
@@ -150,8 +151,9 @@ fn count_predictive(chunk: &PredictiveChunk) -> Result<ChunkMeasure> {
         measure.predictive.add_frame(frame);
         measure.constant &= frame.picture.iter().all(|code| *code == frame.picture[0]);
         bits += frame.bits;
-        // Parts of a byte go to the frame that ends it; what is left of the chunk is added to its first frame. A frame of next to
-        // no bits can have less than none: a word that the coder's state takes in counts as 16 bits, and can be worth more.
+        // Fractions of a byte count for the frame that completes the byte; bytes of the chunk that no frame accounts for are
+        // added to the first frame. The bits of a frame may be slightly negative: a word that the coder state takes in counts as
+        // 16 bits, and can be worth more.
         let bytes_until = ((bits / 8.0) as u64).max(bytes_before);
         let (keyframe_units, bytes) = (u64::from(frame.frame == 0), bytes_until - bytes_before);
         let cost = FrameCost { keyframe_units, bytes, updated_pixels: frame.updated_pixels, ..FrameCost::default() };
@@ -173,7 +175,7 @@ fn count_color<S: Keyed>(chunk: &ColorChunk<S>, frames: u32) -> ChunkMeasure {
     }
 }
 
-/// All bytes are of the first frame, with which a chunk is read.
+/// Counts a transform chunk. All bytes count for the first frame, with which the chunk is read.
 fn count_transform(chunk: &TransformChunk, frames: u32) -> ChunkMeasure {
     let mut count = TransformCount { transform_chunks: 1, ..TransformCount::default() };
     for leaf in chunk.regions().iter().flat_map(Region::leaves) {
@@ -244,7 +246,7 @@ fn count_blocks(chunk: &BlockChunk, pixels: u64, frame_count: u32) -> ChunkMeasu
 
 fn count_blends<S: Sample>(chunk: &CellChunk<S>, frame_count: u32) -> ChunkMeasure {
     let format = &chunk.format;
-    // Behind the weights nothing changes but at keyframes.
+    // After the last weight, only keyframes change the picture.
     let mut frames: Vec<u32> = (0..frame_count.min(chunk.weight_count().saturating_add(1))).collect();
     frames.extend_from_slice(&chunk.keyframes);
     frames.sort_unstable();

@@ -1,6 +1,7 @@
-//! Coding maps: which rectangles a frame's records write, and how; and the keyframes and bytes of each cell of colour.
+//! Coding maps: the rectangles that the records of a frame write, and how they are coded. Also the keyframes and bytes of each
+//! colour cell.
 //!
-//! Chunks are parsed, and nothing is decoded into pixels.
+//! Chunks are parsed but not decoded to pixels.
 
 use std::collections::BTreeMap;
 
@@ -24,12 +25,12 @@ pub struct Extent {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CodingMap {
     pub frame: u32,
-    /// Unit by unit; none overlap. Together they are the pixels that a decoder of consecutive frames writes.
+    /// Patches in unit order, without overlap. Together they are the pixels that a decoder of consecutive frames writes.
     pub patches: Vec<Patch>,
-    /// Nodes, boxes or units that they belong to.
+    /// Number of nodes, boxes or units that the patches belong to.
     pub parts: u32,
     pub written_units: u32,
-    /// Those whose record is the first of a chunk, or a keyframe of colour.
+    /// Number of units whose record is the first of a chunk, or a colour keyframe.
     pub keyframe_units: u32,
 }
 
@@ -42,7 +43,7 @@ impl CodingMap {
         let mut extents: BTreeMap<Writing, (Extent, Option<u32>)> = BTreeMap::new();
         for patch in &self.patches {
             let (extent, last) = extents.entry(patch.writing).or_default();
-            // Patches of one part follow each other.
+            // Patches of one part are consecutive.
             extent.parts += u64::from(last.replace(patch.part) != Some(patch.part));
             extent.pixels += patch.pixels();
         }
@@ -54,13 +55,13 @@ impl CodingMap {
 pub struct CellCoding {
     /// Left, top, width and height in the image.
     pub rect: [u32; 4],
-    /// Keyframes in blocks of a texture format.
+    /// Number of keyframes stored in blocks of a texture format.
     pub blocks: u64,
-    /// Keyframes in samples as they are.
+    /// Number of keyframes stored as samples.
     pub samples: u64,
-    /// First frames of chunks of the transform codec.
+    /// Number of first frames of chunks of the transform codec.
     pub transformed: u64,
-    /// Stored bytes of all chunks.
+    /// Stored bytes, summed over all chunks.
     pub bytes: u64,
 }
 
@@ -70,13 +71,13 @@ impl CellCoding {
     }
 }
 
-/// Activity of a stream over all frames.
+/// Changes of a stream over all frames.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Survey {
-    /// The first frame with most pixels of records that are not the first of their chunk; for colour, with most pixels between
-    /// keyframes, else with most pixels of keyframes. `None` where nothing changes.
+    /// The first frame with the most pixels in records other than the first of their chunk. For colour, the first frame with the
+    /// most pixels between keyframes or, without any, with the most keyframe pixels. `None` if nothing changes.
     pub busiest: Option<u32>,
-    /// Cells of colour, in the order of units; empty for depth and material.
+    /// Colour cells in unit order; empty for other kinds.
     pub cells: Vec<CellCoding>,
 }
 
@@ -115,7 +116,7 @@ fn add(frames: &mut Frames, first: u32, others: impl IntoIterator<Item = (u32, u
     others.into_iter().for_each(|(frame, pixels)| *frames.entry(first + frame).or_insert(0) += pixels);
 }
 
-/// The first frame with most pixels, more than 0.
+/// Returns the first frame with the most pixels; `None` if all have 0.
 fn busiest(frames: &Frames) -> Option<u32> {
     let most = frames.values().copied().max().filter(|&most| most > 0)?;
     frames.iter().find(|(_, pixels)| **pixels == most).map(|(&frame, _)| frame)

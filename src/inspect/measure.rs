@@ -1,7 +1,7 @@
-//! Measures a container: bytes, keyframes, nodes and changed pixels of each stream and frame, and whether chunks are sound.
+//! Measures a container: bytes, keyframes, nodes and changed pixels of each stream and frame, and the integrity of chunks.
 //!
-//! Chunks are fetched, counted and dropped, units in parallel, so that memory is one chunk for each thread. Counts are those of
-//! a decoder that shows all frames in order.
+//! Chunks are fetched, counted and dropped, units in parallel, so that memory is one chunk per thread. Counts are those of a
+//! decoder that decodes all frames in order.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -22,7 +22,7 @@ use crate::monitor::{Monitor, Silent};
 use crate::ordered::try_map_at_once;
 use crate::streams::{CodecHeader, DepthCoding, DepthHeader, StreamChunk};
 
-/// Steps that [`inspect`] advances its monitor by: one for each chunk.
+/// Returns the number of steps by which [`inspect`] advances its monitor: one per chunk.
 pub fn steps(decoder: &Decoder, streams: &[&StreamInfo]) -> u64 {
     streams.iter().map(|stream| decoder.reader().index().stream_chunks(stream.index).len() as u64).sum()
 }
@@ -49,7 +49,7 @@ pub fn inspect<'a>(
             "{row_count} rows of frames, more than {MAX_ROWS}: choose fewer frames or streams"
         )));
     }
-    // Where fewer chunks fit than there are threads, streams are measured one by one.
+    // If fewer chunks fit in memory than there are threads, streams are measured one by one.
     let threads = rayon::current_num_threads();
     let at_once = chunks_at_once(decoder, streams, settings, row_count, threads)?;
     let streams_at_once = if at_once < threads { 1 } else { usize::MAX };
@@ -69,7 +69,7 @@ pub fn inspect<'a>(
     Ok(inspection)
 }
 
-/// Statistics of all streams of a container, with the default settings.
+/// Measures all streams of a container with the default settings.
 ///
 /// # Errors
 /// [`Error::Invalid`] names the first damaged chunk.
@@ -93,34 +93,34 @@ fn chunks_at_once(
         chunks.iter().map(|chunk| measuring_bytes(stream, chunk, settings.check)).max()
     };
     let each = streams.iter().filter_map(of_stream).max().unwrap_or(0);
-    // Rows are there twice while those of all streams are joined.
+    // Rows are in memory twice while those of all streams are joined.
     let rows = 2 * row_count * size_of::<FrameRow<'_>>() as u64;
     let fixed = memory::container_bytes(decoder.reader()) + rows;
     settings.memory.at_once(&Need { what: "inspecting", fixed, each, instead: "" }, threads)
 }
 
-/// Bytes of an event of a chunk, and of its frame's number, three times while their lists double.
+/// Bytes of an event of a chunk and of its frame number, three times because their vectors double while growing.
 const EVENT_BYTES: u64 = 3 * (size_of::<Event>() + size_of::<u32>()) as u64;
-/// Bytes for unpacking, parsing, counting and checking a chunk.
+/// Returns the bytes of memory for decompressing, parsing, counting and checking a chunk.
 fn measuring_bytes(stream: &StreamInfo, chunk: &ChunkEntry, check: Check) -> u64 {
     let (header, raw_bytes) = (&stream.header, u64::from(chunk.raw_bytes));
     let checks = check == Check::ListAll;
-    // The payload (1); what a second decoder makes of it (1), and its window while that grows (4).
+    // The payload (1); with checks also the output of the second decoder (1) and its window while it grows (4).
     let payloads = if checks && chunk.storage != Storage::Raw { 6 } else { 1 };
     let pixel_bytes = match header {
-        // Decoded for their counts.
+        // These codecs are decoded for the counts.
         CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) | CodecHeader::Alpha(_) => {
             header.held_pixel_bytes()
         }
         CodecHeader::Depth(DepthHeader { coding: DepthCoding::Tree(_) | DepthCoding::Blocks, .. })
         | CodecHeader::Color(_) => 0,
         _ if !checks => 0,
-        // Two pictures, what a record covers, and when a pixel changed.
+        // Two pictures, a mask of pixels that a record covers, and the frame of the last change of each pixel.
         CodecHeader::Depth(_) => 2 * 2 + 1 + 4,
         CodecHeader::Material(_) => 2 * 3 + 1 + 4,
     };
     let [_, _, width, height] = stream.entry.unit_rect(chunk.key.unit);
-    // Only frames of predictive and of transform chunks can take less than a byte.
+    // Only frames of predictive and transform chunks can take less than a byte.
     let events = u64::from(chunk.key.frame_count).min(raw_bytes.max(MAX_FRAMES.into())) * EVENT_BYTES;
     let parsed = header.parsed_chunk_bytes(&stream.entry, chunk)
         + header.parsing_bytes(&stream.entry, chunk)
@@ -167,13 +167,13 @@ struct UnitMeasure {
     blocks: BlockCount,
     transform: TransformCount,
     predictive: PredictiveCount,
-    /// Every chunk writes one picture, and all chunks hold the same bytes.
+    /// True if every chunk writes one picture and all chunks hold the same bytes.
     is_static: bool,
     constant: bool,
     damaged: Vec<DamagedChunk>,
 }
 
-/// Costs of the listed frames of a stream, to which its units add theirs in any order.
+/// Costs of the listed frames of a stream; units add their costs in any order.
 struct Rows<'a> {
     frames: Option<FrameRange>,
     rows: Mutex<Vec<FrameRow<'a>>>,
@@ -226,7 +226,7 @@ impl Measure<'_, '_> {
         Ok(measure)
     }
 
-    /// The payload of a chunk; where chunks are checked, as both decoders of its compression make it.
+    /// Returns the payload of a chunk. With [`Check::ListAll`], fails if two independent decoders of the compression disagree.
     fn payload(&self, chunk: &ChunkEntry) -> Result<Vec<u8>> {
         let stored = self.reader.load_stored(chunk)?;
         let raw_bytes = chunk.raw_bytes;
@@ -257,7 +257,7 @@ impl Measure<'_, '_> {
             parsed.check_window(self.stream, frames)?;
         }
         let mut counted = count_chunk(&parsed, pixels, frames)?;
-        // What belongs to the whole chunk is read with its first frame.
+        // Bytes that belong to the whole chunk count for its first frame, with which they are read.
         let counted_bytes: u64 = counted.events.iter().map(|event| event.cost.bytes).sum();
         if let Some(first) = counted.events.first_mut() {
             first.cost.bytes += u64::from(chunk.raw_bytes).saturating_sub(counted_bytes);
@@ -282,7 +282,7 @@ impl UnitMeasure {
 }
 
 impl<'a> Inspection<'a> {
-    /// That of one stream alone.
+    /// Returns the inspection of a single stream.
     fn of_stream(
         stream: &'a StreamInfo,
         rows: Rows<'a>,

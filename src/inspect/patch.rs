@@ -8,28 +8,28 @@ pub enum Writing {
     /// A node with a modelling function, or a BC4w block.
     Function(Function),
     OneValue,
-    /// Values: of a unit, a box or a block tile, or a keyframe in samples.
+    /// Plain values of a unit, a box or a block tile, or a keyframe stored as samples.
     Values,
     /// Blocks of a texture format.
     Blocks,
-    /// Between two keyframes.
+    /// Interpolation between two keyframes.
     Blend,
-    /// A transformed block of colour.
+    /// A transform block of colour.
     Transform,
-    /// A block of colour with a palette.
+    /// A palette block of colour.
     Palette,
     /// A block of predictive coding.
     Predicted(BlockCoding),
 }
 
-/// A rectangle of pixels that are coded alike.
+/// A rectangle of pixels with the same coding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Patch {
     /// Left, top, width and height in the image.
     pub rect: [u32; 4],
     pub writing: Writing,
-    /// The node, box or unit that it belongs to, counted from 0 in the frame. A box or unit of block tiles has several
-    /// patches, and a function of an intermediate form one for each leaf.
+    /// Index, counted from 0 in the frame, of the node, box or unit that the patch belongs to. A box or unit of block tiles has
+    /// several patches, and a function of the intermediate form has one per leaf.
     pub part: u32,
 }
 

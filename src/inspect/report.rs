@@ -1,4 +1,4 @@
-//! An inspected container as a report in JSON.
+//! JSON report of an inspected container.
 
 use std::collections::BTreeMap;
 
@@ -56,7 +56,7 @@ struct MissingReport<'a> {
     probe: &'a str,
     face: &'static str,
     frame: u32,
-    /// The frame in its place; none for black.
+    /// The frame shown in its place; `None` for black.
     held: Option<u32>,
 }
 
@@ -156,13 +156,13 @@ struct DepthReport {
     far_m: Number,
     background: Number,
     depth_kind: DepthKind,
-    /// Largest error in percent of the distance; none without a bound.
+    /// Maximum error in percent of the distance; `None` without a bound.
     max_error_percent: Option<f64>,
-    /// The same in metres at some distances; none outside near and far.
+    /// Maximum error in metres at some distances; `None` outside near and far.
     max_error_m: BTreeMap<String, Option<f64>>,
 }
 
-/// Modelling functions. Keys of the maps are their names.
+/// Report of modelling functions. Keys of the maps are their names.
 #[derive(Debug, Serialize)]
 struct NodesReport {
     static_tiles: u64,
@@ -177,7 +177,7 @@ struct NodesReport {
     node_levels: Vec<LevelReport>,
 }
 
-/// Blocks of predictive coding. Keys of the maps are the names of [`BlockCoding`].
+/// Report of predictive blocks. Keys of the maps are the names of [`BlockCoding`].
 #[derive(Debug, Serialize)]
 struct PredictiveReport {
     static_tiles: u64,
@@ -188,11 +188,11 @@ struct PredictiveReport {
     max_error_codes: u16,
     keyframe_interval: u32,
     own_table_sets: usize,
-    /// 0 where any code may occur.
+    /// Number of codes that may occur; 0 if any code may occur.
     levels: usize,
     predicted_blocks: BTreeMap<&'static str, u64>,
     predicted_pixels: BTreeMap<&'static str, u64>,
-    /// Bytes of the symbols, whole ones.
+    /// Bytes of the symbols, rounded down.
     predicted_bytes: BTreeMap<&'static str, u64>,
 }
 
@@ -231,19 +231,19 @@ struct ColorReport {
     transform: Option<TransformReport>,
 }
 
-/// Chunks of the transform codec, and their blocks.
+/// Counts of chunks and blocks of the transform codec.
 #[derive(Debug, Serialize)]
 struct TransformReport {
     transform_chunks: u64,
     cells_chunks: u64,
-    /// By side in pixels.
+    /// Number of transform blocks by side in pixels.
     transform_blocks: BTreeMap<usize, u64>,
     palette_blocks: u64,
     own_table_sets: usize,
 }
 
 impl<'a> Inspection<'a> {
-    /// What `lightfold inspect --json` prints, to be serialized.
+    /// Returns the report that `lightfold inspect --json` prints.
     pub fn report(&self, decoder: &'a Decoder) -> ContainerReport<'a> {
         let (reader, index, all) = (decoder.reader(), decoder.reader().index(), self.totals(None));
         let probes = self.probes();
@@ -302,12 +302,12 @@ impl<'a> Inspection<'a> {
         ChunksReport { chunks, lzma2_chunks, zstd_chunks, damaged }
     }
 
-    /// Whether only some of the streams were inspected.
+    /// Returns true if only some of the streams were inspected.
     fn is_partial(&self, decoder: &Decoder) -> bool {
         self.streams.len() < decoder.streams().len()
     }
 
-    /// Bytes of the file or, of some streams, of their chunks.
+    /// Returns the bytes of the file; if only some streams were inspected, the bytes of their chunks.
     pub fn bytes(&self, decoder: &Decoder) -> u64 {
         if self.is_partial(decoder) { self.totals(None).bytes } else { decoder.reader().file_bytes }
     }
@@ -443,7 +443,7 @@ impl PredictiveReport {
             static_tiles: stats.static_units,
             constant_units: stats.constant_units,
             error_bound_codes: header.bound.saturating_add(header.epsilon),
-            // Each frame follows the one before.
+            // Each frame is coded relative to the previous one.
             window: 1,
             epsilon: header.epsilon,
             max_error_codes: header.bound,
@@ -506,7 +506,7 @@ pub fn percent(part: u64, whole: u64) -> f64 {
     100.0 * part as f64 / whole.max(1) as f64
 }
 
-/// `cubemap` or `perspective`.
+/// Returns `cubemap` or `perspective`.
 pub fn projection_name(projection: u8) -> &'static str {
     if projection == 0 { "cubemap" } else { "perspective" }
 }

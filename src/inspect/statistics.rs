@@ -22,8 +22,8 @@ pub enum FrameRows {
 pub enum Check {
     #[default]
     StopAtFirst,
-    /// All are listed. Compressed chunks must agree between two independent decoders, and records of depth and material must
-    /// keep the window's promise (depth.md 4).
+    /// Lists all damaged chunks. Compressed chunks must decompress to the same bytes in two independent decoders, and records of
+    /// depth and material must follow the window rule (depth.md 4).
     ListAll,
 }
 
@@ -34,20 +34,20 @@ pub struct InspectSettings {
     pub memory: Budget,
 }
 
-/// Bytes of a stream's chunks. Chunks that share their place in the file count for the first stream that has them, so that the
-/// streams' `bytes` add up.
+/// Bytes of the chunks of a stream. Bytes that chunks share in the file count for the first stream that has them, so that `bytes`
+/// adds up over streams.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct StorageStats {
     pub chunks: u64,
     pub lzma2_chunks: u64,
     pub zstd_chunks: u64,
-    /// Bytes in the file, each counted once.
+    /// Bytes in the file; shared bytes count once.
     pub bytes: u64,
-    /// Bytes in the file, counted for every chunk that uses them.
+    /// Bytes in the file; shared bytes count for every chunk that uses them.
     pub stored_bytes: u64,
-    /// Payload before compression, shared chunks counted once.
+    /// Payload bytes before compression; shared chunks count once.
     pub temporal_bytes: u64,
-    /// Payload before compression, counted for every chunk.
+    /// Payload bytes before compression; shared chunks count each time.
     pub payload_bytes: u64,
 }
 
@@ -61,25 +61,25 @@ pub struct Spread {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StreamStats<'a> {
     pub stream: &'a StreamInfo,
-    /// Uncompressed size as CALF's table 1 counts it (4 bytes a depth, 3 a colour, 3 a material).
+    /// Uncompressed size as in table 1 of CALF (4 bytes per depth, 3 per colour, 3 per material).
     pub raw_bytes: u64,
     pub storage: StorageStats,
     pub units: u64,
     pub keyframes: u64,
     pub keyframes_per_unit: Spread,
     pub aabbs: u64,
-    /// Nodes of all frames, by level and function; all nodes of a tree.
+    /// Nodes of all frames by level and function; for trees, all nodes of the tree.
     pub nodes: ModeStatistics,
-    /// Keyframes and block tiles by storage, in codecs of blocks.
+    /// Keyframes and block tiles by storage, for block codecs.
     pub blocks: BlockCount,
     /// Chunks of the transform codec.
     pub transform: TransformCount,
     /// Blocks of predictive coding.
     pub predictive: PredictiveCount,
-    /// Pixels written, keyframes included, when all frames are shown in order.
+    /// Number of pixels written, keyframes included, when all frames are decoded in order.
     pub updated_pixels: u64,
     pub static_units: u64,
-    /// Units with one value in each frame, such as empty space; without colour cells.
+    /// Number of units with a single value in each frame, such as empty space; colour cells are not counted.
     pub constant_units: u64,
 }
 
@@ -101,13 +101,13 @@ pub struct FrameRow<'a> {
 pub struct Inspection<'a> {
     pub streams: Vec<StreamStats<'a>>,
     pub rows: Vec<FrameRow<'a>>,
-    /// Damaged chunks, which no count of pixels, boxes or keyframes includes.
+    /// Damaged chunks; they are excluded from all counts of pixels, boxes and keyframes.
     pub damaged: Vec<DamagedChunk>,
     /// Bytes between head and index that no chunk refers to.
     pub unreferenced_bytes: u64,
 }
 
-/// Sums of the streams of one kind: a row of CALF's table 1.
+/// Sums over the streams of one kind: a row of table 1 of CALF.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Totals {
     pub streams: u64,
@@ -118,7 +118,7 @@ pub struct Totals {
     pub chunks: u64,
     pub lzma2_chunks: u64,
     pub zstd_chunks: u64,
-    /// Bytes saved by chunks that share their place.
+    /// Bytes saved by chunks that share bytes in the file.
     pub shared_bytes_saved: u64,
 }
 
@@ -128,7 +128,7 @@ impl Inspection<'_> {
         for stats in self.streams.iter().filter(|stats| kind.is_none_or(|kind| stats.stream.kind == kind)) {
             totals.streams += 1;
             totals.frames += stats.stream.frames.count();
-            // A damaged index may claim frames without end.
+            // A damaged index may claim a huge number of frames.
             totals.raw_bytes = totals.raw_bytes.saturating_add(stats.raw_bytes);
             totals.temporal_bytes += stats.storage.temporal_bytes;
             totals.bytes += stats.storage.bytes;

@@ -1,4 +1,4 @@
-//! The part of one unit in a coding map, by codec; rectangles count from the unit's upper left pixel.
+//! Coding map of one unit, by codec; rectangles are relative to the upper left pixel of the unit.
 
 use std::collections::HashMap;
 
@@ -27,16 +27,16 @@ pub(super) struct UnitMap {
 pub(super) struct ChunkSurvey {
     pub keyframes_in_blocks: u64,
     pub keyframes_in_samples: u64,
-    /// 1 for a chunk of the transform codec, whose first frame is complete.
+    /// 1 for a chunk of the transform codec, whose first frame is a keyframe.
     pub transformed_keyframes: u64,
-    /// Frames counted from the chunk's first, with pixels: for depth and material all records but the first, for colour frames
-    /// between keyframes.
+    /// Frames, counted from the first of the chunk, and their pixels: for depth and material all records but the first, for
+    /// colour frames between keyframes.
     pub changed: Vec<(u32, u64)>,
-    /// Frames of all keyframes of colour but the first, with pixels.
+    /// Frames of all colour keyframes but the first, and their pixels.
     pub later_keyframes: Vec<(u32, u64)>,
 }
 
-/// The map of frame `at` of a chunk of a unit of `size` (width, height) pixels.
+/// Returns the map of frame `at` of a chunk; `size` is the width and height of the unit in pixels.
 pub(super) fn unit_map(chunk: &StreamChunk, size: [u32; 2], at: u32) -> Result<UnitMap> {
     let grid = Grid { width: size[0], height: size[1] };
     let patches = match chunk {
@@ -71,7 +71,7 @@ fn of_nodes(chunk: &NodeChunk, at: u32) -> Vec<Patch> {
     of_places(chunk.runtime.grid, nodes.map(|(place, function)| (place, Writing::Function(function))))
 }
 
-/// The leaves of a tree, each with its coarsest function.
+/// Returns the leaves of a tree, each with its coarsest function.
 fn of_tree(chunk: &TreeChunk, at: u32) -> Vec<Patch> {
     let (grid, known) = (chunk.leaves.runtime.grid, chunk.known(at));
     let coarsest = |leaf: Place| {
@@ -99,7 +99,8 @@ fn of_tree(chunk: &TreeChunk, at: u32) -> Vec<Patch> {
     leaves.into_iter().map(patch).collect()
 }
 
-/// The blocks that differ from the frame before; all in a first frame, or the unit as background.
+/// Returns the blocks that differ from the previous frame. For a first frame, returns all blocks, or the whole unit as
+/// background.
 fn of_predictive(chunk: &PredictiveChunk, at: u32) -> Result<Vec<Patch>> {
     let mut patches = Vec::new();
     chunk.for_each_frame(|frame| {
@@ -118,7 +119,7 @@ fn of_predictive(chunk: &PredictiveChunk, at: u32) -> Result<Vec<Patch>> {
     Ok(patches)
 }
 
-/// The patches of a record's rectangles.
+/// Returns the patches of the rectangles of a record.
 fn of_record<T: Texel>(chunk: &TemporalChunk<T>, at: u32) -> Vec<Patch> {
     let Ok(found) = chunk.records.binary_search_by_key(&at, |record| record.frame) else { return Vec::new() };
     let body = chunk.records[found].body;
@@ -148,7 +149,7 @@ fn of_color<S: Keyed>(chunk: &ColorChunk<S>, at: u32) -> UnitMap {
     }
 }
 
-/// The blocks that differ from the frame before.
+/// Returns the blocks that differ from the previous frame.
 fn of_transform(chunk: &TransformChunk, at: u32) -> UnitMap {
     let before = at.checked_sub(1).map(|before| before as usize);
     let patches = chunk.changed_leaves(at as usize, before).zip(0..).map(|((leaf, rect), part)| {
@@ -181,7 +182,7 @@ pub(super) fn survey_chunk(chunk: &StreamChunk, frames: u32) -> Result<ChunkSurv
         StreamChunk::Depth(DepthChunk::Boxes(chunk)) => changes(chunk),
         StreamChunk::Depth(DepthChunk::Nodes(chunk)) => node_changes(&chunk.runtime),
         StreamChunk::Depth(DepthChunk::Tree(chunk)) => node_changes(&chunk.leaves.runtime),
-        // Each frame is complete.
+        // Each frame is coded without reference to others.
         StreamChunk::Depth(DepthChunk::Blocks(_)) => Vec::new(),
         StreamChunk::Depth(DepthChunk::Predictive(chunk)) => predictive_changes(chunk)?,
         StreamChunk::Material(chunk) => changes(chunk),

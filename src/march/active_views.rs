@@ -1,11 +1,12 @@
-//! The views that take part in a picture, relative to its eye (CALF 6, 6.3).
+//! Active views of a rendered image, with positions relative to its eye (CALF 6, 6.3).
 //!
-//! Positions are subtracted in double precision, so that pictures far from the world's origin lose no precision. All
-//! points are in metres from the eye.
+//! Positions are subtracted in double precision, so that images far from the world's origin lose no precision. All points are in
+//! metres relative to the eye.
 //!
-//! The paper leaves out views too near to a point, where directions mean little. But no surface of a probe is nearer
-//! than its near plane, so within it a point is empty whatever the texels say. A point that no view decides about is a
-//! surface in algorithm 4, which would put one before any eye too near to all views; here it is none.
+//! The paper skips views that are too near a point, because their directions to it are unreliable. But no surface captured by a
+//! probe is nearer than the probe's near plane, so a point within that distance is empty, regardless of the texels. Algorithm 4
+//! treats a point that no view classifies as a surface, which would place a surface in front of any eye that is too near all
+//! views. This implementation does not treat such a point as a surface.
 
 use std::sync::Arc;
 
@@ -14,39 +15,41 @@ use glam::{DVec3, Mat3, Vec3};
 use crate::march::{Counters, HOLE_DIFFERENCE, Pyramids, Ray, ViewPyramids};
 use crate::views::{ColorCoding, LightField, Projected, UNKNOWN, View};
 
-/// ε of the weight of a view by its distance from the eye, relative to the farthest active view.
+/// ε of the camera weight 1 / (d + ε), where d is the distance from the eye to the view, relative to that of the farthest active
+/// view.
 pub const CAMERA_EPSILON: f32 = 0.01;
 
-/// Weights of texels around a point that are below this do not decide about it. So at the centre of a texel that texel alone does,
-/// whatever the rounding of the place is.
+/// Bilinear weight along one axis below which a texel does not belong to the footprint of a point. At the centre of a texel only
+/// that texel counts, regardless of rounding in the position.
 pub const NEGLIGIBLE_WEIGHT: f32 = 1.0 / 64.0;
 
-/// Bisections of [`ActiveViews::on_texels`].
+/// Number of bisections in [`ActiveViews::on_texels`].
 pub(crate) const SETTLE_TIMES: u32 = 8;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Occupancy {
-    /// Between the viewpoint and the surface that it sees in this direction.
+    /// The point lies between the viewpoint and the surface that the view sees in this direction.
     Empty,
-    /// On that surface or behind it.
+    /// The point lies on that surface or behind it.
     Occupied,
     /// The view has no depth in this direction.
     Unknown,
 }
 
-/// Texels that decide whether a view sees past a point.
+/// Texels that an occupancy test compares a point with.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Footprint {
     /// The texel that contains the point (algorithm 4).
     #[default]
     Texel,
-    /// Of the four texels around the point, those with at least [`NEGLIGIBLE_WEIGHT`] of the weight of bilinear interpolation along each
-    /// axis: a view sees past the point only where it is nearer than all of them.
+    /// Those of the four texels around the point that have a bilinear weight of at least [`NEGLIGIBLE_WEIGHT`] along each axis.
+    /// The point is empty only if it is nearer than all of them.
     Around,
 }
 
 impl Footprint {
-    /// How far texels of the footprint reach beyond the one that contains a point, in texels.
+    /// Returns the half width of the footprint around a projected point, in texels. Texels that this interval touches belong to
+    /// the footprint.
     pub(crate) fn reach(self) -> f32 {
         match self {
             Footprint::Texel => 0.0,
@@ -60,11 +63,11 @@ pub struct ActiveView<'a> {
     pub view: &'a View,
     pub from_eye: Vec3,
     pub probe_from_world: Mat3,
-    /// w_cam of algorithm 4.
+    /// Weight w_cam of algorithm 4.
     pub camera_weight: f32,
-    /// [`ViewPyramids::greatest`].
+    /// Result of [`ViewPyramids::greatest`], in 1/m.
     pub greatest_inverse_depth: f32,
-    /// Pyramids above its inverse depths; an empty one proves nothing.
+    /// Maximum pyramids of its inverse depths; an empty pyramid proves no segment empty.
     pub pyramids: Arc<ViewPyramids>,
     pub footprint: Footprint,
 }
@@ -82,19 +85,19 @@ impl<'a> ActiveView<'a> {
         }
     }
 
-    /// Vector from the viewpoint to a point, in the probe's axes.
+    /// Returns the vector from the viewpoint to a point, in the probe's axes.
     pub fn local(&self, point: Vec3) -> Vec3 {
         self.probe_from_world * (point - self.from_eye)
     }
 
-    /// Inverse planar depth of the texel that contains a point; [`UNKNOWN`] where there is none.
+    /// Returns the inverse planar depth of the texel that contains a point; [`UNKNOWN`] if the view has no image of that face.
     pub fn nearest_inverse_depth(&self, at: &Projected) -> f32 {
         let Some(face) = &self.view.faces[at.face] else { return UNKNOWN };
         let [column, row] = [0, 1].map(|axis| (at.at[axis].max(0.0) as u32).min(face.size[axis] - 1));
         face.inverse_depth[row as usize * face.size[0] as usize + column as usize]
     }
 
-    /// The greatest inverse planar depth of the texels of the footprint; [`UNKNOWN`] where one is.
+    /// Returns the maximum inverse planar depth of the footprint's texels; [`UNKNOWN`] if any of them is unknown.
     fn footprint_inverse_depth(&self, at: &Projected) -> f32 {
         match (self.footprint, &self.view.faces[at.face]) {
             (Footprint::Around, Some(face)) => {
@@ -110,17 +113,18 @@ impl<'a> ActiveView<'a> {
         }
     }
 
-    /// Whether its texels beside a nearer surface have less weight: with [`Footprint::Around`], unless the eye is in the view.
+    /// True if texels next to a nearer surface get a reduced weight: with [`Footprint::Around`], unless the eye is at the
+    /// viewpoint.
     pub(crate) fn has_edges(&self) -> bool {
         self.footprint == Footprint::Around && self.from_eye != Vec3::ZERO
     }
 
-    /// BetweenViewpointAndGeometry (algorithm 4, line 1).
+    /// Classifies a point: BetweenViewpointAndGeometry (algorithm 4, line 1).
     pub fn occupancy(&self, point: Vec3) -> Occupancy {
         let local = self.local(point);
         let near = local.length_squared() < self.view.near_m * self.view.near_m;
         let Some(at) = self.view.project(local) else {
-            // The centre itself has no direction.
+            // The viewpoint itself projects into no image; it is empty.
             let is_centre = near && local.length_squared() <= f32::MIN_POSITIVE;
             return if is_centre { Occupancy::Empty } else { Occupancy::Unknown };
         };
@@ -135,7 +139,7 @@ impl<'a> ActiveView<'a> {
     }
 }
 
-/// The active views, by priority.
+/// Active views in order of priority.
 #[derive(Debug, Clone)]
 pub struct ActiveViews<'a> {
     pub views: Vec<ActiveView<'a>>,
@@ -143,12 +147,13 @@ pub struct ActiveViews<'a> {
 }
 
 impl<'a> ActiveViews<'a> {
-    /// The views of these indices, relative to an eye. Builds their pyramids; [`ActiveViews::with_pyramids`] reuses them.
+    /// Selects the views with these indices, relative to an eye. Builds their pyramids; [`ActiveViews::with_pyramids`] reuses
+    /// existing ones.
     pub fn new(field: &'a LightField, indices: &[usize], eye: DVec3) -> ActiveViews<'a> {
         Self::relative(field, indices, eye, |at| Arc::new(ViewPyramids::of(&field.views[at])))
     }
 
-    /// The same with pyramids that were built before.
+    /// Like [`ActiveViews::new`], with existing pyramids.
     pub fn with_pyramids(field: &'a LightField, pyramids: &Pyramids, indices: &[usize], eye: DVec3) -> ActiveViews<'a> {
         Self::relative(field, indices, eye, |at| pyramids.view(at))
     }
@@ -171,25 +176,25 @@ impl<'a> ActiveViews<'a> {
         ActiveViews { views, coding: field.coding }
     }
 
-    /// The same views with other footprints.
+    /// Returns the same views with another footprint.
     pub fn with_footprint(&self, footprint: Footprint) -> ActiveViews<'a> {
         let view = |view: &ActiveView<'a>| ActiveView { footprint, ..view.clone() };
         ActiveViews { views: self.views.iter().map(view).collect(), coding: self.coding }
     }
 
-    /// Number of the view nearest to the eye, the first of several.
+    /// Returns the index of the view nearest to the eye, the first of equally near ones; none without views.
     pub fn nearest_number(&self) -> Option<usize> {
         let of = |at: &usize| self.views[*at].from_eye.length();
         (0..self.views.len()).min_by(|a, b| of(a).total_cmp(&of(b)))
     }
 
-    /// The view nearest to the eye alone.
+    /// Returns only the view nearest to the eye; none without views.
     pub fn nearest(&self) -> Option<ActiveViews<'a>> {
         let nearest = self.views[self.nearest_number()?].clone();
         Some(ActiveViews { views: vec![nearest], coding: self.coding })
     }
 
-    /// Whether a point is on or behind a surface: empty in no view, and occupied in at least one.
+    /// True if a point is on or behind a surface: empty in no view, and occupied in at least one.
     pub fn is_surface(&self, point: Vec3) -> bool {
         let mut occupied = false;
         for view in &self.views {
@@ -202,7 +207,8 @@ impl<'a> ActiveViews<'a> {
         occupied
     }
 
-    /// Bisects the interval in which a surface begins; returns its end that is in the surface.
+    /// Bisects an interval, in metres, that contains the start of a surface. Returns the end of the last interval that is in the
+    /// surface.
     pub fn refine(&self, ray: &Ray, interval_m: [f32; 2], times: u32, counters: &mut Counters) -> f32 {
         let [mut empty_m, mut surface_m] = interval_m;
         for _ in 0..times {
@@ -217,8 +223,8 @@ impl<'a> ActiveViews<'a> {
         surface_m
     }
 
-    /// The distance in metres of a surface that a ray from the eye meets at `hit_m`, moved on to where the texels that contain it say
-    /// that it is: with [`Footprint::Around`] rays end before that.
+    /// Moves a hit at `hit_m` metres along a ray from the eye to the surface of the texels that contain it, and returns its
+    /// distance in metres. Hits found with [`Footprint::Around`] lie in front of that surface.
     pub(crate) fn on_texels(&self, ray: &Ray, hit_m: f32, counters: &mut Counters) -> f32 {
         let behind_m = hit_m * HOLE_DIFFERENCE.exp();
         counters.march_steps += 2;
@@ -228,9 +234,9 @@ impl<'a> ActiveViews<'a> {
         self.refine(ray, [hit_m, behind_m], SETTLE_TIMES, counters)
     }
 
-    /// Greatest distance of a surface of these views from the eye, in metres; 0 without views.
+    /// Returns an upper bound on the distance of the surfaces of these views from the eye, in metres; 0 without views.
     pub fn far_m(&self) -> f32 {
-        // A planar depth is √3 times as far in the corner of a cube face, and more in a wide perspective image.
+        // In the corner of a cube face the distance is √3 times the planar depth; in a wide perspective image it is even larger.
         let reach_m = |view: &ActiveView<'_>| {
             let corner = view.view.faces.iter().flatten().flat_map(|face| {
                 let [right, bottom] = face.size.map(|size| size - 1);
@@ -242,7 +248,7 @@ impl<'a> ActiveViews<'a> {
         self.views.iter().map(reach_m).fold(0.0, f32::max)
     }
 
-    /// Least distance of a surface of these views from its own view, in metres; 1 without views.
+    /// Returns the minimum distance of a surface from its own view, in metres; 1 without views.
     pub fn near_m(&self) -> f32 {
         self.views.iter().map(|view| view.view.near_m).reduce(f32::min).unwrap_or(1.0)
     }

@@ -1,7 +1,8 @@
-//! Planes beside a picture, for whoever composites it: depth, normals, holes, and how many views saw what is shown.
+//! Auxiliary planes of a rendered image, for compositing: depth, normals, holes, and the number of views that saw the visible
+//! surface.
 //!
-//! Enters: active views, a camera, settings. Leaves: values of the ray through the middle of each pixel, however many rays its
-//! colour has.
+//! Takes active views, a camera and settings. Returns the values of the ray through the middle of each pixel, regardless of the
+//! number of rays that its colour uses.
 
 use glam::Vec3;
 
@@ -14,16 +15,16 @@ use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::{BACKGROUND, UNKNOWN};
 
-/// What planes hold.
+/// Kind of an auxiliary plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum AovKind {
-    /// `Z`: metres along the ray, `+inf` where background or nothing shows.
+    /// `Z`: distance along the ray in metres; `+inf` if the ray shows background or nothing.
     Depth,
-    /// `N.X`, `N.Y`, `N.Z`: of length 1 along the world's axes, towards the views; 0 where none is known.
+    /// `N.X`, `N.Y`, `N.Z`: unit normal in world axes, towards the views; 0 if unknown.
     Normal,
-    /// `holes`: 1 where the ray first meets a surface that no view saw, or ends in nothing; else 0.
+    /// `holes`: 1 if the ray first meets a surface that no view saw, or ends without a known colour; else 0.
     Holes,
-    /// `views`: the number of views that saw what is shown.
+    /// `views`: number of views that saw the visible surface or background.
     Views,
 }
 
@@ -38,7 +39,8 @@ impl AovKind {
     }
 }
 
-/// The planes of these kinds. What counts of several surfaces in a pixel is the one of the greatest share. The monitor is checked.
+/// Renders the planes of these kinds. Depth, normal and number of views are those of the layer with the largest share of the
+/// pixel. Checks the monitor for interruption.
 pub fn aovs(
     views: &ActiveViews<'_>,
     camera: &Camera,
@@ -69,7 +71,7 @@ pub fn aovs(
         .collect())
 }
 
-/// Views whose texel at a point has its surface.
+/// Returns the number of views whose texel at a point has the point's surface.
 fn views_of_surface(views: &ActiveViews<'_>, point: Vec3, tolerance: f32) -> usize {
     let has_it = |inverse_depth: f32, at: f32| {
         inverse_depth != BACKGROUND && inverse_depth != UNKNOWN && (inverse_depth / at).ln().abs() <= tolerance
@@ -81,7 +83,7 @@ fn views_of_surface(views: &ActiveViews<'_>, point: Vec3, tolerance: f32) -> usi
     views.views.iter().filter(sees).count()
 }
 
-/// Views that see background in a direction.
+/// Returns the number of views that see background in a direction.
 fn views_of_background(views: &ActiveViews<'_>, direction: Vec3) -> usize {
     let sees = |view: &&ActiveView<'_>| {
         let at = view.view.project(view.probe_from_world * direction);

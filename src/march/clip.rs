@@ -1,7 +1,7 @@
 //! Near and far clip planes of a camera.
 //!
-//! Enters: a ray. Leaves: the distances between which its surfaces show. A surface before the near plane is cut away: the ray
-//! continues behind it. Secondary rays are not clipped.
+//! Takes a ray and returns the range of distances in which its surfaces are visible. A surface in front of the near plane is cut
+//! away, and the ray continues behind it. Secondary rays are not clipped.
 
 use glam::Vec3;
 
@@ -10,27 +10,27 @@ use crate::math::Camera;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClipPlanes {
-    /// The axis, of length 1.
+    /// Optical axis, a unit vector.
     forward: Vec3,
     /// Metres along the axis.
     near_m: f32,
-    /// Metres along the axis, may be `+inf`.
+    /// Metres along the axis; may be `+inf`.
     far_m: f32,
 }
 
 impl ClipPlanes {
-    /// The planes of a camera; none where it shows surfaces at any distance.
+    /// Returns the planes of a camera; none if it does not limit the depth.
     pub fn of(camera: &Camera) -> Option<ClipPlanes> {
         let [near_m, far_m] = camera.depth_m().map(|metres| metres as f32);
         camera.has_range().then(|| ClipPlanes { forward: camera.axes()[0].as_vec3(), near_m, far_m })
     }
 
-    /// Whether a depth, in metres along the axis, lies between the planes, both included.
+    /// True if a depth, in metres along the axis, lies between the planes, inclusive.
     pub fn contains(&self, depth_m: f32) -> bool {
         (self.near_m..=self.far_m).contains(&depth_m)
     }
 
-    /// The distances in metres between which a ray's surfaces show, both included.
+    /// Returns the range of distances, in metres, in which a ray's surfaces are visible, inclusive.
     pub fn distances_m(&self, ray: &Ray) -> [f32; 2] {
         let cosine = ray.direction.dot(self.forward).max(f32::MIN_POSITIVE);
         [self.near_m / cosine, self.far_m / cosine]
@@ -54,7 +54,7 @@ mod tests {
     use crate::monitor::Silent;
     use crate::views::light_field::ColorCoding;
 
-    /// A picture along −Z from `eye`, of 22 pixels each way and 90 degrees, by views of a room that ends at z = −2.
+    /// Renders 22 × 22 pixels along −Z from `eye` with a field of view of 90 degrees, from views of a room that ends at z = −2.
     fn picture(
         (places, eye): (&[DVec3], DVec3),
         pillar: f64,
@@ -87,7 +87,7 @@ mod tests {
         fast
     }
 
-    /// Which pixels of the middle row show a surface, and how many of all do.
+    /// Returns which pixels of the middle row show a surface, and the number of such pixels in the image.
     fn seen(picture: &Rendered) -> (Vec<bool>, usize) {
         let is_seen = |alpha: &f32| *alpha == 1.0;
         let count = picture.image.alpha.data().iter().filter(|alpha| is_seen(alpha)).count();
@@ -100,13 +100,13 @@ mod tests {
         let all = picture(from, 0.0, [0.0, f64::INFINITY], Acceleration::Pyramid);
         assert_eq!(seen(&all).1, 22 * 22);
         for acceleration in [Acceleration::Pyramid, Acceleration::None] {
-            // The far wall is 2.1 m deep everywhere, and at the corners of the picture 3 m away.
+            // The far wall has a depth of 2.1 m everywhere, and a distance of 3 m at the corners of the image.
             let whole = picture(from, 0.0, [0.0, 2.2], acceleration);
             assert_eq!((&whole.image.color, &whole.image.alpha), (&all.image.color, &all.image.alpha));
             let without_wall = picture(from, 0.0, [0.0, 1.95], acceleration);
             assert!(seen(&without_wall).0.iter().all(|seen| !seen), "the wall is farther");
             assert!(seen(&without_wall).1 > 0, "floor and ceiling are nearer");
-            // What lies below the floor no view has seen.
+            // No view has seen the space below the floor.
             let wall_alone = picture(from, 0.0, [2.0, f64::INFINITY], acceleration);
             let (row, count) = seen(&wall_alone);
             assert!(row.iter().all(|seen| *seen) && count < 22 * 22, "{count}");
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn behind_a_surface_before_the_near_plane_shows_what_views_saw_there() {
-        // A pillar from z = −0.4 to 0.4 before the eye, and views that look past it on both sides.
+        // A pillar from z = −0.4 to 0.4 in front of the eye, and views that see past it on both sides.
         let from = (&[DVec3::new(1.5, 0.0, 1.5), DVec3::new(-1.5, 0.1, 1.5)][..], DVec3::new(0.0, 0.0, 1.7));
         let middle = |pillar: f64, near_m: f64| {
             let picture = picture(from, pillar, [near_m, f64::INFINITY], Acceleration::Pyramid);
@@ -130,7 +130,7 @@ mod tests {
         assert!(pillar.distance(wall) > 0.1, "{pillar} {wall}");
         let (behind, alpha) = middle(0.2, 2.2);
         assert!(alpha == 1.0 && behind.distance(wall) < 0.06, "{behind} {wall}");
-        // The pillar is not shown by the inside that the plane cuts open either.
+        // A near plane that cuts the pillar open does not show its inside.
         let (cut, alpha) = middle(0.2, 1.35);
         assert!(alpha == 1.0 && cut.distance(wall) < 0.06, "{cut} {wall}");
     }

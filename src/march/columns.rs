@@ -1,7 +1,7 @@
-//! Pictures whose eye moves from column to column: omnidirectional stereo.
+//! Images whose eye moves from column to column: omnidirectional stereo.
 //!
-//! Enters: a camera, and what renders a picture from one eye. Leaves: the picture, joined of its columns. Each is rendered as a row, so that
-//! four rays march at once.
+//! Takes a camera and a function that renders an image from one eye. Returns the image assembled from its columns. Each column is
+//! rendered as a row, so that four rays march at once.
 
 use rayon::prelude::*;
 
@@ -12,8 +12,8 @@ use crate::march::{Counters, Rendered};
 use crate::math::Camera;
 use crate::monitor::{Monitor, Uncounted};
 
-/// Renders the columns of a picture of this width and height: `row` renders a picture of `height` by 1 pixels. The monitor advances by one
-/// for each row of the picture.
+/// Renders an image of this width and height by columns. `row` renders an image of `height` by 1 pixels. The monitor advances by
+/// one per row of the image.
 pub fn render_columns(
     [width, height]: [u32; 2],
     camera: &Camera,
@@ -85,7 +85,7 @@ mod tests {
             rendered.image.color
         });
         assert!(seen[0] != seen[1]);
-        // A picture does not depend on threads.
+        // The image does not depend on the number of threads.
         let camera = middle.as_panorama(360.0, 0.4);
         let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
         seen[1] = one.install(|| renderer.render(&stage, &camera, &Silent)).unwrap().image.color;

@@ -1,14 +1,14 @@
-//! Counters of rendering.
+//! Rendering counters.
 
 use crate::math::add_members;
 
-/// Counts over rays: integers, so that sums do not depend on the number of threads.
+/// Counts over rays. They are integers, so that sums do not depend on the number of threads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Counters {
     pub primary_rays: u64,
-    /// Occupancy tests of points and segments, without refinement.
+    /// Occupancy tests of points and segments during marching, without refinement.
     pub march_steps: u64,
-    /// Occupancy tests of bisection.
+    /// Occupancy tests during bisection.
     pub refine_steps: u64,
     /// Reflected and refracted rays.
     pub secondary_rays: u64,

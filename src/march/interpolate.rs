@@ -1,19 +1,19 @@
-//! The colour of a point: CalculateColor of algorithm 4 (CALF 6).
+//! Interpolation of the colour of a point: CalculateColor of algorithm 4 (CALF 6).
 //!
-//! Enters: active views and a surface point, or a direction of the background. Leaves: a weighted mean of texels, and
-//! how well their depths fit. What the paper leaves open:
+//! Takes active views and a surface point, or a direction of the background. Returns a weighted mean of texels, and how well
+//! their depths match. Choices where the paper is ambiguous:
 //!
-//! - The prose calls both weights exponential, the listing has 1/(x + ε). We take the listing's: the exponential is 0.1
-//!   to 0.3 dB worse on measured footage at any scale, as it selects where the listing averages.
+//! - The prose calls both weights exponential; the listing has 1/(x + ε). This code follows the listing: exponential weights are
+//!   0.1 to 0.3 dB worse on measured footage at any scale, because they act as a selection where the listing averages.
 //! - The printed listing lacks the division by the sum of the weights.
-//! - Depths are compared as logarithms of distances, not as codes, so that weights do not depend on near and far.
-//!   Distances of cameras are relative to the farthest active one.
+//! - Depths are compared as logarithms of distances, not as codes, so that weights do not depend on near and far. Camera
+//!   distances are relative to that of the farthest active view.
 //!
-//! Each of the four texels around a point has a weight by its own depth, so that edges do not bleed.
+//! Each of the four texels around a point is weighted by its own depth, so that colours do not bleed across edges.
 //!
-//! A colour counts as much as its alpha; where all texels are transparent it is black. The alpha of a surface is that of the texels that have
-//! it, by the weights of coverage: a pane before it has little weight for its colour, but would let its alpha through. Secondary rays take a
-//! surface for opaque.
+//! Colours are weighted by their alpha; if all texels are transparent, the colour is black. The alpha of a surface is averaged
+//! over the texels that have this surface, with the weights of coverage: a pane in front of the surface has little weight in its
+//! colour, but would lower its alpha. Secondary rays treat surfaces as opaque.
 
 use glam::Vec3;
 
@@ -21,36 +21,38 @@ use crate::march::active_views::CAMERA_EPSILON;
 use crate::march::{ActiveView, ActiveViews, RenderSettings, Taps};
 use crate::views::{BACKGROUND, FaceTexels, Projected, UNKNOWN};
 
-/// ε of the weight of depth: a difference of two per cent halves the weight.
+/// ε of the depth weight: a difference of 2% in distance halves the weight.
 pub const DEPTH_EPSILON: f32 = 0.02;
-/// A hit is disoccluded where the logarithms of the distances of all texels differ from its own by more than this, beyond
-/// the uncertainty of the steps.
+/// A hit is disoccluded if the log distances of all texels differ from its own by more than this, in addition to the uncertainty
+/// of the steps.
 pub const HOLE_DIFFERENCE: f32 = 0.1;
-/// ε of the weight of a view by its angle: so many radians halve the weight of a view that looks as the eye does.
+/// ε of the angle weight, in radians: this angle halves the weight of a view, relative to a view in the direction of the eye.
 pub const ANGLE_EPSILON: f32 = 0.0005;
-/// Texels whose depth differs by more than this, in the logarithm, have next to no weight with [`angle_weight`].
+/// Texels whose log depth differs by more than this have almost no weight with [`angle_weight`].
 pub const DEPTH_CUT: f32 = 0.2;
-/// Texels beside a nearer surface have its colour mixed into theirs: what makes the weight of their view less, its angle or its distance
-/// from the eye, counts so many times more. Nothing does where the eye is in the view, so that pictures become what a probe recorded.
-/// More of it hides outlines of bright things better, and takes more detail of edges from views that see them less sharply.
+/// Penalty on texels next to a nearer surface, which contain a mix with its colour. For these texels, the view's weight
+/// 1 / (x + ε), where x is the view's angle or its distance from the eye, becomes 1 / (x (1 + penalty) + ε). Nothing changes if
+/// the eye is at the viewpoint, so that images converge to what a probe recorded. A larger penalty hides outlines of bright
+/// objects better, but takes more edge detail from views that see the edge less sharply.
 pub const EDGE_PENALTY: f32 = 6.0;
-/// The same of texels of the background.
+/// [`EDGE_PENALTY`] of background texels.
 pub const BACKGROUND_EDGE_PENALTY: f32 = 20.0;
-/// A surface is nearer than another beside it where its inverse depth is so many times that: e to [`HOLE_DIFFERENCE`].
+/// Minimum ratio of inverse depths at which a surface counts as nearer than an adjacent one: e to the power of
+/// [`HOLE_DIFFERENCE`].
 pub const NEARER: f32 = 1.105_171;
-/// The part of its weight that a texel keeps beyond [`DEPTH_CUT`], so that there is a colour where no other is.
+/// Fraction of its weight that a texel keeps beyond [`DEPTH_CUT`], so that there is a colour even if all texels are beyond it.
 pub const CUT_WEIGHT: f32 = 0.001;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interpolated {
-    /// As it is coded ([`crate::views::light_field::ColorCoding`]): codes over 255, or light.
+    /// Colour as coded ([`crate::views::light_field::ColorCoding`]): codes over 255, or linear RGB.
     pub color: Vec3,
-    /// The least difference between the logarithms of the distances of the point and of a texel.
+    /// Minimum difference between the log distances of the point and of a texel.
     pub difference: f32,
-    /// The part of the texels around the point that have its surface, of those that do not have a nearer one; 1 where all
-    /// have.
+    /// Weighted fraction of the texels around the point that have its surface, among those that have no nearer one; 1 if all have
+    /// it.
     pub coverage: f32,
-    /// The alpha of the surface, 0 to 1.
+    /// Alpha of the surface, 0 to 1.
     pub alpha: f32,
 }
 
@@ -60,22 +62,22 @@ pub(crate) struct WeightedTexel<'a> {
     pub(crate) face: &'a FaceTexels,
     pub(crate) texel: usize,
     pub(crate) weight: f32,
-    /// See [`Interpolated::difference`].
+    /// Absolute difference between the log distances of the point and of the texel.
     pub(crate) difference: f32,
 }
 
-/// The face of an active view that contains a point, and the place in it.
+/// Returns the image of an active view that contains a point, and the position in it.
 fn image_of<'a>(view: &ActiveView<'a>, local: Vec3) -> Option<(&'a FaceTexels, Projected)> {
     let at = view.view.project(local)?;
     Some((view.view.faces[at.face].as_ref()?, at))
 }
 
-/// The texels of surfaces around a point in all views, in a fixed order.
+/// Visits the surface texels around a point in all views, in a fixed order.
 pub(crate) fn surface_texels(views: &ActiveViews<'_>, point: Vec3, mut visit: impl FnMut(WeightedTexel<'_>)) {
     views.views.iter().for_each(|view| texels_of_view(view, point, &mut visit));
 }
 
-/// The texels of surfaces around a point in a view.
+/// Visits the surface texels around a point in one view.
 fn texels_of_view(view: &ActiveView<'_>, point: Vec3, mut visit: impl FnMut(WeightedTexel<'_>)) {
     let Some((face, at)) = image_of(view, view.local(point)) else { return };
     let taps = Taps::around(at.at, face);
@@ -93,7 +95,7 @@ fn texels_of_view(view: &ActiveView<'_>, point: Vec3, mut visit: impl FnMut(Weig
 struct Sum {
     color: Vec3,
     weight: f32,
-    /// The weights of colours: times alpha.
+    /// Sum of the weights times alpha: the weights of the colours.
     shown: f32,
     difference: f32,
 }
@@ -116,14 +118,15 @@ impl Sum {
     }
 }
 
-/// The colour of a surface point. None where no view has a surface in its direction.
+/// Interpolates the colour of a surface point. None if no view has a surface in its direction.
 pub fn surface_color(views: &ActiveViews<'_>, point: Vec3) -> Option<Interpolated> {
     let mut sum = Sum::EMPTY;
     surface_texels(views, point, |texel| sum.add(texel));
     sum.mean()
 }
 
-/// The colour of a surface point in views by their share, which is 0 or more. None where no such view has a surface in its direction.
+/// Interpolates the colour of a surface point, with the weight of each view multiplied by its share, which is 0 or more. None if
+/// no view with a share above 0 has a surface in its direction.
 pub fn surface_color_of(
     views: &ActiveViews<'_>,
     point: Vec3,
@@ -139,8 +142,9 @@ pub fn surface_color_of(
     sum.mean()
 }
 
-/// The weight of a view for a point that the eye sees: the less, the more its ray to the point differs from the eye's, and the farther
-/// it is from the point (the penalties of unstructured lumigraph rendering: angle and resolution).
+/// Returns the weight of a view for a point that the eye sees. It decreases with the angle between the view's ray and the eye's
+/// ray to the point, and with the view's distance from the point (the angle and resolution penalties of unstructured lumigraph
+/// rendering).
 pub(crate) fn angle_weight(view: &ActiveView<'_>, point: Vec3) -> f32 {
     let from_view = point - view.from_eye;
     let (from_eye_m, from_view_m) = (point.length(), from_view.length());
@@ -150,23 +154,23 @@ pub(crate) fn angle_weight(view: &ActiveView<'_>, point: Vec3) -> f32 {
     1.0 / (angle + blur + ANGLE_EPSILON)
 }
 
-/// The part of the weight of a view that its texels beside a nearer surface have; `epsilon` is that of the weight.
+/// Returns the factor on a view's weight for its texels that are next to a nearer surface; `epsilon` is the ε of that weight.
 fn edge_part(view: &ActiveView<'_>, (weight, epsilon): (f32, f32), penalty: f32) -> f32 {
     if view.has_edges() { 1.0 / (1.0 + penalty - penalty * epsilon * weight) } else { 1.0 }
 }
 
-/// Whether a surface with a greater inverse depth lies in a texel above, below, left or right of one.
+/// True if the texel above, below, left or right of a texel has a surface with a larger inverse depth than this.
 fn is_beside_nearer(face: &FaceTexels, texel: usize, inverse_depth: f32) -> bool {
     face.beside(texel).map(|at| face.inverse_depth[at]).any(|at| at != UNKNOWN && at > inverse_depth)
 }
 
-/// The weight of a texel by its difference in depth, without next to any beyond [`DEPTH_CUT`].
+/// Returns the weight of a texel by its difference in depth, almost 0 beyond [`DEPTH_CUT`].
 fn cut_weight(difference: f32) -> f32 {
     let weight = 1.0 / (difference + DEPTH_EPSILON);
     (weight - 1.0 / (DEPTH_CUT + DEPTH_EPSILON)).max(CUT_WEIGHT * weight)
 }
 
-/// The colour and coverage of a surface point that the eye sees. None where no view has a surface in its direction.
+/// Interpolates colour, coverage and alpha of a surface point that the eye sees. None if no view has a surface in its direction.
 pub fn seen_from_eye(views: &ActiveViews<'_>, point: Vec3, settings: &RenderSettings) -> Option<Interpolated> {
     let (mut sum, mut opaque, mut covered, mut all) = (Sum::EMPTY, 0.0, 0.0, 0.0);
     let (refinements, tolerance) = (settings.refinements, settings.tolerance());
@@ -210,7 +214,7 @@ pub fn seen_from_eye(views: &ActiveViews<'_>, point: Vec3, settings: &RenderSett
     })
 }
 
-/// The colour of the background in a direction of length 1. None where surfaces hide it from all views.
+/// Interpolates the colour of the background in a direction of length 1. None if surfaces hide it from all views.
 pub fn background_color(views: &ActiveViews<'_>, direction: Vec3) -> Option<Interpolated> {
     let mut sum = Sum::EMPTY;
     for view in &views.views {

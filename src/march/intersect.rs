@@ -1,10 +1,10 @@
-//! Where a ray meets a surface: RayIntersection of algorithm 4 (CALF 6), point by point or over segments.
+//! Intersection of a ray with the captured surfaces: RayIntersection of algorithm 4 (CALF 6), point by point or over segments.
 //!
-//! Enters: active views and a ray. Leaves: the distance at which it first meets a surface, or that it meets none.
+//! Takes active views and a ray. Returns the distance at which the ray first meets a surface, if it meets one.
 
 use crate::march::{Acceleration, ActiveViews, Counters, Occupancy, Ray, Steps, StepsFrom, Until, segments};
 
-/// The distance in metres at which a ray first meets a surface. Both accelerations give the same bits.
+/// Returns the distance in metres at which a ray first meets a surface. Both accelerations return the same bits.
 pub fn intersect(
     how: Acceleration,
     views: &ActiveViews<'_>,
@@ -15,7 +15,7 @@ pub fn intersect(
     intersect_from(how, views, ray, StepsFrom { steps, first: 0 }, counters)
 }
 
-/// The same from the first of some steps on: nearer points count as empty.
+/// Like [`intersect`], from a given step on: nearer points count as empty.
 pub fn intersect_from(
     how: Acceleration,
     views: &ActiveViews<'_>,
@@ -27,7 +27,7 @@ pub fn intersect_from(
     Some(views.refine(ray, steps.steps.before(step), steps.steps.refine(), counters))
 }
 
-/// The number of the first step at which marching along a ray ends.
+/// Returns the index of the first step at which marching along a ray ends.
 pub(crate) fn first_step(
     how: Acceleration,
     views: &ActiveViews<'_>,

@@ -1,19 +1,23 @@
-//! What a primary ray shows: surfaces, one behind the other, each with its share, and the background.
+//! Layers of a primary ray: successive surfaces, each with its share of the ray, and the background.
 //!
-//! Enters: active views, a ray, where it first meets surfaces. Leaves: layers; their shares and that of a transparent background sum up
-//! to 1.
+//! Takes active views, a ray, and the first hits of the ray. Returns layers whose shares, together with that of a transparent
+//! background, sum to 1.
 //!
-//! Algorithm 4 of CALF ends a ray where it first meets a surface, and takes what no view saw there for a hole. [`Refinements`] go further:
+//! Algorithm 4 of CALF ends a ray at the first surface that it meets, and treats a surface that no view saw as a hole.
+//! [`Refinements`] extend this:
 //!
-//! - Around an edge some texels have the surface, others what is behind. Coverage is interpolated between them, as colour is, and the ray
-//!   goes on with the rest of its share. So edges are as soft as texels are, and what is thinner than a texel does not vanish.
-//! - Others miss a thin surface that the nearest view saw, between two of their texels, and seem to see past it. It has coverage, too,
-//!   by the weights of the views that have it. So a picture becomes what a probe recorded as the eye comes to it.
-//! - A surface that no view saw hides nothing that is known: with [`HoleFill::Behind`] the ray goes on to what views saw behind it.
+//! - Near an edge, some texels have the surface, and others have what is behind it. Coverage is interpolated between them like
+//!   colour, and the ray continues with the rest of its share. Edges are as soft as texels are, and objects thinner than a texel
+//!   do not vanish.
+//! - A thin surface that the nearest view saw may lie between two texels of other views, which then seem to see past it. Such a
+//!   surface also has coverage, by the weights of the views that have it. The image converges to what a probe recorded as the eye
+//!   approaches the probe.
+//! - A surface that no view saw hides nothing that is known: with [`HoleFill::Behind`] the ray continues to the surfaces that
+//!   views saw behind it.
 //!
-//! A surface with alpha takes that part of its coverage, and the ray goes on behind it with the rest. Its texels say nothing about what is
-//! behind it, so the next surface is one that the ray meets after it came out, where another view sees past it. What goes through such a
-//! surface and ends in nothing known is transparent where the background is.
+//! A surface with alpha takes that fraction of its coverage, and the ray continues behind it with the rest. Its texels do not
+//! record what is behind it, so the next surface is the one that the ray meets after it has left the first, where another view
+//! sees past it. If the rest of the share then reaches nothing known, it is transparent if the background is.
 
 use glam::Vec3;
 
@@ -26,61 +30,61 @@ use crate::march::{
 };
 use crate::views::ColorCoding;
 
-/// Shares below are not shown, and a rest below is not followed.
+/// Minimum share of a layer that is shown, and of a remainder that is traced further.
 pub const MIN_LAYER: f32 = NEGLIGIBLE_WEIGHT;
-/// Layers of a ray at most; the last one has all that is left.
+/// Maximum number of layers of a ray; the last one takes all of the remaining share.
 pub const MAX_LAYERS: u32 = 8;
-/// Times at most that a ray comes out of a surface and marches on.
+/// Maximum number of times that a ray leaves a surface and marches on.
 pub const MAX_EXITS: u32 = 64;
-/// Surfaces nearer to each other than this, in the logarithm of their distance, are one.
+/// Surfaces whose log distances differ by less than this count as one surface.
 const SAME_SURFACE: f32 = HOLE_DIFFERENCE;
 
-/// A part of what a ray shows.
+/// One layer of a primary ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Layer {
-    /// Metres to the surface; none of background.
+    /// Metres to the surface; none for background.
     pub(crate) distance_m: Option<f32>,
-    /// Linear light, without secondary rays.
+    /// Linear RGB, without secondary rays.
     pub(crate) light: Vec3,
     pub(crate) share: f32,
 }
 
-/// Where a ray first meets surfaces, in metres.
+/// Distances at which a ray first meets surfaces, in metres.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct FirstHits {
-    /// That of the nearest view; only with [`Refinements::thin`](crate::march::Refinements).
+    /// First surface of the nearest view; only with [`Refinements::thin`](crate::march::Refinements).
     pub(crate) nearest_m: Option<f32>,
-    /// That of all views.
+    /// First surface of all views.
     pub(crate) all_m: Option<f32>,
 }
 
 impl FirstHits {
-    /// The surface of the nearest view, if it lies before that of all.
+    /// Returns the surface of the nearest view if it lies in front of that of all views.
     pub(crate) fn thin_m(&self) -> Option<f32> {
         self.nearest_m.filter(|&nearest_m| self.all_m.is_none_or(|all_m| nearest_m < all_m * (-SAME_SURFACE).exp()))
     }
 }
 
-/// All that a primary ray shows.
+/// Result of a primary ray.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct PrimaryHit {
-    /// The first layer.
+    /// First layer.
     pub(crate) first: Option<Layer>,
-    /// Those behind it.
+    /// Layers behind the first, in order of distance.
     pub(crate) behind: Vec<Layer>,
-    /// The share of a background that is not shown, or that is transparent itself.
+    /// Share of a background that is not shown, or that is itself transparent.
     pub(crate) transparent: f32,
-    /// Whether it first meets a surface that no view saw, or ends in nothing.
+    /// True if the ray first meets a surface that no view saw, or ends without a known colour.
     pub(crate) is_hole: bool,
 }
 
 impl PrimaryHit {
-    /// A hit of all of a ray.
+    /// Creates a result with a single layer of share 1.
     pub(crate) fn whole(distance_m: Option<f32>, light: Vec3) -> PrimaryHit {
         PrimaryHit { first: Some(Layer { distance_m, light, share: 1.0 }), ..PrimaryHit::default() }
     }
 
-    /// Metres to the layer of the greatest share; none of background.
+    /// Returns the metres to the layer with the largest share; none for background.
     pub(crate) fn distance_m(&self) -> Option<f32> {
         self.layers().max_by(|a, b| a.share.total_cmp(&b.share)).and_then(|layer| layer.distance_m)
     }
@@ -97,62 +101,62 @@ impl PrimaryHit {
     }
 }
 
-/// Primary rays of a picture.
+/// Shared state of the primary rays of an image.
 pub(crate) struct Primary<'a> {
     /// All active views, with the footprint of primary rays.
     pub(crate) views: ActiveViews<'a>,
-    /// The nearest of them alone; only with [`Refinements::thin`](crate::march::Refinements).
+    /// The nearest view alone; only with [`Refinements::thin`](crate::march::Refinements).
     pub(crate) nearest: Option<ActiveViews<'a>>,
     clip: Option<ClipPlanes>,
     curve: Option<LightCurve>,
     pub(crate) settings: &'a RenderSettings,
 }
 
-/// What a [`LayerWalk`] queries its caller.
+/// Input that a [`LayerWalk`] requests from its caller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Query {
-    /// What the views see at this distance in metres.
+    /// Interpolated colour of the point at this distance in metres.
     Color(f32),
-    /// Whether this step is on or behind a surface.
+    /// Whether the point at this step is on or behind a surface.
     Occupancy(usize),
-    /// Where the ray meets a surface from this step on.
+    /// Distance at which the ray meets a surface, searched from this step on.
     Hit(usize),
-    /// Nothing more of surfaces.
+    /// No further input: the walk has ended.
     Done,
 }
 
-/// A ray on its way through layers. The caller answers its query until that is [`Query::Done`].
+/// Walk of a ray through its layers. The caller supplies the result of each query until the query is [`Query::Done`].
 pub(crate) struct LayerWalk<'p, 'a> {
     primary: &'p Primary<'a>,
     pub(crate) query: Query,
     shown: PrimaryHit,
     place: Place,
-    /// What is not shown yet.
+    /// Share of the ray that has no layer yet.
     left: f32,
-    /// Nearer surfaces do not show.
+    /// Minimum distance of a surface that is shown, in metres.
     least_m: f32,
-    /// Light of the last texels that did not fit.
+    /// Linear RGB of the last texels whose depths did not match.
     unseen: Option<Vec3>,
-    /// Distances in metres between which surfaces show.
+    /// Range of distances in metres in which surfaces are visible.
     range_m: [f32; 2],
-    /// Whether the surface begins before the near plane: it is cut away, with what is inside it.
+    /// True if the current surface begins in front of the near plane; it is cut away with its inside.
     is_cut: bool,
-    /// Whether it is within a surface with alpha, whose share is shown.
+    /// True if the ray is inside a surface with alpha whose share is already counted.
     is_within: bool,
-    /// Whether it went through a surface with alpha.
+    /// True if the ray has passed through a surface with alpha.
     lets_through: bool,
     ends_in_hole: bool,
     exits: u32,
 }
 
-/// Where a ray is.
+/// Position of a ray in its walk.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
-    /// At the thin surface of the nearest view. That of all views follows, in metres.
+    /// At the thin surface of the nearest view. The first surface of all views, `all_m` in metres, is next.
     Thin { all_m: Option<f32> },
-    /// Where it meets a surface of all views.
+    /// At a hit on a surface of all views.
     Hit,
-    /// At a step within that surface.
+    /// At a step inside that surface.
     Inside,
 }
 
@@ -168,7 +172,7 @@ impl<'a> Primary<'a> {
         Primary { views, nearest, clip, curve, settings }
     }
 
-    /// Linear light of an interpolated colour.
+    /// Converts an interpolated colour to linear RGB.
     pub(crate) fn light(&self, color: Vec3) -> Vec3 {
         match &self.curve {
             Some(curve) => color.to_array().map(|code| curve.light(code)).into(),
@@ -180,13 +184,13 @@ impl<'a> Primary<'a> {
         if self.settings.refinements.edges { seen.coverage } else { 1.0 }
     }
 
-    /// Where a ray first meets surfaces, in the plainest form.
+    /// Returns the first hits of a ray: the scalar reference implementation.
     pub(crate) fn first_hits(&self, ray: &Ray, counters: &mut Counters) -> FirstHits {
         let (how, steps) = (self.settings.acceleration, &self.settings.steps);
         let (mut first, mut nearest_m) = (0, None);
         if let Some(nearest) = &self.nearest {
             let from = StepsFrom { steps, first };
-            // Before this step the nearest view sees past all points.
+            // The nearest view sees past all points before this step.
             let Some(step) = first_step(how, nearest, (ray, from), Until::Unknown, counters) else {
                 return FirstHits::default();
             };
@@ -198,7 +202,7 @@ impl<'a> Primary<'a> {
         FirstHits { nearest_m, all_m: intersect_from(how, &self.views, ray, StepsFrom { steps, first }, counters) }
     }
 
-    /// Whether a surface shows all of a ray, so that a [`LayerWalk`] would end there: a shortcut.
+    /// True if the first surface takes all of a ray, so that a [`LayerWalk`] would end at it; used as a shortcut.
     pub(crate) fn is_whole(&self, ray: &Ray, hits: &FirstHits, seen: &Interpolated) -> bool {
         let is_covered = self.coverage(seen) * seen.alpha > 1.0 - MIN_LAYER;
         let is_shown = |hit_m: f32| match self.clip {
@@ -214,7 +218,7 @@ impl<'a> Primary<'a> {
             && hits.all_m.is_some_and(is_shown)
     }
 
-    /// All that a ray shows, in the plainest form.
+    /// Returns all layers of a ray: the scalar reference implementation.
     pub(crate) fn follow(&self, ray: &Ray, hits: &FirstHits, counters: &mut Counters) -> PrimaryHit {
         let mut walk = LayerWalk::new(self, ray, hits);
         let steps = &self.settings.steps;
@@ -260,7 +264,7 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
         walk
     }
 
-    /// Answers [`Query::Hit`].
+    /// Processes the result of a [`Query::Hit`].
     pub(crate) fn answer_hit(&mut self, hit_m: Option<f32>) {
         self.exits += 1;
         self.query = match hit_m.filter(|&hit_m| hit_m <= self.range_m[1] && self.exits <= MAX_EXITS) {
@@ -273,7 +277,7 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
         };
     }
 
-    /// Answers [`Query::Occupancy`].
+    /// Processes the result of a [`Query::Occupancy`].
     pub(crate) fn answer_occupancy(&mut self, step: usize, is_surface: bool) {
         self.query = match is_surface {
             true => {
@@ -284,10 +288,10 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
         };
     }
 
-    /// Answers [`Query::Color`].
+    /// Processes the result of a [`Query::Color`].
     pub(crate) fn answer_color(&mut self, at_m: f32, seen: Option<Interpolated>) {
         let settings = self.primary.settings;
-        // Between steps nothing is refined.
+        // Points inside a surface lie on steps and are not refined.
         let within = if self.place == Place::Inside {
             HOLE_DIFFERENCE + settings.steps.log_step()
         } else {
@@ -311,13 +315,13 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
         }
     }
 
-    /// What the ray queries at a point of a surface.
+    /// Returns the query for a point on a surface.
     fn at(&self, at_m: f32) -> Query {
         let is_asked = at_m >= self.least_m && !self.is_cut && !self.is_within;
         if is_asked { Query::Color(at_m) } else { self.after(at_m) }
     }
 
-    /// What it queries behind that.
+    /// Returns the query for the next step behind that point.
     fn after(&self, at_m: f32) -> Query {
         let distances_m = &self.primary.settings.steps.distances_m;
         let next = distances_m.partition_point(|&distance_m| distance_m <= at_m);
@@ -325,7 +329,7 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
         if is_in_range { Query::Occupancy(next) } else { Query::Done }
     }
 
-    /// Shows a surface by its coverage and alpha.
+    /// Adds a layer for a surface, by its coverage and alpha.
     fn show(&mut self, distance_m: f32, seen: &Interpolated) {
         let coverage = self.primary.coverage(seen);
         let opacity = coverage * seen.alpha;
@@ -343,7 +347,7 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
         self.least_m = distance_m * SAME_SURFACE.exp();
     }
 
-    /// All that the ray shows, once it is done.
+    /// Returns all layers of the ray, after the last query.
     pub(crate) fn end(mut self, ray: &Ray, counters: &mut Counters) -> PrimaryHit {
         if self.left == 0.0 {
             return self.shown;
@@ -366,7 +370,8 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
         self.shown
     }
 
-    /// What is left of a ray ends in nothing known: layers before it have all, or the last texels that did not fit.
+    /// Ends a ray whose remaining share reaches nothing known. The layers in front are scaled to take all of the ray; without
+    /// layers, the colour of the last texels whose depths did not match is used.
     fn end_in_hole(self) -> PrimaryHit {
         let mut shown = self.shown;
         if shown.first.is_none() {
@@ -392,11 +397,11 @@ mod tests {
 
     const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
     const SIDE: u32 = 32;
-    /// Width of a texel 1 m away.
+    /// Width in metres of a texel at a distance of 1 m.
     const TEXEL_M: f64 = 2.0 / SIDE as f64;
     const WALL_M: f64 = 4.0;
 
-    /// A red plate 1 m before a probe, from `left` to `right` in texels right of the middle, in a dark room.
+    /// A red plate 1 m in front of a probe, from `left` to `right` in texels right of the middle, in a dark room.
     fn plate([left, right]: [f64; 2]) -> LightField {
         let view = SyntheticProbe::new(DVec3::ZERO, SIDE).cube(CODES, &|direction| {
             let at = direction / -direction.z / TEXEL_M;
@@ -422,7 +427,7 @@ mod tests {
         }
     }
 
-    /// What a ray from an eye to a point of the plate's plane, in texels right of the middle, shows.
+    /// Returns the layers of a ray from an eye to a point of the plate's plane, `column` texels right of the middle.
     fn shown(field: &LightField, (eye, column): (DVec3, f64), settings: &RenderSettings) -> PrimaryHit {
         let all: Vec<usize> = (0..field.views.len()).collect();
         let views = ActiveViews::new(field, &all, eye);
@@ -439,7 +444,7 @@ mod tests {
 
     #[test]
     fn edges_show_both_surfaces_by_their_coverage() {
-        // Texels from 0 on; the middle of the first is at 0.5.
+        // The plate begins with texel 0, whose middle is at 0.5.
         let field = plate([0.0, 4.0]);
         let shares = |column: f64, refinements| {
             let settings = settings(HoleFill::Behind, BackgroundFill::Opaque, refinements);
@@ -453,7 +458,7 @@ mod tests {
         }
         assert_eq!(shares(0.5, Refinements::ALL), [(1, 1.0)]);
         assert_eq!(shares(-0.5, Refinements::ALL), [(4, 1.0)]);
-        // Without, an edge is a step.
+        // Without refinements an edge is a hard step.
         assert_eq!(shares(-0.25, Refinements::NONE), [(4, 1.0)]);
         assert_eq!(shares(0.25, Refinements::NONE), [(1, 1.0)]);
     }
@@ -471,7 +476,7 @@ mod tests {
         assert!(blank.is_hole && blank.layers().all(|layer| layer.distance_m.is_none()), "{blank:?}");
     }
 
-    /// A red pane 1 m before a first probe, of an alpha in 255ths, in a green room; a second probe sees past it.
+    /// A red pane 1 m in front of the first probe, with an alpha in 255ths, in a green room; a second probe sees past it.
     fn pane(alpha: u8) -> LightField {
         let view = |position: DVec3| {
             let mut view = SyntheticProbe::new(position, SIDE).cube(CODES, &|direction| {
@@ -506,9 +511,9 @@ mod tests {
             assert!(found.first.unwrap().light.distance(Vec3::X) < 0.01, "{found:?}");
         }
         let found = shown(&pane(128), place, &opaque);
-        // A little of the pane's colour is interpolated into that of what is behind it.
+        // A small part of the pane's colour is interpolated into that of the surface behind it.
         assert!(found.behind[0].light.distance(Vec3::Y) < 0.05, "{found:?}");
-        // An alpha of nearly 1 or 0 is that.
+        // An alpha within [`MIN_LAYER`] of 1 or 0 counts as 1 or 0.
         assert_eq!(shares(&shown(&pane(252), place, &opaque)), [(Some(1), 1.0)]);
         let found = shown(&pane(3), place, &opaque);
         assert!(shares(&found) == [(Some(4), 1.0)] && !found.is_hole, "{found:?}");
@@ -521,7 +526,7 @@ mod tests {
             let mut field = pane(alpha);
             field.views.truncate(1);
             let found = shown(&field, place, &settings(HoleFill::Behind, background, Refinements::ALL));
-            // In thousandths.
+            // Shares in thousandths.
             let [shown, transparent] = [found.layers().map(|layer| layer.share).sum(), found.transparent]
                 .map(|share: f32| (1000.0 * share).round() as u32);
             (shown, transparent, found.is_hole)
@@ -529,7 +534,7 @@ mod tests {
         assert_eq!(found(51, BackgroundFill::Transparent), (200, 800, false));
         assert_eq!(found(0, BackgroundFill::Transparent), (0, 1000, false));
         assert_eq!(found(51, BackgroundFill::Opaque), (1000, 0, false));
-        // Nothing at all is known.
+        // The ray has no layer and no known background.
         assert_eq!(found(0, BackgroundFill::Opaque), (0, 0, true));
     }
 }

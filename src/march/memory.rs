@@ -1,4 +1,4 @@
-//! Upper bounds of the memory that rendering takes beside the views.
+//! Upper bounds on the memory of rendering, besides that of the views.
 
 use std::collections::BTreeMap;
 
@@ -9,32 +9,33 @@ use crate::march::playback::frames::PlaybackOptions;
 use crate::march::render::RAYS_AT_ONCE;
 use crate::march::specular::sphere_fit::{MAX_PROXIES, MAX_TEXELS, MIN_TEXELS};
 
-/// Bytes of each ray that a thread holds: its direction, layers of what it shows, and the sum of its pixel.
+/// Bytes per ray that a thread holds: its direction, its layers, and the sum of its pixel.
 const RAY_BYTES: u64 = 400;
-/// Bytes of a texel of material while spheres are fitted: its number, in a list that grows and in one of texels whose neighbours are
-/// looked at, and whether it was.
+/// Bytes per texel of material while spheres are fitted: its index in a growing list and on the stack of the flood fill, and a
+/// visited flag.
 const FIT_BYTES: u64 = 8 + 8 + 1;
-/// Bytes of a texel of an environment map.
+/// Bytes per texel of an environment map.
 const MAP_BYTES: u64 = 18;
-/// Bytes of one while the map is made: what views see, sums, weights, and coarser images.
+/// Bytes per texel of an environment map while it is made: samples of the views, sums, weights, and coarser levels.
 const MAKING_BYTES: u64 = 96;
-/// Bytes of a texel that is splatted.
+/// Bytes per texel that is splatted.
 const POINT_BYTES: u64 = 64;
-/// Bytes of a pixel from its rays until it is written: light and alpha, and codes or channels of a file. Rays are held by the thread
-/// that follows them.
+/// Bytes per pixel from its rays until it is written: linear RGB and alpha, and codes or channels of a file. Rays are held by the
+/// thread that traces them.
 const PICTURE_BYTES: u64 = 72;
-/// Bytes of a pixel while the pictures of two eyes are joined.
+/// Bytes per pixel while the images of two eyes are joined.
 pub const JOINED_BYTES: u64 = 24;
-/// Bytes of a pixel of planes beside a picture: six values, joined for two eyes, and channels of a file.
+/// Bytes per pixel of auxiliary planes: six values, joined for two eyes, and channels of a file.
 const AOV_BYTES: u64 = 120;
-/// Bytes of a pixel of a reference: faces of colour, depth and material in one file, and errors.
+/// Bytes per pixel of a reference image: faces of colour, depth and material in one file, and errors.
 const REFERENCE_BYTES: u64 = 320;
 
 fn pixels(stream: &StreamInfo) -> u64 {
     u64::from(stream.entry.width) * u64::from(stream.entry.height)
 }
 
-/// Bytes that ray marching takes: rays that threads hold, and with secondary rays refractive proxies.
+/// Returns an upper bound on the bytes that ray marching takes: rays that threads hold and, with secondary rays, refractive
+/// proxies.
 pub fn march_bytes(decoder: &Decoder, options: &PlaybackOptions, specular: SpecularMode) -> u64 {
     let held = (rayon::current_num_threads() * RAYS_AT_ONCE) as u64 * RAY_BYTES;
     if specular == SpecularMode::None {
@@ -55,7 +56,8 @@ pub fn march_bytes(decoder: &Decoder, options: &PlaybackOptions, specular: Specu
     texels.saturating_mul(FIT_BYTES).saturating_add(maps + held)
 }
 
-/// Bytes of pictures with this number of pixels, of the planes beside them, and of their references.
+/// Returns an upper bound on the bytes of images with this number of pixels, of their auxiliary planes, and of their reference
+/// images.
 pub fn picture_bytes(pixels: u64, has_aovs: bool, has_reference: bool) -> u64 {
     let aovs = if has_aovs { AOV_BYTES } else { 0 };
     let reference = if has_reference { REFERENCE_BYTES } else { 0 };

@@ -1,7 +1,7 @@
-//! Pyramids of the nearest surfaces: what ray marching adds to probe views, to prove whole segments of a ray empty.
+//! Maximum pyramids of inverse depth, with which ray marching proves whole segments of a ray empty.
 //!
-//! A pyramid holds the greatest inverse depth, so the nearest surface, of squares of texels: 2×2, 4×4 and so on. Beside it are all squares
-//! of 2×2 texels, for [`Footprint::Around`](crate::march::Footprint).
+//! A pyramid holds the maximum inverse depth, which is the nearest surface, of squares of 2×2 texels, 4×4 texels and so on. It
+//! also holds the maximum of every 2×2 neighbourhood of texels, for [`Footprint::Around`](crate::march::Footprint).
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -11,15 +11,16 @@ use rayon::prelude::*;
 use crate::image::{Face, StreamKind};
 use crate::views::{Change, FaceTexels, LightField, UNKNOWN, View};
 
-/// Points of an axis that are nearer to 0 than this, in metres, have no inverse that is a number to rely on.
+/// Minimum depth in metres whose inverse is reliable in single precision.
 pub const MIN_M: f32 = 1e-18;
 
-/// Greatest inverse depths of squares of texels, in 1/m; [`UNKNOWN`] where one is. An empty pyramid proves nothing.
+/// Maximum inverse depths of squares of texels, in 1/m; [`UNKNOWN`] if any texel of the square is. An empty pyramid proves no
+/// segment empty.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DepthPyramid {
-    /// Squares of level `at` have 2^(`at` + 1) texels a side, the last ones perhaps fewer.
+    /// Level `at` has squares of 2^(`at` + 1) texels a side; the last column and row may have fewer.
     pub levels: Vec<Level>,
-    /// For each texel the greatest of it and its right, lower and lower right neighbours in the image.
+    /// For each texel, the maximum of it and its right, lower and lower right neighbours in the image.
     pub around: Vec<f32>,
 }
 
@@ -32,7 +33,7 @@ pub struct Level {
 }
 
 impl DepthPyramid {
-    /// The greatest inverse depth of all texels; [`UNKNOWN`] of an empty pyramid.
+    /// Returns the maximum inverse depth of all texels; [`UNKNOWN`] for an empty pyramid.
     pub fn greatest(&self) -> f32 {
         match self.levels.last() {
             Some(level) => level.greatest.iter().copied().fold(0.0, f32::max),
@@ -40,14 +41,14 @@ impl DepthPyramid {
         }
     }
 
-    /// The pyramid of a face of `size` texels, at least 1 in each direction, of which nothing is known.
+    /// Creates the pyramid of a face of `size` unknown texels, at least 1 in each direction.
     pub fn unknown(size: [u32; 2]) -> DepthPyramid {
         let level = |size: [u32; 2]| Level { size, greatest: vec![UNKNOWN; size[0] as usize * size[1] as usize] };
         let around = vec![UNKNOWN; size[0] as usize * size[1] as usize];
         DepthPyramid { levels: DepthPyramid::sizes(size).into_iter().map(level).collect(), around }
     }
 
-    /// Columns and rows of squares of each level above an image of `size` texels.
+    /// Returns the columns and rows of squares of each level above an image of `size` texels.
     pub fn sizes(size: [u32; 2]) -> Vec<[u32; 2]> {
         let (mut sizes, mut of) = (Vec::new(), size);
         while of != [1, 1] || sizes.is_empty() {
@@ -57,7 +58,7 @@ impl DepthPyramid {
         sizes
     }
 
-    /// Takes in that texels in these columns and rows have changed; all of them where it was empty.
+    /// Updates the pyramid after changes to the texels in these columns and rows. An empty pyramid is built from all texels.
     pub fn update(&mut self, size: [u32; 2], inverse_depth: &[f32], columns: Range<u32>, rows: Range<u32>) {
         if inverse_depth.is_empty() {
             *self = DepthPyramid::default();
@@ -94,9 +95,9 @@ impl DepthPyramid {
             (below_size, below) = (level.size, &level.greatest);
         }
     }
-    /// An upper bound of the inverse depths of the texels from one corner to the other, both included.
+    /// Returns an upper bound on the inverse depths of the texels from one corner to the other, inclusive.
     ///
-    /// Squares as wide as a half to the whole of the rectangle cover it: at most three in a row, of three rows.
+    /// Covers the rectangle with squares of half to all of its longer side: at most three per row, in at most three rows.
     pub(crate) fn greatest_between(
         &self,
         texels: &FaceTexels,
@@ -122,14 +123,14 @@ impl DepthPyramid {
     }
 }
 
-/// The pyramids of a view's faces, by the number of the face.
+/// Pyramids of a view's faces, by face index.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ViewPyramids {
     pub faces: [DepthPyramid; 7],
 }
 
 impl ViewPyramids {
-    /// Built from all texels of a view; empty for faces whose texels lie on a device.
+    /// Builds the pyramids of a view from all its texels; they are empty for faces whose texels are kept on a device.
     pub fn of(view: &View) -> ViewPyramids {
         let mut pyramids = ViewPyramids::default();
         for (pyramid, texels) in pyramids.faces.iter_mut().zip(&view.faces) {
@@ -140,7 +141,7 @@ impl ViewPyramids {
         pyramids
     }
 
-    /// The greatest inverse depth of any texel, where there is one in every direction; else [`UNKNOWN`].
+    /// Returns the maximum inverse depth of all texels if the view has texels in every direction; else [`UNKNOWN`].
     pub fn greatest(&self, view: &View) -> f32 {
         if view.faces[Face::View as usize].is_some() || view.near_m < MIN_M {
             return UNKNOWN;
@@ -149,19 +150,19 @@ impl ViewPyramids {
     }
 }
 
-/// The pyramids of a light field, by the index of the view. They follow the changes that a player reports.
+/// Pyramids of a light field, by view index. They follow the changes that a player reports.
 #[derive(Debug, Clone, Default)]
 pub struct Pyramids {
     views: Vec<Arc<ViewPyramids>>,
 }
 
 impl Pyramids {
-    /// The pyramids of a view; empty ones where nothing is known of it.
+    /// Returns the pyramids of a view; empty ones if it has none.
     pub fn view(&self, at: usize) -> Arc<ViewPyramids> {
         self.views.get(at).cloned().unwrap_or_default()
     }
 
-    /// Takes in the changes of depths since the last call, views in parallel. Views without faces lose their pyramids.
+    /// Applies the changes of depth since the last call, views in parallel. Views without faces lose their pyramids.
     pub fn update(&mut self, field: &LightField, changes: &[Change]) {
         self.views.resize_with(field.views.len(), Arc::default);
         self.views.par_iter_mut().zip(&field.views).enumerate().for_each(|(at, (pyramids, view))| {

@@ -1,21 +1,22 @@
 //! Rays and the distances at which they are sampled (CALF 6, equation 13).
 //!
-//! The logarithms of the distances are evenly spaced from near to far, both included: a hit on the last step is a hit,
-//! where the listing's test for `i = N` discards it.
+//! The logarithms of the distances are evenly spaced from near to far, inclusive. A hit on the last step is a hit, whereas the
+//! listing's test for `i = N` discards it.
 
 use glam::Vec3;
 
-/// Growth of the intervals before the first step of a ray that starts on a surface, which begin with a texel.
+/// Length of an interval before the first step of a ray that starts on a surface, relative to its distance; the length is at
+/// least one texel.
 pub const GROWTH: f32 = 0.125;
-/// Intervals at most: they reach some ten thousand texels far.
+/// Maximum number of these intervals: they reach about ten thousand texels far.
 pub const MAX_BEFORE_STEPS: u32 = 64;
 
-/// A ray in metres from the eye, along the world's axes.
+/// A ray in metres relative to the eye, in world axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Metres.
+    /// In metres.
     pub origin: Vec3,
-    /// Of length 1.
+    /// Unit direction.
     pub direction: Vec3,
 }
 
@@ -27,32 +28,33 @@ impl Ray {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Steps {
-    /// Metres, never falling; at least one.
+    /// Distances in metres, never decreasing; at least one.
     pub distances_m: Vec<f32>,
     refine: u32,
     log_step: f32,
     uncertainty: f32,
 }
 
-/// Steps of which those before the first are skipped.
+/// Steps from a first one on; earlier steps are skipped.
 #[derive(Debug, Clone, Copy)]
 pub struct StepsFrom<'s> {
     pub steps: &'s Steps,
-    /// Number of the first.
+    /// Index of the first step.
     pub first: usize,
 }
 
-/// What ends marching.
+/// Condition that ends marching along a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Until {
-    /// A point that no view sees past, and that is behind a surface of one.
+    /// A point that is empty in no view and occupied in at least one.
     Surface,
-    /// A point that no view sees past, known or not.
+    /// A point that is empty in no view, occupied or unknown.
     Unknown,
 }
 
 impl Steps {
-    /// `count` steps (at least 1) between `near_m` and `far_m`, both above 0; where far is not beyond near, near alone.
+    /// Divides the range from `near_m` to `far_m`, both above 0, into `count` steps (at least 1). If far is not beyond near, near
+    /// is the only distance.
     pub fn new(count: u32, near_m: f32, far_m: f32, refine: u32) -> Steps {
         let (near, far) = (f64::from(near_m), f64::from(far_m));
         let distances_m = if far > near {
@@ -68,19 +70,19 @@ impl Steps {
         Steps { distances_m, refine: 0, log_step, uncertainty: 0.0 }.with_refine(refine)
     }
 
-    /// The same with another number of bisections.
+    /// Returns the same steps with another number of bisections.
     pub fn with_refine(&self, refine: u32) -> Steps {
         let left = -(-self.log_step).exp_m1() * 0.5f32.powi(refine.min(64) as i32);
         Steps { refine, uncertainty: -(-left).ln_1p(), ..self.clone() }
     }
 
-    /// Bisections of the interval before a hit.
+    /// Returns the number of bisections of the interval before a hit.
     pub fn refine(&self) -> u32 {
         self.refine
     }
 
-    /// Distances in metres for a ray that starts on a surface with texels `texel_m` wide, with the numbers of those that are
-    /// steps: finer ones before the first step, then all steps.
+    /// Returns the distances in metres for a ray that starts on a surface with texels `texel_m` wide, each with its step index if
+    /// it is a step: finer distances before the first step, then all steps.
     pub fn off_surface(&self, texel_m: f32) -> impl Iterator<Item = (f32, Option<usize>)> + use<'_> {
         let first_m = self.distances_m[0];
         let next = move |at_m: &f32| Some(at_m + texel_m.max(GROWTH * at_m)).filter(|&at_m| at_m < first_m);
@@ -88,17 +90,18 @@ impl Steps {
         nearer.map(|at_m| (at_m, None)).chain(self.distances_m.iter().enumerate().map(|(at, &at_m)| (at_m, Some(at))))
     }
 
-    /// The interval in metres that ends at a step.
+    /// Returns the interval in metres that ends at a step.
     pub(crate) fn before(&self, step: usize) -> [f32; 2] {
         [step.checked_sub(1).map_or(0.0, |before| self.distances_m[before]), self.distances_m[step]]
     }
 
-    /// Logarithm of the ratio of adjacent distances; 0 where there is one distance.
+    /// Returns the logarithm of the ratio of adjacent distances; 0 if there is only one distance.
     pub fn log_step(&self) -> f32 {
         self.log_step
     }
 
-    /// Greatest distance of hits behind the surface, in the logarithm: the rest of a bisected interval.
+    /// Returns the maximum distance of a hit behind the surface, as a difference of logarithms: the length of a bisected
+    /// interval.
     pub fn uncertainty(&self) -> f32 {
         self.uncertainty
     }

@@ -1,6 +1,6 @@
-//! Rendering a light field from any eye: Main of algorithm 4 (CALF 6).
+//! Renders a light field from any eye: Main of algorithm 4 (CALF 6).
 //!
-//! Enters: active views, a camera, settings. Leaves: a picture in linear light with alpha, and counters.
+//! Takes active views, a camera and settings. Returns an image in linear RGB with alpha, and counters.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -24,10 +24,10 @@ pub struct Rendered {
     pub counters: Counters,
 }
 
-/// Rays of a row in flight at most, and between two checks of the monitor; more than a pixel has at first.
+/// Maximum number of rays of a row in flight, and between two checks of the monitor; more than the first rays of a pixel.
 pub(crate) const RAYS_AT_ONCE: usize = 1024;
 
-/// Renders. The monitor advances by one for each row.
+/// Renders an image. The monitor advances by one per row.
 pub fn render(
     views: &ActiveViews<'_>,
     camera: &Camera,
@@ -44,7 +44,8 @@ pub fn render(
     })
 }
 
-/// Distance in metres along the ray through the middle of each pixel, `+inf` where it meets nothing. The monitor is checked.
+/// Returns the distance in metres along the ray through the middle of each pixel; `+inf` if the ray hits nothing. Checks the
+/// monitor for interruption.
 pub fn distances_m(
     views: &ActiveViews<'_>,
     camera: &Camera,
@@ -54,7 +55,7 @@ pub fn distances_m(
     first_rays(views, camera, settings, monitor, |_, hit| hit.distance_m().unwrap_or(f32::INFINITY))
 }
 
-/// What the rays through the middles of pixels hit, by their directions. The monitor is checked.
+/// Returns `value` of the direction and the hit of the ray through the middle of each pixel. Checks the monitor for interruption.
 pub(crate) fn first_rays<T: Copy + Send>(
     views: &ActiveViews<'_>,
     camera: &Camera,
@@ -78,7 +79,7 @@ pub(crate) fn first_rays<T: Copy + Send>(
     Plane::new(width, height, rows.concat())
 }
 
-/// Renders ray by ray, in the plainest form: the reference for [`render`].
+/// Renders ray by ray: the scalar reference for [`render`].
 pub fn render_plainly(
     views: &ActiveViews<'_>,
     camera: &Camera,
@@ -128,7 +129,7 @@ impl<'a> Picture<'a> {
         Ok(Picture { views, camera, settings, monitor, grid, proxies })
     }
 
-    /// Renders rows in parallel, with the primary hits of adjacent rays by their directions.
+    /// Renders rows in parallel. `hits` returns the primary hits of adjacent rays, given their directions.
     fn rows(&self, hits: impl Fn(&[Vec3], &mut Counters) -> Vec<PrimaryHit> + Sync) -> Result<Rendered> {
         let [width, height] = self.settings.size;
         let pixels = width as usize * height as usize;
@@ -161,7 +162,7 @@ impl<'a> Picture<'a> {
         self.proxies.as_ref().map(|proxies| SecondaryRays::new(self.views, self.settings, proxies))
     }
 
-    /// Direction of a ray by its pixel and its number in the grid of a pixel.
+    /// Returns the direction of a ray, given its pixel and its index in the sample grid of the pixel.
     fn direction(&self, [x, y]: [usize; 2], at: usize) -> Vec3 {
         let samples = self.settings.samples.max(1) as usize;
         let place = |pixel: usize, sample: usize, size: u32| {
@@ -173,7 +174,7 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// A row of pixels on its way.
+/// State of a row of pixels that is being rendered.
 struct Row<'a, F> {
     picture: &'a Picture<'a>,
     hits: &'a F,
@@ -184,7 +185,7 @@ struct Row<'a, F> {
 }
 
 impl<F: Fn(&[Vec3], &mut Counters) -> Vec<PrimaryHit>> Row<'_, F> {
-    /// Adds rays of these numbers to some of the pixels from a column on.
+    /// Adds the rays with these grid indices to the selected pixels of `sums`, which begin at column `first`.
     fn add_rays(
         &mut self,
         (first, sums): (usize, &mut [PixelSum]),
@@ -211,7 +212,7 @@ impl<F: Fn(&[Vec3], &mut Counters) -> Vec<PrimaryHit>> Row<'_, F> {
     }
 }
 
-/// What a ray shows, with the light of secondary rays where it hits surfaces.
+/// Returns the colour of a ray, including secondary rays from the surfaces that it hits.
 fn shade(
     secondary: &mut Option<SecondaryRays<'_>>,
     hit: &PrimaryHit,

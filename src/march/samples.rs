@@ -1,26 +1,27 @@
-//! Rays of a pixel: a few at first, and all where those show an edge.
+//! Adaptive supersampling: a few rays per pixel at first, and all rays if the first ones show an edge.
 //!
-//! Enters: what rays of a pixel show. Leaves: the colour and alpha of the pixel, and whether it takes more rays.
+//! Takes the results of a pixel's rays. Returns the colour and alpha of the pixel, and whether it needs more rays.
 
 use glam::{Vec3, Vec4};
 
 use crate::evaluate::HoleFill;
 
-/// Two lights of a pixel differ where the difference of a channel is more than this part of their sum.
+/// Minimum contrast of an edge: a pixel has an edge if the range of a channel over its rays exceeds this fraction of the sum of
+/// the minimum and the maximum.
 pub const EDGE_CONTRAST: f32 = 0.1;
-/// Added to both, so that noise in the dark is no edge.
+/// Added to the minimum and the maximum, so that noise in dark pixels is not an edge.
 pub const EDGE_BLACK: f32 = 0.02;
 
-/// The rays of a pixel, by their numbers in a grid, row by row.
+/// Rays of a pixel, by their row-major indices in a square grid.
 #[derive(Debug, Clone)]
 pub(crate) struct SampleGrid {
-    /// Those of the corners and the middle; of a grid of up to two rows all.
+    /// Rays at the corners and the middle; all rays of a grid of at most two rows.
     pub(crate) first: Vec<usize>,
     pub(crate) rest: Vec<usize>,
 }
 
 impl SampleGrid {
-    /// A grid of at least one row and column.
+    /// Creates a grid of `side` rows and columns, at least 1.
     pub(crate) fn new(side: usize) -> SampleGrid {
         let is_end = |at: usize| at == 0 || at + 1 == side;
         let is_first = |at: &usize| {
@@ -32,23 +33,23 @@ impl SampleGrid {
     }
 }
 
-/// What a ray shows.
+/// Result of one ray.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct RaySample {
-    /// Linear light, times [`RaySample::share`].
+    /// Linear RGB times [`RaySample::share`].
     pub(crate) light: Vec3,
-    /// The part of the ray that has a colour.
+    /// Fraction of the ray that has a colour.
     pub(crate) share: f32,
-    /// Whether it first meets a surface that no view saw, or ends in nothing.
+    /// True if the ray first meets a surface that no view saw, or ends without a known colour.
     pub(crate) is_hole: bool,
 }
 
-/// The rays of a pixel so far.
+/// Accumulated rays of a pixel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PixelSum {
-    /// Light and alpha.
+    /// Sum of RGB and alpha.
     sum: Vec4,
-    /// The least and the greatest of a ray.
+    /// Minimum and maximum of RGB and alpha over the rays.
     least: Vec4,
     greatest: Vec4,
     share: f32,
@@ -76,7 +77,7 @@ impl PixelSum {
         self.share += share;
     }
 
-    /// Whether the light or the alpha of its rays differ.
+    /// True if the RGB or the alpha of the rays differ enough for an edge.
     pub(crate) fn has_edge(&self) -> bool {
         let (least, greatest) = (self.least, self.greatest);
         (greatest - least).cmpgt(EDGE_CONTRAST * (least + greatest + 2.0 * EDGE_BLACK)).any()
@@ -86,7 +87,7 @@ impl PixelSum {
         self.holes
     }
 
-    /// Light that is not multiplied by alpha, and alpha.
+    /// Returns linear RGB, not multiplied by alpha, and alpha.
     pub(crate) fn color_and_alpha(&self) -> ([f32; 3], f32) {
         let light = self.sum.truncate();
         let color = if self.share > 0.0 { light / self.share } else { Vec3::ZERO };
@@ -125,7 +126,7 @@ mod tests {
         assert_eq!(of(&[lit, hole], HoleFill::Behind), (0.75, 1.0, true));
         assert_eq!(of(&[lit, hole], HoleFill::Nearest), (0.75, 0.5, true));
         assert_eq!(of(&[lit, hole], HoleFill::Blank), (0.5, 0.5, true));
-        // A transparent background changes no colour.
+        // A transparent background does not change the colour.
         assert_eq!(of(&[lit, half], HoleFill::Behind), (0.5, 0.75, true));
         assert_eq!(of(&[ray(0.0, 0.0, false); 2], HoleFill::Behind), (0.0, 0.0, false));
         assert!(!of(&[lit, ray(0.55, 1.0, false)], HoleFill::Behind).2);

@@ -1,36 +1,37 @@
-//! Marching over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4).
+//! Ray marching over whole segments that one view proves empty (CALF 6, algorithm 4).
 //!
-//! Enters: active views with pyramids, and a ray. Leaves: the step of testing every point, after far fewer tests.
+//! Takes active views with pyramids, and a ray. Returns the same step as testing every point, after far fewer tests.
 //!
-//! In a view, the points of a segment whose ends lie in one face project into the rectangle of texels between them, and none
-//! is farther than the farther end. If the nearest surface of the rectangle, by the pyramid, is beyond that, the segment is
-//! empty. A margin for rounding ([`ROUNDING`]) keeps this conservative. Other segments are halved, down to single points,
-//! which [`ActiveViews::is_surface`] decides.
+//! If the ends of a segment lie in one face of a view, its points project into the rectangle of texels between the ends, and none
+//! is farther than the farther end. If the nearest surface in the rectangle, by the pyramid, is beyond that distance, the segment
+//! is empty. A margin for rounding ([`ROUNDING`]) keeps the test conservative. Other segments are halved, down to single points,
+//! which [`ActiveViews::is_surface`] classifies.
 
 use glam::Vec3;
 
 use crate::image::Face;
 use crate::march::{ActiveView, ActiveViews, Counters, MIN_M, Occupancy, Ray, StepsFrom, Until};
 
-/// Rounding error of a coordinate in a view's axes, relative to the sum of the greatest coordinates that it is computed from.
+/// Rounding error of a coordinate in a view's axes, relative to the sum of the largest absolute coordinates that it is computed
+/// from.
 ///
-/// Multiplying the direction, adding the origin and subtracting the view's place round three times, the turn five times
-/// more, each by at most 2⁻²⁴ of a sum of these, times √3 for the three coordinates that each enters into: less than
-/// 16 · 2⁻²⁴.
+/// Multiplying the direction, adding the origin and subtracting the view's position round three times, and the rotation five more
+/// times, each by at most 2⁻²⁴ of a sum of these. With a factor of √3 for the three coordinates that each of them affects, the
+/// error is less than 16 · 2⁻²⁴.
 pub const ROUNDING: f32 = 1.0 / 1_048_576.0;
-/// A product of a planar depth and an inverse depth below this is below 1 whatever the rounding.
+/// If the product of a planar depth and an inverse depth is below this, it is below 1 regardless of rounding.
 pub const SURELY_BELOW_ONE: f32 = 1.0 - ROUNDING;
 
-/// Whether a view proves a segment empty. `reach_m` is the sum of the greatest coordinates of the ray's origin and of the
+/// True if a view proves a segment empty. `reach_m` is the sum of the largest absolute coordinates of the ray's origin and of the
 /// vector from it to the farther end.
 ///
-/// Points are up to 2e from the segment between the ends, where e is what rounding makes of each. That moves a place in
-/// the plane at depth 1 by at most 4e (1 + its greatest coordinate) over the nearer planar depth, as long as that is at
-/// least 4e; the second part is for the division and what follows.
+/// Points are up to 2e from the segment between the ends, where e is the rounding error of each. This moves a position in the
+/// plane at depth 1 by at most 4e (1 + its largest absolute coordinate) divided by the nearer planar depth, as long as that depth
+/// is at least 4e. The added [`ROUNDING`] covers the division and later operations.
 pub fn is_segment_empty(view: &ActiveView<'_>, ends: [Vec3; 2], reach_m: f32) -> bool {
     let error_m = ROUNDING * (reach_m + view.from_eye.abs().max_element()) + MIN_M;
     let [a, b] = ends.map(|end| view.local(end));
-    // A planar depth is the greatest coordinate, whatever the face.
+    // A planar depth is the largest absolute coordinate, for any face.
     let farthest_m = a.abs().max_element().max(b.abs().max_element()) + 2.0 * error_m;
     if view.greatest_inverse_depth * farthest_m < SURELY_BELOW_ONE {
         return true;
@@ -67,32 +68,32 @@ pub fn is_segment_empty(view: &ActiveView<'_>, ends: [Vec3; 2], reach_m: f32) ->
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Walk {
-    /// Number of the first point that is not skipped yet.
+    /// Index of the first point that is not skipped yet.
     at: usize,
-    /// Points of the next segment.
+    /// Number of points of the next segment.
     length: usize,
-    /// A later point that is empty in no view, and whether it is occupied in one.
+    /// A later point that is empty in no view, and whether marching ends at it.
     blocked: Option<(usize, bool)>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Next {
     Hit(usize),
-    /// The segment from the first to the last point, both included; they may be one.
+    /// Test the segment from the first to the last point, inclusive; they may be the same point.
     Test(usize, usize),
     End,
 }
 
 impl Walk {
-    /// Starts at point `first` of `count` with about a quarter of all: the last quarter is rarely reached, and half of all
-    /// rarely empty.
+    /// Starts at point `first` of `count`, with a segment of about a quarter of all points: the last quarter is rarely reached,
+    /// and half of all points are rarely empty.
     pub(crate) fn new(first: usize, count: usize) -> Walk {
         let length = (count.next_power_of_two() / 4).max(1);
         let aligned = if first == 0 { length } else { 1 << first.trailing_zeros() };
         Walk { at: first, length: length.min(aligned), blocked: None }
     }
 
-    /// The next test. A segment that ends at a point that is empty in no view is halved without one.
+    /// Returns the next test. A segment whose last point is empty in no view is halved without a test.
     pub(crate) fn next(&mut self, count: usize) -> Next {
         while self.at < count {
             let last = (self.at + self.length).min(count) - 1;
@@ -118,7 +119,7 @@ impl Walk {
         Next::End
     }
 
-    /// The segment is empty.
+    /// Skips the segment, which is empty.
     pub(crate) fn passed(&mut self) {
         self.at += self.length;
         if self.at.is_multiple_of(2 * self.length) {
@@ -126,7 +127,8 @@ impl Walk {
         }
     }
 
-    /// No view proves the segment empty. If its last point is empty in none, `blocked` says whether it is occupied in one.
+    /// Halves the segment, which no view proves empty. If its last point is empty in no view, `blocked` is Some, and true if
+    /// marching ends at it.
     pub(crate) fn failed(&mut self, last: usize, blocked: Option<bool>) {
         if let Some(occupied) = blocked {
             self.blocked = Some((last, occupied));
@@ -137,10 +139,10 @@ impl Walk {
     }
 }
 
-/// The number of the first step at which marching ends: that of testing every point.
+/// Returns the index of the first step at which marching ends, the same as by testing every point.
 ///
-/// Segments have 2ⁿ points and begin at a multiple of their length. One that no view proves empty is halved; after an empty
-/// one the next is doubled where aligned. The view of the last proof is tested first.
+/// Segments have 2ⁿ points and begin at a multiple of their length. A segment that no view proves empty is halved; after an empty
+/// segment, the length is doubled if the next segment is aligned. The view of the last proof is tested first.
 pub(crate) fn first_step(
     views: &ActiveViews<'_>,
     ray: &Ray,

@@ -1,4 +1,4 @@
-//! Light at the end of a ray: on a surface, in the background, or in a disocclusion.
+//! Colour at the end of a ray: of a surface, of the background, or of a disocclusion.
 
 use glam::Vec3;
 
@@ -8,14 +8,14 @@ use crate::views::ColorCoding;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RayResult {
-    /// Linear light of a surface or of the background.
+    /// Linear RGB of a surface or of the background.
     Light(Vec3),
-    /// No view saw this point; the light of the nearest texels, where there are any.
+    /// No view saw this point; the linear RGB of the texels with the nearest depths, if there are any.
     Disoccluded(Option<Vec3>),
 }
 
 impl RayResult {
-    /// `uncertainty` is that of the hit, in the logarithm of its distance.
+    /// Returns the result for an interpolated surface colour. `uncertainty` is that of the hit, in log distance.
     pub(crate) fn of_surface(color: Option<Interpolated>, uncertainty: f32, light: impl Fn(Vec3) -> Vec3) -> RayResult {
         match color {
             Some(found) if found.difference <= HOLE_DIFFERENCE + uncertainty => RayResult::Light(light(found.color)),
@@ -24,7 +24,7 @@ impl RayResult {
     }
 }
 
-/// Shades a surface point; `uncertainty` as for [`RayResult::of_surface`].
+/// Shades a surface point; see [`RayResult::of_surface`] for `uncertainty`.
 pub fn surface(views: &ActiveViews<'_>, point: Vec3, uncertainty: f32) -> RayResult {
     RayResult::of_surface(surface_color(views, point), uncertainty, |color| light_of(views.coding, color))
 }
@@ -46,13 +46,13 @@ fn decode(tone: ToneMap, code: f32) -> f32 {
     (tone.transfer.decode(code.into()) * (-f64::from(tone.exposure_ev)).exp2()) as f32
 }
 
-/// Linear light of fractional 8-bit codes, from a table.
+/// Table from 8-bit codes with fractions to linear values.
 pub(crate) struct LightCurve {
     values: Vec<f32>,
 }
 
 impl LightCurve {
-    /// Linear interpolation between entries errs by less than 2e-7 of the brightest light.
+    /// Number of intervals. The error of linear interpolation is less than 2e-7 of the maximum value.
     const PARTS: usize = 4096;
 
     pub(crate) fn new(tone: ToneMap) -> LightCurve {
@@ -61,7 +61,7 @@ impl LightCurve {
         LightCurve { values: (0..=Self::PARTS + 1).map(value).collect() }
     }
 
-    /// Light of a code over 255.
+    /// Returns the linear value of a code over 255.
     pub(crate) fn light(&self, code: f32) -> f32 {
         let at = code.clamp(0.0, 1.0) * Self::PARTS as f32;
         let entry = at as usize;

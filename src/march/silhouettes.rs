@@ -1,6 +1,7 @@
-//! Pixels near silhouettes of views, where ghosts are: a texel there mixes two surfaces, and one of them is shown at the place of the other.
+//! Mask of pixels near silhouettes of views, where ghosting occurs: a texel at a silhouette mixes two surfaces, and one of them
+//! is shown at the position of the other.
 //!
-//! Enters: views, a camera, a size. Leaves: a mask.
+//! Takes views, a camera and a size. Returns a mask.
 
 use glam::DVec3;
 
@@ -10,12 +11,12 @@ use crate::march::HOLE_DIFFERENCE;
 use crate::math::Camera;
 use crate::views::{BACKGROUND, FaceTexels, UNKNOWN, View};
 
-/// How far from a silhouette pixels count as near it.
+/// Maximum number of columns and rows between a silhouette and a pixel near it.
 pub const REACH_PIXELS: u32 = 3;
 
-/// Pixels of a camera's picture of this width and height that are at most [`REACH_PIXELS`] columns and rows from a projected silhouette of a
-/// view, hidden or not: from one of two texels side by side whose distances differ by more than [`HOLE_DIFFERENCE`] in the logarithm,
-/// or of which one is background. None where no depth is decoded on the CPU.
+/// Returns the pixels of a camera's image of this width and height that are at most [`REACH_PIXELS`] columns and rows from a
+/// projected silhouette of a view, occluded or not. A silhouette lies between two adjacent texels whose log distances differ by
+/// more than [`HOLE_DIFFERENCE`], or of which one is background. None if no depth is decoded on the CPU.
 pub fn near_silhouettes(views: &[&View], camera: &Camera, [width, height]: [u32; 2]) -> Result<Option<Plane<bool>>> {
     let mut mask = vec![false; width as usize * height as usize];
     let mut is_known = false;
@@ -47,7 +48,7 @@ pub fn near_silhouettes(views: &[&View], camera: &Camera, [width, height]: [u32;
     is_known.then(|| Plane::new(width, height, mask)).transpose()
 }
 
-/// Whether a texel lies beside one of another surface.
+/// True if an adjacent texel has another surface.
 fn is_silhouette(texels: &FaceTexels, at: usize) -> bool {
     let own = texels.inverse_depth[at];
     let differs = |other: usize| match (own, texels.inverse_depth[other]) {
@@ -59,7 +60,7 @@ fn is_silhouette(texels: &FaceTexels, at: usize) -> bool {
     texels.beside(at).any(differs)
 }
 
-/// Metres from the eye to the surface of a texel; of background a direction.
+/// Returns the vector in metres from the eye to the surface of a texel; for background, its direction.
 fn from_eye(view: &View, (face, texels): (Face, &FaceTexels), at: usize, eye: DVec3) -> DVec3 {
     let direction = view.probe_from_world.transpose() * texels.direction(face, at);
     match texels.inverse_depth[at] {
@@ -78,7 +79,7 @@ mod tests {
 
     const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
 
-    /// A plate of 16 × 16 texels 1 m before a probe, and background behind it.
+    /// A plate of 16 × 16 texels 1 m in front of a probe, with background behind it.
     fn plate() -> View {
         SyntheticProbe::new(DVec3::ZERO, 64).cube(CODES, &|direction| {
             let at = direction / -direction.z;
@@ -91,13 +92,13 @@ mod tests {
     fn pixels_near_the_outline_of_a_plate_are_marked_and_no_others() {
         let camera = |eye: DVec3| Camera::look_at(eye, eye + DVec3::NEG_Z, DVec3::Y, Lens::new(90.0)).unwrap();
         let mask = near_silhouettes(&[&plate()], &camera(DVec3::ZERO), [64; 2]).unwrap().unwrap();
-        // Columns of the plate are 24 to 39; of its outline the two texels on each side.
+        // The plate covers columns 24 to 39. The two texels on both sides of each edge are silhouettes.
         for (x, expected) in
             [(19, false), (20, true), (27, true), (28, false), (35, false), (36, true), (43, true), (44, false)]
         {
             assert_eq!(mask.get(x, 32), expected, "column {x}");
         }
-        // From the side, background stays where it is, and the plate moves.
+        // From the side, the background stays in place, and the plate moves.
         let mask = near_silhouettes(&[&plate()], &camera(DVec3::new(-0.5, 0.0, 0.0)), [64; 2]).unwrap().unwrap();
         assert!(mask.get(23, 32) && mask.get(40, 32) && mask.get(55, 32) && !mask.get(48, 32));
     }

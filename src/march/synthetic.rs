@@ -7,22 +7,22 @@ use crate::image::projection::centre_of;
 use crate::image::{Face, ImageProjection, TexelMap};
 use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, View};
 
-/// Distance in metres and colour in a direction of the world, of length 1. None is background.
+/// Function from a unit direction in world axes to a distance in metres and a colour; none for background.
 pub type Sight<'a> = &'a dyn Fn(DVec3) -> Option<(f64, [u8; 3])>;
 
 #[derive(Debug, Clone, Copy)]
 pub struct SyntheticProbe {
     pub position: DVec3,
-    /// Turns directions of the probe into those of the world.
+    /// Rotation from probe axes to world axes.
     pub turn: DQuat,
-    /// Its faces' width and height in pixels, at least 1.
+    /// Width and height of the faces in pixels, at least 1.
     pub size: [u32; 2],
     /// Nearest and farthest distance, in metres.
     pub range_m: [f32; 2],
 }
 
 impl SyntheticProbe {
-    /// A cube map with square faces that is not turned.
+    /// Creates a cube map with square faces and no rotation.
     pub fn new(position: DVec3, side: u32) -> SyntheticProbe {
         SyntheticProbe { position, turn: DQuat::IDENTITY, size: [side; 2], range_m: [0.1, 100.0] }
     }
@@ -69,7 +69,7 @@ impl SyntheticProbe {
     }
 }
 
-/// Gives the texels of a view an alpha in 255ths, by their image and number.
+/// Sets the alpha of a view's texels, in 255ths, given their image and index.
 pub fn set_alpha(view: &mut View, mut alpha: impl FnMut(&FaceTexels, usize) -> u8) {
     for texels in view.faces.iter_mut().flatten() {
         texels.has_alpha = true;
@@ -83,7 +83,7 @@ pub fn set_alpha(view: &mut View, mut alpha: impl FnMut(&FaceTexels, usize) -> u
     }
 }
 
-/// Gives a view blocks of so many columns and rows of texels, each opaque, half or nearly transparent, or not there.
+/// Sets the alpha of a view in blocks of this many columns and rows of texels: 255, 128, 0 or 60.
 pub fn set_alpha_of_blocks(view: &mut View, [columns, rows]: [usize; 2]) {
     set_alpha(view, |texels, at| {
         let width = texels.size[0] as usize;
@@ -91,8 +91,8 @@ pub fn set_alpha_of_blocks(view: &mut View, [columns, rows]: [usize; 2]) {
     });
 }
 
-/// The inside of a box of half these sides around the origin, with a box of `pillar` times its width and depth in it, seen from
-/// `eye`. Colours are functions of places.
+/// Intersects a ray from `eye` with the inside of a box around the origin with half of these sides, which contains a box of
+/// `pillar` times its width and depth. Colours are functions of position.
 pub fn room(eye: DVec3, direction: DVec3, half: DVec3, pillar: f64) -> Option<(f64, [u8; 3])> {
     let crossings = |half: DVec3| {
         let [low, high] = [-half, half].map(|wall| (wall - eye) / direction);

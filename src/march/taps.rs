@@ -1,18 +1,18 @@
-//! The four texels around a place in an image.
+//! The four texels around a position in an image.
 
 use crate::views::FaceTexels;
 
-/// Four texels around a point in an image, with the weights of bilinear interpolation.
+/// Four texels around a position in an image, with the weights of bilinear interpolation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Taps {
     /// Indices into the image.
     pub texels: [usize; 4],
-    /// They sum up to 1.
+    /// Sum to 1.
     pub weights: [f32; 4],
 }
 
 impl Taps {
-    /// The texels around a place, clamped to the image.
+    /// Returns the texels around a position, clamped to the image.
     pub fn around(at: [f32; 2], face: &FaceTexels) -> Taps {
         let [x, y] = at.map(|at| at - 0.5);
         let (left, top) = (x.floor(), y.floor());

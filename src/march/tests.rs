@@ -1,4 +1,4 @@
-//! The fast forms against the plain ones: the same hits and counts, bit for bit, and the same pictures.
+//! Compares optimised implementations with scalar references: hits and counts are the same bits, and images are the same.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -32,7 +32,7 @@ pub fn field(views: Vec<View>, coding: ColorCoding) -> LightField {
 
 const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
 
-/// Numbers in 0..1 that are always the same.
+/// Reproducible pseudorandom numbers in 0..1.
 struct Random(u64);
 
 impl Random {
@@ -58,7 +58,7 @@ impl Random {
     }
 }
 
-/// A room seen by views of many sizes and turns, with noise, background, what is not known, and faces that are missing.
+/// A room seen by views of various sizes and orientations, with noise, background, unknown texels, and missing faces.
 fn random_field(random: &mut Random, coding: ColorCoding) -> LightField {
     let half = DVec3::new(1.0 + 5.0 * random.next(), 1.0 + random.next(), 1.0 + 5.0 * random.next());
     let origin = if random.below(4) == 0 { DVec3::splat(1e6) } else { DVec3::ZERO };
@@ -110,7 +110,7 @@ fn random_view(random: &mut Random, half: DVec3, origin: DVec3, coding: ColorCod
     view
 }
 
-/// First hits, and march and refinement steps, of packets.
+/// Returns the first hits of packets, with their counts of march and refinement steps.
 fn of_packets(views: &ActiveViews<'_>, directions: &[Vec3], settings: &RenderSettings) -> (Vec<FirstHits>, Counters) {
     let primary = Primary::new(views, None, settings);
     let flat = PacketViews::new(&primary.views);
@@ -122,7 +122,7 @@ fn of_packets(views: &ActiveViews<'_>, directions: &[Vec3], settings: &RenderSet
     (hits, counters)
 }
 
-/// The same ray by ray.
+/// Like [`of_packets`], ray by ray.
 fn of_rays(views: &ActiveViews<'_>, directions: &[Vec3], settings: &RenderSettings) -> (Vec<FirstHits>, Counters) {
     let (primary, mut counters) = (Primary::new(views, None, settings), Counters::default());
     let hits =
@@ -158,7 +158,7 @@ fn hits_are_the_same_bits() {
             1 => at + 0.01 * random.vector(),
             _ => at + 3.0 * random.vector(),
         };
-        // Empty pyramids prove nothing, and are asked for nothing.
+        // Empty pyramids prove no segment empty.
         let views = match random.below(4) {
             0 => ActiveViews::with_pyramids(&light_field, &Pyramids::default(), &indices, eye),
             _ => ActiveViews::new(&light_field, &indices, eye),
@@ -169,7 +169,7 @@ fn hits_are_the_same_bits() {
         let axis = |random: &mut Random| {
             [DVec3::X, -DVec3::Y, DVec3::Z, DVec3::new(1.0, 1.0, 0.0).normalize()][random.below(4) as usize]
         };
-        // Rays of a packet go their own ways, or lie beside each other as those of a picture do.
+        // Rays of a packet diverge, or are adjacent like those of an image.
         let (spread, mut middle) = ([2.0, 0.1, 0.002][random.below(3) as usize], DVec3::X);
         let direction = |at: u32| {
             if at.is_multiple_of(16) {
@@ -196,7 +196,7 @@ fn hits_are_the_same_bits() {
             assert_eq!(counts, expected.1, "{how:?}");
         }
         let (mut plain, mut fast) = (Counters::default(), Counters::default());
-        // Rays from elsewhere, and from the middle of the steps on.
+        // Rays from other origins, starting at a later step.
         for direction in directions.iter().take(16) {
             let ray = Ray { origin: random.vector().as_vec3(), direction: *direction };
             let first = random.below(count + 2) as usize;
@@ -241,7 +241,7 @@ fn segments_save_most_steps() {
     }
 }
 
-/// Each combination in turn.
+/// Returns one of the eight combinations.
 fn refinements(at: u32) -> Refinements {
     Refinements { angles: at & 1 == 0, edges: at & 2 == 0, thin: at & 4 == 0 }
 }
@@ -290,11 +290,12 @@ fn pictures_are_the_same_to_a_hundredth_of_a_code() {
             differing += u32::from(!are_same);
         }
     }
-    // Where the depth of a texel is just within the tolerance of a surface, it takes the last bit of a logarithm to count its alpha or not.
+    // If the depth of a texel is just within the tolerance of a surface, the last bit of a logarithm decides whether its alpha
+    // counts.
     assert!(differing <= 10, "{differing} of {} pixels with alpha", 60 * 21 * 14);
 }
 
-/// A picture from the eye of a probe has the probe's alpha.
+/// An image from the position of a probe has the probe's alpha.
 #[test]
 fn alpha_of_a_picture_is_that_of_what_it_shows() {
     let pane = |direction: DVec3| {
@@ -312,7 +313,7 @@ fn alpha_of_a_picture_is_that_of_what_it_shows() {
         let settings = RenderSettings { size: [32; 2], holes: HoleFill::Behind, background, ..settings.clone() };
         let Rendered { image, counters } = render(&views, &camera, &settings, &Silent).unwrap();
         assert_eq!(counters.hole_rays, 0);
-        // The background is transparent itself.
+        // The background itself is transparent.
         assert!([[2, 2], [16, 3], [30, 16]].iter().all(|&[x, y]| image.alpha.get(x, y) == 0.0));
         let known = if background == BackgroundFill::Transparent { 0.2 } else { 1.0 };
         for [x, y] in [[10, 10], [16, 16], [21, 12]] {
@@ -322,7 +323,8 @@ fn alpha_of_a_picture_is_that_of_what_it_shows() {
     }
 }
 
-/// Pixels without an edge take the first five rays; the picture is within the contrast of an edge of that by all rays.
+/// Pixels without an edge take only the first five rays. The image differs from one with all rays by less than the contrast of an
+/// edge.
 #[test]
 fn pixels_without_an_edge_take_fewer_rays() {
     const SAMPLES: u32 = 4;
@@ -350,7 +352,7 @@ fn pixels_without_an_edge_take_fewer_rays() {
     assert!(differing <= side * side / 200, "{differing} pixels differ");
 }
 
-/// Counts what it is told, and says to stop when it was asked so often.
+/// Monitor that counts steps and checks, and interrupts after this number of checks.
 struct Counting {
     rows: AtomicU64,
     asked: AtomicU64,
@@ -390,7 +392,7 @@ fn rows_are_told_and_a_picture_is_given_up_within_one() {
     render_plainly(&views, &camera, &settings([9, 17]), &all).unwrap();
     splat(&views, &camera, &settings([9, 17]), &all).unwrap();
     assert_eq!(all.rows.into_inner(), 3 * 17);
-    // Each row is asked for, and in a long one more than once.
+    // The monitor is checked for each row, and more than once in a long row.
     let few = counting(5);
     assert!(matches!(render(&views, &camera, &settings([3, 4000]), &few), Err(Error::Interrupted)));
     assert!(few.rows.into_inner() <= 4);
@@ -425,7 +427,7 @@ fn pyramids_follow_what_changes() {
     }
 }
 
-/// A ray along a face, in the plane that its surface lies in: what a point says there is a matter of rounding.
+/// A ray along a face, in the plane of its surface: whether a point on it is occupied depends on rounding.
 #[test]
 fn rounding_is_allowed_for() {
     let mut random = Random(5);

@@ -1,4 +1,4 @@
-//! A camera in the world: right-handed, +Y up, metres. Perspective, or a panorama: equirectangular longitude and latitude.
+//! A camera in the world: right-handed, +Y up, metres. Perspective, or an equirectangular panorama of longitude and latitude.
 
 use std::f64::consts::PI;
 
@@ -7,9 +7,9 @@ use glam::{DMat3, DQuat, DVec3};
 use super::frustum::{Frustum, Window};
 use crate::error::{Error, Result};
 
-/// Tolerance of the length of a quaternion, and of orthonormal axes.
+/// Tolerance of the length of a quaternion and of orthonormal axes.
 const UNIT_TOLERANCE: f64 = 1e-3;
-/// Sine of the smallest angle between the direction of view and up.
+/// Minimum sine of the angle between the viewing direction and up.
 const MIN_UP_SINE: f64 = 1e-9;
 
 /// Field of view and clip planes.
@@ -17,11 +17,12 @@ const MIN_UP_SINE: f64 = 1e-9;
 pub struct Lens {
     /// Vertical field of view in degrees, above 0 and below 180.
     pub fov_y_deg: f64,
-    /// Width of the image over its height, above 0.
+    /// Image width over image height, above 0.
     pub aspect: f64,
-    /// Near plane of surfaces: metres along the viewing axis, at least 0.
+    /// Near plane of surfaces, in metres along the viewing axis: at least 0.
     pub near_m: f64,
-    /// Far plane of surfaces, not of the background: metres along the viewing axis, above `near_m`, may be `+inf`.
+    /// Far plane of surfaces, in metres along the viewing axis: above `near_m`, may be `+inf`. It does not clip the
+    /// background.
     pub far_m: f64,
 }
 
@@ -31,34 +32,35 @@ impl Lens {
     }
 }
 
-/// An equirectangular image. With an offset the eye moves on a circle as the longitude grows, so that each direction is seen from beside
-/// it: one eye of omnidirectional stereo.
+/// An equirectangular image. With an offset, the eye moves on a circle with the longitude and stays beside the viewing
+/// direction: one eye of omnidirectional stereo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Panorama {
-    /// Of the left and the right edge in radians: 0 is forward, and it grows to the right. Latitudes are all.
+    /// Longitudes of the left and the right edge in radians: 0 is forward, positive is to the right. All latitudes are
+    /// covered.
     longitudes: [f64; 2],
-    /// Metres from the axis to the eye, to the right of the direction of view.
+    /// Metres from the axis to the eye, to the right of the viewing direction.
     offset_m: f64,
-    /// Whether latitude runs along the rows of the image, from up to down, and longitude along its columns.
+    /// True if latitude runs along the rows of the image, from up to down, and longitude along its columns.
     is_transposed: bool,
 }
 
-/// A valid camera.
+/// A camera with valid parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     eye: DVec3,
-    /// Forward, right, down: of length 1, each at right angles to the others.
+    /// Forward, right and down: orthogonal, of length 1.
     axes: [DVec3; 3],
     /// Half the width and half the height of the image at distance 1.
     half: [f64; 2],
-    /// The middle of the image at distance 1, to the right and down: 0 unless the window is off-axis.
+    /// Centre of the image at distance 1, to the right and down: 0 unless the window is off-axis.
     middle: [f64; 2],
     depth_m: [f64; 2],
     panorama: Option<Panorama>,
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `target`, with `up` somewhere above its horizon.
+    /// Returns a camera at `eye` that looks at `target`, with `up` above its horizon.
     pub fn look_at(eye: DVec3, target: DVec3, up: DVec3, lens: Lens) -> Result<Camera> {
         for (what, point) in [("eye", eye), ("look-at point", target), ("up direction", up)] {
             check_finite(what, point)?;
@@ -80,7 +82,7 @@ impl Camera {
         Self::new(eye, [forward, right, forward.cross(right)], lens)
     }
 
-    /// A camera at `eye` that looks along −Z with +Y up, turned by the quaternion x, y, z, w.
+    /// Returns a camera at `eye`: the camera that looks along −Z with +Y up, rotated by the quaternion x, y, z, w.
     pub fn oriented(eye: DVec3, orientation: [f64; 4], lens: Lens) -> Result<Camera> {
         check_finite("eye", eye)?;
         let turn = rotation(orientation).ok_or_else(|| {
@@ -89,7 +91,8 @@ impl Camera {
         Self::new(eye, [DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y].map(|axis| turn * axis), lens)
     }
 
-    /// Axes: forward, right and down. With mirrored ones, as of cube faces, it has no [`Camera::orientation`].
+    /// Returns a camera with the axes forward, right and down. With mirrored axes, such as those of cube faces, it has no
+    /// [`Camera::orientation`].
     pub fn with_axes(eye: DVec3, axes: [DVec3; 3], lens: Lens) -> Result<Camera> {
         check_finite("eye", eye)?;
         let turn = DMat3::from_cols(axes[0], axes[1], axes[2]);
@@ -102,7 +105,8 @@ impl Camera {
         Self::new(eye, axes, lens)
     }
 
-    /// A pinhole camera with axes as of [`Self::with_axes`], an image of this width and height, and fx, fy, cx, cy, all in pixels.
+    /// Returns a pinhole camera from axes as of [`Self::with_axes`], width and height of the image, and fx, fy, cx, cy, all
+    /// in pixels.
     pub fn pinhole(eye: DVec3, axes: [DVec3; 3], size: [f64; 2], [fx, fy, cx, cy]: [f64; 4]) -> Result<Camera> {
         let [width, height] = size;
         let half = [width / 2.0 / fx, height / 2.0 / fy];
@@ -110,28 +114,28 @@ impl Camera {
         Camera::with_window(eye, axes, half, middle)
     }
 
-    /// A camera with axes as of [`Self::with_axes`], half the width and half the height of its image at distance 1, and the middle of it, to
-    /// the right and down.
+    /// Returns a camera from axes as of [`Self::with_axes`], half the width and half the height of its image at distance 1,
+    /// and the centre of the image at distance 1, to the right and down.
     pub fn with_window(eye: DVec3, axes: [DVec3; 3], half: [f64; 2], middle: [f64; 2]) -> Result<Camera> {
         let lens = Lens { aspect: half[0] / half[1], ..Lens::new(2.0 * half[1].atan().to_degrees()) };
-        // Without the rounding of the angle.
+        // `half` is set directly, without the rounding error of the angle.
         Camera { half, ..Camera::with_axes(eye, axes, lens)? }.off_axis(middle)
     }
 
-    /// fx, fy, cx, cy in pixels of an image of this width and height.
+    /// Returns fx, fy, cx, cy in pixels, for an image of this width and height.
     pub fn intrinsics(&self, [width, height]: [f64; 2]) -> [f64; 4] {
         let [fx, fy] = [width / 2.0 / self.half[0], height / 2.0 / self.half[1]];
         [fx, fy, width / 2.0 - self.middle[0] * fx, height / 2.0 - self.middle[1] * fy]
     }
 
-    /// Field of view, aspect and clip planes. They leave out an off-axis window.
+    /// Field of view, aspect and clip planes. An off-axis window is not included.
     pub fn lens(&self) -> Lens {
         let [near_m, far_m] = self.depth_m;
         let fov_y_deg = 2.0 * self.half[1].atan().to_degrees();
         Lens { fov_y_deg, aspect: self.half[0] / self.half[1], near_m, far_m }
     }
 
-    /// The middle of its image at distance 1, to the right and down.
+    /// Centre of the image at distance 1, to the right and down.
     pub fn middle(&self) -> [f64; 2] {
         self.middle
     }
@@ -168,13 +172,13 @@ impl Camera {
         self.half
     }
 
-    /// The image at distance 1, u to the right and v down.
+    /// Rectangle of the image at distance 1, u to the right and v down.
     pub fn window(&self) -> Window {
         let edges = |axis: usize| [self.middle[axis] - self.half[axis], self.middle[axis] + self.half[axis]];
         Window { u: edges(0), v: edges(1) }
     }
 
-    /// The same camera with an off-axis window: the middle of its image at distance 1 is that far to the right and down.
+    /// Returns the camera with an off-axis window: `middle` is the centre of the image at distance 1, to the right and down.
     pub fn off_axis(self, middle: [f64; 2]) -> Result<Camera> {
         match middle.iter().all(|at| at.is_finite()) {
             true => Ok(Camera { middle, ..self }),
@@ -182,15 +186,15 @@ impl Camera {
         }
     }
 
-    /// The quaternion of [`Camera::oriented`]; `None` for the identity.
+    /// Quaternion for [`Camera::oriented`]; `None` for the identity.
     pub fn orientation(&self) -> Option<[f64; 4]> {
         let [forward, right, down] = self.axes;
         let turn = DQuat::from_mat3(&DMat3::from_cols(right, -down, -forward)).normalize();
         (turn != DQuat::IDENTITY).then(|| turn.to_array())
     }
 
-    /// The panorama of so many degrees of longitude, above 0 and up to 360, around the direction of view, and of all latitudes; as an
-    /// eye sees it that is `offset_m` to the right of each direction.
+    /// Returns the panorama of `longitudes_deg` degrees of longitude, above 0 and up to 360, around the viewing direction,
+    /// and of all latitudes. The eye is `offset_m` metres to the right of each direction.
     #[must_use]
     pub fn as_panorama(self, longitudes_deg: f64, offset_m: f64) -> Camera {
         let half = longitudes_deg.to_radians() / 2.0;
@@ -201,13 +205,13 @@ impl Camera {
         self.panorama.is_some()
     }
 
-    /// Whether the columns of its image are seen from different eyes.
+    /// True if the columns of the image have different eyes.
     pub fn has_moving_eye(&self) -> bool {
         self.panorama.is_some_and(|panorama| panorama.offset_m != 0.0)
     }
 
-    /// A column of so many of a panorama's image, from the eye that sees its middle. Its image is a row: from up to down is from left
-    /// to right. Other cameras are as they were.
+    /// Returns column `at` of the `of` columns of a panorama, seen from the eye of its centre. The column's image is a row:
+    /// up to down becomes left to right. Other cameras are returned unchanged.
     #[must_use]
     pub fn column(&self, at: u32, of: u32) -> Camera {
         let Some(Panorama { longitudes: [left, right], offset_m, .. }) = self.panorama else { return *self };
@@ -219,8 +223,8 @@ impl Camera {
         Camera { eye: self.eye + offset_m * beside, panorama, ..*self }
     }
 
-    /// Six cameras of 90 degrees at its eye: right, left, up, down, front and back of it. The lower edge of up and the upper edge of down
-    /// meet front.
+    /// Returns six cameras of 90 degrees with the same eye: right, left, up, down, front and back. The lower edge of up and
+    /// the upper edge of down meet front.
     pub fn cube(&self) -> [Camera; 6] {
         let [forward, right, down] = self.axes;
         let sides = [
@@ -234,7 +238,7 @@ impl Camera {
         sides.map(|axes| Camera { axes, half: [1.0; 2], middle: [0.0; 2], panorama: None, ..*self })
     }
 
-    /// Direction, of length 1, of a position in its image: 0 to 1 from left to right, and from top to bottom.
+    /// Direction, of length 1, of a position in the image: 0 to 1 from left to right, and from top to bottom.
     pub fn direction(&self, [x, y]: [f64; 2]) -> DVec3 {
         let [forward, right, down] = self.axes;
         if let Some(Panorama { longitudes: [first, last], is_transposed, .. }) = self.panorama {
@@ -247,8 +251,8 @@ impl Camera {
         (forward + at(0, x) * right + at(1, y) * down).normalize()
     }
 
-    /// Position in its image, in the same shares, and planar depth of a point relative to the eye; `None` behind it. Of perspective
-    /// cameras.
+    /// Projects a point relative to the eye. Returns its position in the image, 0 to 1 as for [`Self::direction`], and its
+    /// planar depth; `None` behind the eye. For perspective cameras only.
     pub fn project(&self, from_eye: DVec3) -> Option<([f64; 2], f64)> {
         let [deep, right, down] = self.axes.map(|axis| from_eye.dot(axis));
         let plane = [right / deep, down / deep];
@@ -256,22 +260,22 @@ impl Camera {
         (deep > 0.0 && at.iter().all(|at| at.is_finite())).then_some((at, deep))
     }
 
-    /// Its frustum without near and far.
+    /// Frustum without near and far planes.
     pub fn sight_lines(&self) -> Frustum {
         Camera { depth_m: [0.0, f64::INFINITY], ..*self }.frustum()
     }
 
-    /// Near and far in metres along its axis.
+    /// Near and far planes, in metres along the viewing axis.
     pub fn depth_m(&self) -> [f64; 2] {
         self.depth_m
     }
 
-    /// Whether near or far clips anything.
+    /// True if the near or the far plane clips anything.
     pub fn has_range(&self) -> bool {
         self.depth_m != [0.0, f64::INFINITY]
     }
 
-    /// Width over height of its image; of a panorama with pixels of as many degrees each way.
+    /// Image width over image height. A panorama has the aspect of pixels with the same number of degrees both ways.
     pub fn aspect(&self) -> f64 {
         match self.panorama {
             Some(Panorama { longitudes: [left, right], .. }) => (right - left) / PI,
@@ -279,14 +283,14 @@ impl Camera {
         }
     }
 
-    /// The same camera with an image of another width; `aspect`, above 0, is width over height.
+    /// Returns the camera with an image of another width; `aspect`, above 0, is width over height.
     #[must_use]
     pub fn with_aspect(self, aspect: f64) -> Camera {
         let half = [self.half[1] * aspect, self.half[1]];
         Camera { half, middle: [self.middle[0] * half[0] / self.half[0], self.middle[1]], ..self }
     }
 
-    /// The same camera, moved to its right; to its left where `metres` is below 0.
+    /// Returns the camera moved to its right; to its left if `metres` is negative.
     #[must_use]
     pub fn moved_right(self, metres: f64) -> Camera {
         self.moved(self.axes[1] * metres)
@@ -297,7 +301,7 @@ impl Camera {
         Camera { eye: self.eye + by_m, ..self }
     }
 
-    /// The camera turned by 90° around its viewing axis: what was below is to the right.
+    /// Returns the camera turned by 90° around its viewing axis: its right axis is the former down axis.
     #[must_use]
     pub fn turned(self) -> Camera {
         let [forward, right, down] = self.axes;
@@ -305,21 +309,21 @@ impl Camera {
         Camera { axes: [forward, down, -right], half: [half_v, half_u], middle: [v, -u], ..self }
     }
 
-    /// The camera whose pictures are mirrored, left to right.
+    /// Returns the camera whose images are mirrored, left to right.
     #[must_use]
     pub fn mirrored(self) -> Camera {
         let [forward, right, down] = self.axes;
         Camera { axes: [forward, -right, down], middle: [-self.middle[0], self.middle[1]], ..self }
     }
 
-    /// That of a panorama is unsound: every test takes it for intersected.
+    /// Frustum of the image. That of a panorama is unsound: all tests report that it is intersected.
     pub fn frustum(&self) -> Frustum {
         let depth_m = if self.is_panorama() { [f64::NAN; 2] } else { self.depth_m };
         Frustum::new(self.eye, self.axes, self.window(), depth_m)
     }
 }
 
-/// The rotation of a quaternion x, y, z, w; None unless its length is 1 within the tolerance.
+/// Returns the rotation of a quaternion x, y, z, w; `None` unless its length is 1 within `UNIT_TOLERANCE`.
 pub fn rotation(orientation: [f64; 4]) -> Option<DQuat> {
     let quaternion = DQuat::from_array(orientation);
     ((quaternion.length() - 1.0).abs() <= UNIT_TOLERANCE).then(|| quaternion.normalize())
@@ -424,14 +428,14 @@ mod tests {
             let (lon, lat) = ((2.0 * at[0] - 1.0) * PI, (0.5 - at[1]) * PI);
             let expected = DVec3::new(lon.sin() * lat.cos(), lat.sin(), -lon.cos() * lat.cos());
             assert!((all.direction(at) - expected).length() < 1e-12);
-            // The eye is beside the direction, at right angles to it and to the axis.
+            // The eye is beside the direction, orthogonal to the direction and to the axis.
             let strip = camera.as_panorama(360.0, 0.03).column(column, 64);
             assert!((strip.direction([at[1], 0.5]) - expected).length() < 1e-12);
             let beside = (strip.eye() - eye) / 0.03;
             assert!((beside.length() - 1.0).abs() < 1e-9 && beside.y == 0.0 && beside.dot(expected).abs() < 1e-9);
             assert!(expected.cross(DVec3::Y).dot(beside) > 0.0, "to the right");
         }
-        // Everything is in sight of it.
+        // Its unsound frustum intersects everything.
         assert!(!all.frustum().is_sound());
     }
 

@@ -1,42 +1,42 @@
-//! A frustum: the view volume of a camera, or the volume of the surfaces that a rectangle of a probe's pixels may show
-//! (CALF 6.2).
+//! A frustum: the view volume of a camera, or the volume of all surfaces that a rectangle of a probe's pixels can show (CALF
+//! 6.2).
 
 use glam::DVec3;
 
-/// A rectangle on the plane at distance 1 before the tip: `forward + u · right + v · down`.
+/// A rectangle on the plane at distance 1 from the apex: `forward + u · right + v · down`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {
     pub u: [f64; 2],
     pub v: [f64; 2],
 }
 
-/// A frustum with what intersection tests need.
+/// A frustum with precomputed values for intersection tests.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frustum {
     pub(super) apex: DVec3,
-    /// Forward, right, down.
+    /// Forward, right and down.
     axes: [DVec3; 3],
     window: Window,
-    /// Near and far along the axis, in metres.
+    /// Near and far planes along the axis, in metres.
     pub(super) depth_m: [f64; 2],
     /// Directions of the four edges, of planar depth 1, in order around the frustum.
     pub(super) corners: [DVec3; 4],
-    /// The same with length 1.
+    /// `corners` with length 1.
     pub(super) rays: [DVec3; 4],
     /// Normals of the four sides, of length 1, pointing inwards.
     pub(super) sides: [DVec3; 4],
-    /// Length of the longest of `corners`.
+    /// Maximum length of `corners`.
     pub(super) reach: f64,
 }
 
-/// Limit of lengths in calculations.
+/// Maximum length in calculations.
 pub(super) const MAX_LENGTH: f64 = 1e100;
 
 impl Frustum {
-    /// A frustum from its tip, forward, right and down (of length 1, each at right angles to the others), a window,
-    /// and the distances along forward where it begins and ends: 0 ≤ near ≤ far, in metres; far may be `+inf`.
+    /// Returns a frustum from its apex; its axes forward, right and down (orthogonal, of length 1); a window; and its near
+    /// and far distance along forward: 0 ≤ near ≤ far, in metres, where far may be `+inf`.
     ///
-    /// Other non-finite numbers make an unsound frustum, which all tests take for intersected.
+    /// Other non-finite numbers make an unsound frustum: all tests report that it is intersected.
     pub fn new(apex: DVec3, axes: [DVec3; 3], window: Window, depth_m: [f64; 2]) -> Frustum {
         let [forward, right, down] = axes;
         let Window { u: [left, far_right], v: [top, bottom] } = window;
@@ -56,7 +56,7 @@ impl Frustum {
         }
     }
 
-    /// Whether tests are reliable.
+    /// True if tests are reliable.
     pub(super) fn is_sound(&self) -> bool {
         let unit = |vector: &DVec3| (vector.length() - 1.0).abs() < 1e-6;
         let [near, far] = self.depth_m;
@@ -67,35 +67,35 @@ impl Frustum {
             && near <= far
     }
 
-    /// Whether a point lies inside or on the surface.
+    /// True if a point lies inside or on the boundary.
     pub fn contains(&self, point: DVec3) -> bool {
         let from_apex = point - self.apex;
         let depth = from_apex.dot(self.axes[0]);
         self.depth_m[0] <= depth && depth <= self.depth_m[1] && self.contains_direction(from_apex)
     }
 
-    /// Whether a direction, of any length, lies in the frustum's cone.
+    /// True if a direction, of any length, lies in the cone of the frustum.
     pub fn contains_direction(&self, direction: DVec3) -> bool {
         self.sides.iter().all(|side| side.dot(direction) >= 0.0)
     }
 
-    /// Normals of its planes; near and far share one.
+    /// Normals of the planes; near and far share one.
     pub(super) fn normals(&self) -> [DVec3; 5] {
         let [a, b, c, d] = self.sides;
         [self.axes[0], a, b, c, d]
     }
 
-    /// Directions of its edges, of length 1.
+    /// Directions of the edges, of length 1.
     pub(super) fn edges(&self) -> [DVec3; 6] {
         let [a, b, c, d] = self.rays;
         [self.axes[1], self.axes[2], a, b, c, d]
     }
 
-    /// The same with a window that contains all directions within `angle` radians (10⁻⁶ at most) of its own; none where it is
-    /// nearly a half space already.
+    /// Returns the frustum with a window that contains all directions within `angle` radians (at most 10⁻⁶) of its own;
+    /// `None` if the frustum is already nearly a half space.
     pub(super) fn widened(&self, angle: f64) -> Option<Frustum> {
-        // A side moved by `step` is at an angle of step / (√(1 + u²) · length) from a direction of that length, and
-        // neither factor exceeds `reach` by much.
+        // A side moved by `step` is at an angle of step / (√(1 + u²) · length) from a direction of that length, and neither
+        // factor exceeds `reach` by much.
         let step = 2.0 * angle * self.reach * self.reach;
         if step.is_nan() || step > 0.2 * self.reach {
             return None;

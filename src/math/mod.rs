@@ -1,6 +1,6 @@
 //! Cameras, frusta, and conservative intersection tests of frusta.
 //!
-//! In floating point, since nothing here decides the value of a decoded pixel, only whether it is decoded.
+//! Uses floating point: the results decide only whether a pixel is decoded, not its value.
 
 pub mod camera;
 pub mod frustum;

@@ -1,4 +1,4 @@
-//! Seeded random numbers for test inputs: the same on every machine.
+//! Seeded random numbers for test inputs. The sequence is the same on all machines.
 //!
 //! Based on: Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, 2014 (SplitMix64).
 
@@ -10,7 +10,7 @@ impl Random {
         Random(seed)
     }
 
-    /// 64 random bits.
+    /// Returns 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -19,12 +19,12 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// 32 random bits.
+    /// Returns 32 random bits.
     pub fn word(&mut self) -> u32 {
         (self.bits() >> 32) as u32
     }
 
-    /// 0 to `end` − 1; 0 where `end` is 0.
+    /// Returns a number from 0 to `end` − 1; 0 if `end` is 0.
     pub fn below(&mut self, end: u32) -> u32 {
         ((u64::from(self.word()) * u64::from(end)) >> 32) as u32
     }
@@ -33,7 +33,7 @@ impl Random {
         self.below(n) == 0
     }
 
-    /// One of some values; none of an empty slice.
+    /// Returns a random element; `None` if the slice is empty.
     pub fn pick<T: Copy>(&mut self, of: &[T]) -> Option<T> {
         of.get(self.below(of.len() as u32) as usize).copied()
     }

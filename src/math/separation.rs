@@ -1,18 +1,20 @@
-//! Separating axis tests of frusta and of their directions.
+//! Separating axis tests of frusta and of their direction cones.
 //!
-//! Two convex polyhedra are disjoint exactly where a face normal of either, or a cross product of an edge of each, separates
-//! them. A rounded axis is as good a witness as an exact one, so rounding can only hide that they are disjoint.
+//! Two convex polyhedra are disjoint if and only if a face normal of either, or a cross product of an edge of each, separates
+//! them. A rounded axis that separates them proves this as well as an exact one, so rounding errors can only hide that they
+//! are disjoint.
 
 use glam::DVec3;
 
 use super::frustum::{Frustum, MAX_LENGTH};
 
-/// Gaps up to this part of all lengths involved may be rounding; a product of vectors is off by less than 3 · 10⁻¹⁵.
+/// Gap, relative to the sum of all lengths involved, that may be rounding error; the error of a product of vectors is below 3
+/// · 10⁻¹⁵.
 const SLACK: f64 = 1e-13;
-/// Cosines up to this may be rounding.
+/// Cosine that may be rounding error.
 const COSINE_SLACK: f64 = 1e-14;
 
-/// Whether no direction of `a` is one of `b`, but for those on the boundary of both: widen one of them for a margin.
+/// True if `a` and `b` share no direction, except on the boundary of both: widen one of them for a margin.
 pub(super) fn directions_apart(a: &Frustum, b: &Frustum) -> bool {
     let before = |normal: DVec3, rays: &[DVec3; 4]| rays.iter().all(|ray| normal.dot(*ray) >= -COSINE_SLACK);
     let behind = |normal: DVec3, rays: &[DVec3; 4]| rays.iter().all(|ray| normal.dot(*ray) <= COSINE_SLACK);
@@ -26,7 +28,7 @@ pub(super) fn directions_apart(a: &Frustum, b: &Frustum) -> bool {
     a.rays.iter().any(|edge| b.rays.iter().any(|other| across(edge, other)))
 }
 
-/// Whether no point of `a`, up to `far_m[0]` metres along its axis, is one of `b`, up to `far_m[1]`.
+/// True if `a`, up to `far_m[0]` metres along its axis, and `b`, up to `far_m[1]` metres, share no point.
 pub(super) fn volumes_apart(a: &Frustum, b: &Frustum, far_m: [f64; 2]) -> bool {
     let offset = b.apex - a.apex;
     let size = far_m[0] * a.reach + far_m[1] * b.reach + offset.length() + a.apex.length() + b.apex.length();
@@ -49,7 +51,7 @@ pub(super) fn volumes_apart(a: &Frustum, b: &Frustum, far_m: [f64; 2]) -> bool {
         .any(|edge| b_edges.iter().any(|other| edge.cross(*other).try_normalize().is_some_and(|axis| apart(&axis))))
 }
 
-/// Least and greatest product with `axis` of the points of a frustum, seen from its tip, up to `far_m`.
+/// Minimum and maximum product with `axis` of the points of a frustum up to `far_m`, relative to its apex.
 fn extent(frustum: &Frustum, axis: DVec3, far_m: f64) -> [f64; 2] {
     let near_m = frustum.depth_m[0].min(far_m);
     let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY];

@@ -1,6 +1,6 @@
 //! Sums of structs of counts and costs, member by member.
 
-/// Implements `+` for a struct with these members.
+/// Implements `+` for a struct, with all its members listed.
 macro_rules! add_members {
     ($name:ident: $($member:ident),+) => {
         impl std::ops::Add for $name {

@@ -1,5 +1,5 @@
-//! Joins parts in world space to one [`Mesh`], without triangles that rays cannot hit: those with a corner that is
-//! not finite, or without area.
+//! Joins parts in world space into one [`Mesh`], without triangles that rays cannot hit: those with a corner that is not finite,
+//! and those without area.
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
@@ -10,7 +10,7 @@ use crate::error::counted;
 pub struct Part<'a> {
     /// World space, metres.
     pub positions: &'a [DVec3],
-    /// Of any length; empty for a flat part.
+    /// Of any length; empty for a flat-shaded part.
     pub normals: &'a [DVec3],
     pub uvs: &'a [Vec2],
     pub colors: &'a [Vec4],
@@ -23,21 +23,21 @@ pub struct Part<'a> {
 pub enum Winding {
     /// Counter-clockwise seen from outside.
     Outward,
-    /// Clockwise.
+    /// Clockwise seen from outside.
     Mirrored,
 }
 
-/// Vertex attributes of a mesh: those that any part has.
+/// Vertex attributes of a mesh: those that any of its parts has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Channels {
-    /// Parts without normals are split into single triangles.
+    /// Parts without normals get separate corners for each triangle.
     pub normals: bool,
     pub uvs: bool,
-    /// White for parts without colours.
+    /// Parts without colours are white.
     pub colors: bool,
 }
 
-/// Numbers of triangles left out.
+/// Numbers of omitted triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LeftOut {
     pub not_finite: usize,
@@ -72,7 +72,7 @@ impl Assembly {
         Assembly { mesh: Mesh::default(), channels, left_out: LeftOut::default() }
     }
 
-    /// Adds a part. Corners fit into `u32`, as [`super::budget`] allows no more.
+    /// Adds a part. Corner indices fit into `u32`, because [`super::budget`] allows no more corners.
     pub fn add(&mut self, part: &Part) {
         let smooth = self.channels.normals && !part.normals.is_empty();
         let welded = smooth || !self.channels.normals;
@@ -104,14 +104,14 @@ impl Assembly {
         }
     }
 
-    /// Normal of a triangle with an area, length 1.
+    /// Returns the unit normal of a triangle. Counts a triangle that is not finite or has no area, and returns none.
     fn face_normal(&mut self, [a, b, c]: [DVec3; 3]) -> Option<DVec3> {
         let across = (b - a).cross(c - a);
         if ![a, b, c, across].iter().all(|vector| vector.is_finite()) {
             self.left_out.not_finite += 1;
             return None;
         }
-        // Scaled first, as squares of tiny or huge components underflow or overflow.
+        // Scaled first, because squares of tiny or huge components underflow or overflow.
         let normal = (across / across.abs().max_element()).try_normalize();
         self.left_out.no_area += usize::from(normal.is_none());
         normal

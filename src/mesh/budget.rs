@@ -1,19 +1,19 @@
-//! Memory that a scene file may ask for, checked before it is allocated: 512 MiB and 128 times the size of its files.
+//! Limit on the memory of a scene file, checked before allocation: 512 MiB plus 128 times the size of its files.
 
 use std::fmt::Display;
 
 use crate::error::{Error, Result};
 
-/// Bytes allowed for a file of any size.
+/// Bytes allowed for files of any size.
 const FLOOR: u64 = 512 << 20;
-/// Further bytes for each byte of the files: an image of one colour is a few bytes in the file.
+/// Additional bytes allowed for each byte of the files: an image of one colour takes a few bytes in the file.
 const PER_BYTE: u64 = 128;
-/// Most bytes for files of any size.
+/// Maximum number of bytes for files of any size.
 const MAX_BYTES: u64 = 16 << 30;
 
 /// Bytes of a triangle in a mesh and its bounding volume hierarchy.
 pub const TRIANGLE_BYTES: u64 = 160;
-/// Bytes of a corner in a mesh and on the way there.
+/// Bytes of a corner in a mesh and while the mesh is assembled.
 pub const CORNER_BYTES: u64 = 152;
 
 #[derive(Debug)]
@@ -27,17 +27,17 @@ impl Budget {
         Budget { files: bytes, taken: 0 }
     }
 
-    /// Adds a file of the scene.
+    /// Adds the size of another file of the scene.
     pub fn grow(&mut self, bytes: u64) {
         self.files = self.files.saturating_add(bytes);
     }
 
-    /// Most bytes that a scene of so many bytes of files may take.
+    /// Returns the maximum bytes of memory for a scene with this many bytes of files.
     pub fn allowance(files: u64) -> u64 {
         files.saturating_mul(PER_BYTE).saturating_add(FLOOR).min(MAX_BYTES)
     }
 
-    /// Reserves memory, or fails where it is more than the files allow.
+    /// Reserves memory for `count` elements of `size` bytes. Fails if the total exceeds what the files allow.
     pub fn take(&mut self, count: u64, size: u64, what: impl Display) -> Result<()> {
         let taken = count.saturating_mul(size).saturating_add(self.taken);
         let allowance = Budget::allowance(self.files);

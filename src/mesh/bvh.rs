@@ -1,8 +1,8 @@
-//! Bounding volume hierarchy over triangles: nearest hit, any hit, all hits of a ray; distance of a point.
+//! Bounding volume hierarchy over triangles: nearest hit, any hit and all hits of a ray; distance of a point.
 //!
-//! The tree is the compressed wide BVH of `obvhs`, in f32, in coordinates relative to the centre and half size of the
-//! mesh. Its boxes are inflated by more than the rounding on the way: the tree only proposes triangles. Whether and
-//! where a ray meets one, `triangle` decides in f64 on the original corners, so answers equal those of testing every
+//! The tree is the compressed wide BVH of `obvhs`, in f32, in coordinates relative to the centre and half size of the mesh. Its
+//! boxes are inflated by more than the rounding errors of a traversal. The tree only selects candidates: whether and where a ray
+//! hits a triangle is computed by `triangle` in f64 on the original corners. Results therefore equal those of testing every
 //! triangle, bit for bit.
 
 mod build;
@@ -19,15 +19,17 @@ use obvhs::cwbvh::CwBvh;
 use super::ray::{AxisBox, Ray};
 use super::triangle::{self, RayFrame};
 
-/// Added to boxes on each side, in half sizes of the mesh.
+/// Inflation of boxes on each side, in half sizes of the mesh.
 const INFLATION: f64 = 2e-6;
-/// Half sizes before the first possible hit at which traversal starts: `obvhs` misses boxes that end within 1e-4.
+/// Distance before the first possible hit at which traversal starts, in half sizes: `obvhs` misses boxes that end within 1e-4.
 const LEAD: f64 = 2.5e-4;
-/// Half sizes from the centre beyond which f64 resolves less than the inflation; there all triangles are tested.
+/// Distance from the centre, in half sizes, beyond which f64 resolves less than the inflation. For rays from farther away all
+/// triangles are tested.
 const FAR: f64 = 1e9;
-/// The same for distances of points, which are compared squared.
+/// Like [`FAR`], for distances of points, which are compared squared.
 const FAR_POINT: f64 = 1e6;
-/// Triangles with a larger coordinate are left out: products of three stay finite.
+/// Maximum coordinate of a triangle, in metres. Products of three coordinates up to this are finite; triangles beyond it are
+/// skipped.
 const LARGEST_M: f64 = 1e90;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +37,7 @@ pub struct TriangleHit {
     /// Metres along the ray.
     pub distance: f64,
     pub triangle: usize,
-    /// Weights of the second and third corner.
+    /// Barycentric weights of the second and third corner.
     pub barycentric: DVec2,
 }
 
@@ -44,12 +46,12 @@ pub struct Bvh {
     tree: CwBvh,
     /// Triangles in the order of the tree's leaves.
     leaves: Vec<Leaf>,
-    /// The smallest box around all triangles with an area.
+    /// The smallest box around all triangles that have area.
     pub bounds: Option<AxisBox>,
-    /// The same, inflated.
+    /// `bounds`, inflated.
     clip: AxisBox,
     center: DVec3,
-    /// Half of the longest edge of the box around all triangles, metres.
+    /// Half of the longest edge of the box around all triangles, in metres.
     half_size: f64,
 }
 
@@ -67,7 +69,7 @@ impl Leaf {
     }
 }
 
-/// What a visitor asks of the traversal: to go on, to go on up to a distance, or to end.
+/// Result of a visit: continue the traversal, continue up to a distance, or end.
 enum Visit {
     Continue,
     UpTo(f64),
@@ -75,13 +77,13 @@ enum Visit {
 }
 
 impl Bvh {
-    /// Memory that it takes.
+    /// Returns the memory of the tree in bytes.
     pub fn bytes(&self) -> u64 {
         let CwBvh { nodes, primitive_indices, .. } = &self.tree;
         (size_of_val(&nodes[..]) + size_of_val(&primitive_indices[..]) + size_of_val(&self.leaves[..])) as u64
     }
 
-    /// Builds the tree. Triangles that are not finite are left out; rays miss those without area.
+    /// Builds the tree. Triangles that are not finite are skipped; rays miss triangles without area.
     pub fn new(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Bvh {
         let leaves: Vec<Leaf> = (0..)
             .zip(triangles)
@@ -103,7 +105,7 @@ impl Bvh {
         bvh
     }
 
-    /// Where a ray meets a triangle, at a distance of either sign, with the bits of [`Self::all`].
+    /// Returns the hit of a ray on one triangle, at a distance of either sign, with the same bits as [`Self::all`].
     pub fn hit_of(ray: &Ray, triangle: usize, corners: [DVec3; 3]) -> Option<TriangleHit> {
         if !is_in_range(&corners) || !triangle::has_area(&corners) {
             return None;
@@ -112,8 +114,8 @@ impl Bvh {
         Some(TriangleHit { distance, triangle, barycentric })
     }
 
-    /// The nearest accepted hit strictly within the range of distances, from either side; of equally near triangles,
-    /// that of the lowest index.
+    /// Returns the nearest accepted hit strictly within the range of distances, on either side of a triangle. Of equally near
+    /// triangles, the one with the lowest index is hit.
     pub fn nearest(&self, ray: &Ray, range: Range<f64>, accept: impl Fn(&TriangleHit) -> bool) -> Option<TriangleHit> {
         let mut best: Option<TriangleHit> = None;
         let mut limit = range.end;
@@ -131,7 +133,7 @@ impl Bvh {
         best
     }
 
-    /// Whether there is an accepted hit strictly within the range of distances.
+    /// True if there is an accepted hit strictly within the range of distances.
     pub fn any(&self, ray: &Ray, range: Range<f64>, accept: impl Fn(&TriangleHit) -> bool) -> bool {
         let mut found = false;
         self.walk(ray, &range, |hit| {
@@ -141,7 +143,7 @@ impl Bvh {
         found
     }
 
-    /// All hits strictly within the range of distances, one for each triangle, by distance and then by index.
+    /// Returns all hits strictly within the range of distances, one per triangle, ordered by distance and then by index.
     pub fn all(&self, ray: &Ray, range: Range<f64>) -> Vec<TriangleHit> {
         let mut hits = Vec::new();
         self.walk(ray, &range, |hit| {
@@ -155,7 +157,7 @@ impl Bvh {
         hits
     }
 
-    /// Metres from a point to the nearest triangle, `+inf` without any.
+    /// Returns the metres from a point to the nearest triangle; `+inf` without triangles.
     pub fn distance_m(&self, point: DVec3) -> f64 {
         let to_leaf = |leaf: &Leaf| triangle::distance_squared(leaf.corners, point);
         let local = (point - self.center) / self.half_size;
@@ -164,7 +166,7 @@ impl Bvh {
             return self.leaves.iter().map(to_leaf).fold(f64::INFINITY, f64::min).sqrt();
         }
         let mut best = f64::INFINITY;
-        // Least squared distance in half sizes, node, and child of the node.
+        // Minimum squared distance in half sizes, node, and child of the node.
         let mut open = Vec::new();
         let expand = |node: usize, open: &mut Vec<(f64, usize, usize)>| {
             let first = open.len();
@@ -192,7 +194,7 @@ impl Bvh {
         best.sqrt()
     }
 
-    /// Visits all hits within the range, and some that are not.
+    /// Visits all hits within the range, and some outside of it.
     fn walk(&self, ray: &Ray, range: &Range<f64>, mut visit: impl FnMut(TriangleHit) -> Visit) {
         let frame = RayFrame::new(ray);
         let mut visit = |leaf: &Leaf| leaf.hit(&frame).map_or(Visit::Continue, &mut visit);
@@ -222,7 +224,7 @@ impl Bvh {
         let octant = octant(direction);
         let mut stack = [(0_u32, 0_u32); build::MAX_DEPTH];
         let mut held = 0;
-        // Index of the first of some sibling nodes, and a bit for each to visit, the highest first.
+        // Index of the first of several sibling nodes, and one bit per sibling to visit, highest first.
         let (mut base, mut bits) = (0, 1_u32 << 31);
         loop {
             let bit = 31 - bits.leading_zeros();
@@ -232,7 +234,7 @@ impl Bvh {
                 held += 1;
             }
             let slot = (bit - 24) ^ (octant & 7);
-            // The lowest byte marks siblings that are inner nodes.
+            // The lowest byte marks the siblings that are inner nodes.
             let before = (bits & 0xff & !(u32::MAX << slot)).count_ones();
             let node = &self.tree.nodes[(base + before) as usize];
             let met = node.intersect_ray(&walk_ray, octant);
@@ -257,7 +259,7 @@ impl Bvh {
         }
     }
 
-    /// Box of a triangle in the coordinates of the tree.
+    /// Returns the box of a triangle in the coordinates of the tree.
     fn leaf_box(&self, corners: &[DVec3; 3]) -> Aabb {
         let half_size = self.half_size.max(f64::MIN_POSITIVE);
         let [a, b, c] = corners.map(|corner| (corner - self.center) / half_size);
@@ -270,7 +272,7 @@ fn is_in_range(corners: &[DVec3; 3]) -> bool {
     corners.iter().all(|corner| corner.is_finite() && corner.abs().max_element() <= LARGEST_M)
 }
 
-/// Order in which `obvhs` visits the children of a node.
+/// Returns the order in which `obvhs` visits the children of a node.
 fn octant(direction: Vec3A) -> u32 {
     let forward = |axis: usize| u32::from(direction[axis] >= 0.0);
     (forward(0) << 2 | forward(1) << 1 | forward(2)) * 0x0101_0101

@@ -1,5 +1,5 @@
-//! Files that a scene names: in its folder or below, and nowhere else. A symbolic link counts as the file that it leads to: one that
-//! leads out of the folder is not followed.
+//! Files that a scene refers to. They are read only from the scene's folder or below it. A symbolic link counts as its target:
+//! one that leads out of the folder is not followed.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,9 +12,9 @@ use crate::fingerprint::digest;
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
-    /// Each file is read once.
+    /// Files read so far; each is read once.
     read: Vec<(PathBuf, Arc<Vec<u8>>)>,
-    /// Names that could not be read.
+    /// Names of files that could not be read.
     missing: Vec<String>,
 }
 
@@ -23,12 +23,12 @@ impl Folder {
         Folder { path: file.parent().unwrap_or(Path::new("")).to_path_buf(), read: Vec::new(), missing: Vec::new() }
     }
 
-    /// Bytes of the file of that name; fails where the name leads out of the folder.
+    /// Returns the bytes of the file of that name. Fails if the name leads out of the folder.
     pub fn fetch(&mut self, name: &str, budget: &mut Budget) -> Result<Arc<Vec<u8>>> {
         self.look_up(name, budget).inspect_err(|_| self.missing.push(name.to_owned()))
     }
 
-    /// Digest of a scene's file, of all files fetched since, and of the names of those that could not be.
+    /// Returns the digest of a scene's file, of all files fetched so far, and of the names of files that could not be read.
     pub fn contents(&self, file: &[u8]) -> String {
         let of_named: Vec<(&Path, String)> = self
             .read
@@ -38,7 +38,7 @@ impl Folder {
         digest(format!("{} {of_named:?} {:?}", digest(file), self.missing).as_bytes())
     }
 
-    /// Fails where links lead from a path in the folder out of it.
+    /// Fails if links lead from a path in the folder out of it.
     fn check_links(&self, name: &str, path: &Path) -> Result<()> {
         let folder = if self.path.as_os_str().is_empty() { Path::new(".") } else { &self.path };
         let real = |path: &Path| path.canonicalize().map_err(|error| Error::io(path, error));
@@ -80,7 +80,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Path below the folder; fails for absolute names, schemes and `..`.
+/// Returns the path of a name below the folder. Fails for absolute names, URI schemes and `..`.
 fn inside(name: &str) -> Result<PathBuf> {
     let refuse = |why: &str| Err(Error::invalid(format!("“{}” {why}", shown(name))));
     if name.contains(':') {
@@ -100,7 +100,7 @@ fn inside(name: &str) -> Result<PathBuf> {
     Ok(parts.iter().collect())
 }
 
-/// Percent decoding (RFC 3986, 2.1). What is then not UTF-8 is left as it was.
+/// Decodes percent encoding (RFC 3986, 2.1). Returns the input if the result is not UTF-8.
 pub fn percent_decoded(uri: &str) -> String {
     let mut parts = uri.as_bytes().split(|&byte| byte == b'%');
     let mut out = parts.next().unwrap_or_default().to_vec();
@@ -201,7 +201,7 @@ mod tests {
             link(to, name);
         }
         symlink(at.join("elsewhere/a.bin"), at.join("scene/absolute")).unwrap();
-        // The folder itself may be a link: it was named by who calls.
+        // The folder itself may be a link, because the caller named it.
         symlink("scene", at.join("alias")).unwrap();
         for folder in ["scene", "alias"] {
             let mut files = Folder::of(&at.join(folder).join("scene.gltf"));

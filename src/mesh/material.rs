@@ -6,38 +6,38 @@ use glam::DVec3;
 
 use super::texture::ImageTexture;
 
-/// A metallic-roughness material. Colours are linear Rec. 709; factors lie in 0..=1 where no other range is given.
+/// A metallic-roughness material. Colours are linear Rec. 709; factors are in 0..=1 unless another range is given.
 #[derive(Debug, Clone)]
 pub struct Material {
     pub name: String,
-    /// Multiplied with the texture.
+    /// Multiplied by the texture.
     pub base_color: DVec3,
-    /// Multiplied with the alpha of the texture.
+    /// Multiplied by the alpha of the texture.
     pub alpha: f64,
     pub base_texture: Option<Arc<ImageTexture>>,
-    /// Alpha below it is a hole; `None` for an opaque material.
+    /// Surfaces with an alpha below this are holes; `None` for an opaque material.
     pub alpha_cutoff: Option<f64>,
-    /// Whether a rasteriser blends it by its alpha; rays see a hole below the cutoff.
+    /// True if a rasteriser blends it by its alpha; rays treat alpha below the cutoff as a hole.
     pub is_blended: bool,
     /// Constant over the surface: the mean of a texture.
     pub metallic: f64,
-    /// As [`Self::metallic`].
+    /// Constant, as [`Self::metallic`].
     pub roughness: f64,
-    /// Reflectance of a dielectric at normal incidence; `None` where it follows from the index of refraction.
+    /// Reflectance of a dielectric at normal incidence; `None` if it follows from the index of refraction.
     pub specular: Option<DVec3>,
     /// Index of refraction, 1..=100.
     pub ior: f64,
-    /// Share of light that passes the surface, as [`Self::metallic`].
+    /// Fraction of light that passes through the surface; constant, as [`Self::metallic`].
     pub transmission: f64,
-    /// Radiance, 0 or more; multiplied with the texture.
+    /// Radiance, at least 0; multiplied by the texture.
     pub emission: DVec3,
     pub emissive_texture: Option<Arc<ImageTexture>>,
-    /// Whether it shows its base colour under any light.
+    /// True if it shows its base colour without shading.
     pub unlit: bool,
 }
 
 impl Default for Material {
-    /// Matt, 80% grey.
+    /// Returns a matte 80% grey.
     fn default() -> Self {
         Material {
             name: String::new(),

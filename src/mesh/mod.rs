@@ -1,4 +1,4 @@
-//! Plain triangle meshes: geometry, materials, textures, the bounding volume hierarchy, glTF in and out.
+//! Triangle meshes: geometry, materials, textures, bounding volume hierarchy, glTF input and output.
 
 pub mod assembly;
 pub mod budget;

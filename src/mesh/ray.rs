@@ -1,4 +1,4 @@
-//! Rays and boxes along the axes, in metres.
+//! Rays and axis-aligned boxes, in metres.
 
 use glam::DVec3;
 
@@ -7,18 +7,18 @@ use glam::DVec3;
 pub struct Ray {
     origin: DVec3,
     direction: DVec3,
-    /// 1 / direction, infinite where a component is 0; box tests use it.
+    /// 1 / direction, infinite where a component is 0; used by box tests.
     inverse: DVec3,
 }
 
 impl Ray {
-    /// In a direction of any length; `None` where that is 0, or the origin is not finite.
+    /// Creates a ray in a direction of any length. `None` if the length is 0, or the origin is not finite.
     pub fn new(origin: DVec3, direction: DVec3) -> Option<Ray> {
         let direction = direction.try_normalize()?;
         origin.is_finite().then_some(Ray::from_unit(origin, direction))
     }
 
-    /// The direction has length 1.
+    /// Creates a ray with a direction of length 1.
     pub(crate) fn from_unit(origin: DVec3, direction: DVec3) -> Ray {
         Ray { origin, direction, inverse: direction.recip() }
     }
@@ -27,7 +27,7 @@ impl Ray {
         self.origin
     }
 
-    /// Length 1.
+    /// Returns the direction, of length 1.
     pub fn direction(&self) -> DVec3 {
         self.direction
     }
@@ -41,11 +41,11 @@ impl Ray {
 pub struct Intersection {
     /// Metres along the ray.
     pub distance: f64,
-    /// Normal of the surface, length 1, pointing out of the solid.
+    /// Normal of the surface, of length 1, pointing out of the solid.
     pub normal: DVec3,
 }
 
-/// A box along the axes, metres.
+/// An axis-aligned box, in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisBox {
     pub min: DVec3,
@@ -53,7 +53,7 @@ pub struct AxisBox {
 }
 
 impl AxisBox {
-    /// The smallest box around points; `None` without any.
+    /// Returns the smallest box around points; `None` without points.
     pub fn around(points: impl IntoIterator<Item = DVec3>) -> Option<AxisBox> {
         let alone = |point| AxisBox { min: point, max: point };
         points.into_iter().map(alone).reduce(AxisBox::join)
@@ -63,12 +63,12 @@ impl AxisBox {
         AxisBox { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Whether a point lies inside or on a face.
+    /// True if a point lies inside the box or on a face.
     pub fn contains(&self, point: DVec3) -> bool {
         point.cmpge(self.min).all() && point.cmple(self.max).all()
     }
 
-    /// Distance in metres from a point to the box; 0 inside.
+    /// Returns the distance in metres from a point to the box; 0 inside.
     pub fn distance_m(&self, point: DVec3) -> f64 {
         point.distance(point.clamp(self.min, self.max))
     }
@@ -80,7 +80,7 @@ impl AxisBox {
         })
     }
 
-    /// The nearest surface point beyond `min_distance`, also from inside.
+    /// Returns the nearest surface point beyond `min_distance`, also for a ray from inside.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         let slabs = self.slabs(ray);
         let (enter, leave) = (slabs.enter(), slabs.leave());
@@ -97,8 +97,8 @@ impl AxisBox {
         Some(Intersection { distance, normal })
     }
 
-    /// For a ray parallel to a slab they are −inf..+inf inside of it and +inf..−inf outside; the product alone is
-    /// 0 · inf = NaN on the slab's own plane.
+    /// Returns the distances at which a ray crosses the slabs. For a ray parallel to a slab they are −inf..+inf inside the slab
+    /// and +inf..−inf outside; the product alone would be 0 · inf = NaN on the slab's own plane.
     pub(crate) fn slabs(&self, ray: &Ray) -> Slabs {
         let a = (self.min - ray.origin) * ray.inverse;
         let b = (self.max - ray.origin) * ray.inverse;
@@ -117,7 +117,7 @@ impl AxisBox {
     }
 }
 
-/// Distances at which a ray enters and leaves the slab of each axis, metres.
+/// Distances at which a ray enters and leaves the slab of each axis, in metres.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slabs {
     pub enters: DVec3,
@@ -129,7 +129,7 @@ impl Slabs {
         self.enters.max_element()
     }
 
-    /// Less than [`Self::enter`] for a miss.
+    /// Returns the distance at which the ray leaves the box; less than [`Self::enter`] for a miss.
     pub fn leave(&self) -> f64 {
         self.leaves.min_element()
     }
@@ -166,7 +166,7 @@ mod tests {
         assert_eq!((hit.distance, hit.normal), (3.0, DVec3::NEG_X));
         let hit = UNIT.intersect(&ray([0.0; 3], [0.0, -1.0, 0.0]), 0.0).unwrap();
         assert_eq!((hit.distance, hit.normal), (1.0, DVec3::NEG_Y));
-        // Parallel to a face: in its plane it still grazes, outside it never does, and nothing is NaN.
+        // A ray parallel to a face grazes it in its plane and misses outside; no result is NaN.
         assert!(UNIT.intersect(&ray([1.0, 0.0, 4.0], [0.0, 0.0, -1.0]), 0.0).is_some());
         assert_eq!(UNIT.intersect(&ray([1.000_001, 0.0, 4.0], [0.0, 0.0, -1.0]), 0.0), None);
         assert_eq!(UNIT.intersect(&ray([0.0, 0.0, 4.0], [0.0, 0.0, 1.0]), 0.0), None);

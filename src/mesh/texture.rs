@@ -11,10 +11,10 @@ use super::budget::Budget;
 use crate::error::{Error, Result};
 use crate::image::{ReadLimits, Transfer};
 
-/// Bytes of pixels that an image of any size may claim; see [`ReadLimits`].
+/// Bytes of pixels that an image file of any size may claim; see [`ReadLimits`].
 const PIXEL_FLOOR: u64 = 64 << 20;
 
-/// Texture coordinates outside of 0..1.
+/// Handling of texture coordinates outside 0..1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
 pub enum Wrap {
     #[default]
@@ -28,21 +28,21 @@ pub enum Wrap {
 pub struct ImageTexture {
     pub width: u32,
     pub height: u32,
-    /// Red, green, blue as sRGB codes, and alpha; row by row from the top.
+    /// Red, green and blue as sRGB codes, and alpha; row by row from the top.
     pub pixels: Vec<[u8; 4]>,
-    /// Horizontally, vertically.
+    /// Horizontal and vertical wrap mode.
     pub wrap: [Wrap; 2],
 }
 
-/// Linear light of each sRGB code, 0..=1.
+/// Linear value of each sRGB code, 0..=1.
 static LINEAR: LazyLock<[f64; 256]> =
     LazyLock::new(|| std::array::from_fn(|code| Transfer::Srgb.decode(code as f64 / 255.0)));
 
 impl Wrap {
-    /// The two pixels around a coordinate along a side of `size` pixels, and the weight of the second.
+    /// Returns the two pixels around a coordinate along a side of `size` pixels, and the weight of the second.
     fn neighbours(self, at: f64, size: u32) -> (usize, usize, f64) {
         let side = f64::from(size);
-        // Brought near the image first, so that integers cannot overflow.
+        // Moved near the image first, so that integers cannot overflow.
         let at = if at.is_finite() { at } else { 0.0 };
         let near = match self {
             Wrap::Repeat => at - at.floor(),
@@ -69,7 +69,7 @@ impl Wrap {
 }
 
 impl ImageTexture {
-    /// Decodes a PNG or JPEG image. 16-bit samples lose their lower half; grey becomes three equal colours.
+    /// Decodes a PNG or JPEG image. 16-bit samples are reduced to 8 bits; grey becomes three equal channels.
     pub fn decode(bytes: &[u8], wrap: [Wrap; 2], budget: &mut Budget) -> Result<ImageTexture> {
         let format = ::image::guess_format(bytes).ok();
         let Some(format @ (ImageFormat::Png | ImageFormat::Jpeg)) = format else {
@@ -91,13 +91,13 @@ impl ImageTexture {
         if pixels == 0 {
             return Err(Error::invalid("the image has no pixels"));
         }
-        // As stored in the file, and as decoded.
+        // Memory of the pixels as stored in the file, and as decoded.
         budget.take(pixels, 8, "an image")?;
         let image = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgba8();
         Ok(ImageTexture { width, height, pixels: image.as_chunks::<4>().0.to_vec(), wrap })
     }
 
-    /// A PNG file of the image.
+    /// Encodes the image as a PNG file.
     pub fn png(&self) -> Result<Vec<u8>> {
         let ImageTexture { width, height, pixels, .. } = self;
         if pixels.len() as u64 != u64::from(*width) * u64::from(*height) {
@@ -110,7 +110,8 @@ impl ImageTexture {
         Ok(png)
     }
 
-    /// Bilinear colour and alpha at texture coordinates, (0, 0) the top left corner; those not finite count as 0.
+    /// Returns the bilinear colour and alpha at texture coordinates, with (0, 0) at the top left corner. Coordinates that are not
+    /// finite count as 0.
     pub fn sample(&self, uv: DVec2) -> (DVec3, f64) {
         let (left, right, along) = self.wrap[0].neighbours(uv.x, self.width);
         let (top, bottom, down) = self.wrap[1].neighbours(uv.y, self.height);
@@ -126,7 +127,8 @@ impl ImageTexture {
         (mixed.truncate(), mixed.w)
     }
 
-    /// Means over all pixels: of the linear colour, and of the codes, 0..=1, for images that hold no colours.
+    /// Returns means over all pixels: of the linear colour, and of the codes as 0..=1, for images that hold data instead of
+    /// colours.
     pub fn means(&self) -> [DVec3; 2] {
         let mut counts = [[0u64; 256]; 3];
         for pixel in &self.pixels {
@@ -158,7 +160,7 @@ mod tests {
         assert_eq!(image.sample(DVec2::new(0.25, 0.75)), (DVec3::X, 1.0));
         let (gray, alpha) = image.sample(DVec2::new(0.75, 0.75));
         assert!((gray.x - 0.215_860_5).abs() < 1e-6 && (alpha - 0.2).abs() < 1e-12, "{gray} {alpha}");
-        // Half of the light, which is not the code between.
+        // The mean of the linear values, which is not the mean of the codes.
         assert_eq!(image.sample(DVec2::new(0.5, 0.25)), (DVec3::splat(0.5), 0.5));
         assert_eq!(image.sample(DVec2::new(0.375, 0.25)), (DVec3::splat(0.25), 0.25));
     }

@@ -1,19 +1,19 @@
-//! Intersection of a ray with a triangle, and distance of a point from it, in f64.
+//! Intersection of a ray with a triangle, and distance of a point from a triangle, in f64.
 //!
-//! Based on: Woop, Benthin and Wald, "Watertight ray/triangle intersection", JCGT 2013. Shared edges and corners are
-//! rounded in the same way for both triangles, and the sign of an edge function is exact, so no ray passes between two
-//! triangles of a closed mesh.
+//! Based on: Woop, Benthin and Wald, "Watertight ray/triangle intersection", JCGT 2013. Shared edges and corners are rounded in
+//! the same way for both triangles, and the sign of an edge function is exact, so no ray passes between two triangles of a closed
+//! mesh.
 
 use glam::{DVec2, DVec3};
 
 use super::ray::Ray;
 
-/// A ray as its dominant axis (depth) and the shear that aligns the ray with it.
+/// A ray as its dominant axis (depth) and the shear that aligns the ray with this axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RayFrame {
     origin: DVec3,
     depth: usize,
-    /// Shear of the other two axes, and metres along the ray, for each metre of depth.
+    /// Shear of the other two axes, and metres along the ray, per metre of depth.
     shear: [f64; 3],
 }
 
@@ -26,8 +26,8 @@ impl RayFrame {
         RayFrame { origin: ray.origin(), depth, shear }
     }
 
-    /// Metres along the ray (of either sign) and weights of the second and third corner; `None` for a miss and for
-    /// triangles seen edge on. Edges and corners belong to every triangle that has them.
+    /// Returns the metres along the ray (of either sign) and the weights of the second and third corner. `None` for a miss and
+    /// for triangles seen edge-on. Edges and corners belong to every triangle that has them.
     #[inline]
     pub(crate) fn intersect(&self, corners: &[DVec3; 3]) -> Option<(f64, DVec2)> {
         match self.depth {
@@ -37,7 +37,7 @@ impl RayFrame {
         }
     }
 
-    /// [`Self::intersect`] with constant axes.
+    /// Implements [`Self::intersect`] with constant axes.
     #[inline(always)]
     fn intersect_in(&self, axes: [usize; 3], corners: &[DVec3; 3]) -> Option<(f64, DVec2)> {
         let [a, b, c] = corners.map(|corner| {
@@ -66,13 +66,13 @@ impl RayFrame {
     }
 }
 
-/// Edge function: twice the signed area between the ray and an edge. The sign is right or 0, as rounding is monotone.
+/// Edge function: twice the signed area between the ray and an edge. The sign is correct or 0, because rounding is monotonic.
 #[inline(always)]
 fn side(p: [f64; 3], q: [f64; 3]) -> f64 {
     p[0] * q[1] - p[1] * q[0]
 }
 
-/// [`side`] where both products round to the same number: the lost parts decide.
+/// Computes [`side`] if both products round to the same number, from their rounding errors.
 #[cold]
 fn side_exactly(p: [f64; 3], q: [f64; 3]) -> f64 {
     let rounded = side(p, q);
@@ -83,12 +83,13 @@ fn side_exactly(p: [f64; 3], q: [f64; 3]) -> f64 {
     p[0].mul_add(q[1], -first) - p[1].mul_add(q[0], -second)
 }
 
-/// Whether the cross product of two edges is not 0.
+/// True if the cross product of two edges is not 0.
 pub(super) fn has_area([a, b, c]: &[DVec3; 3]) -> bool {
     (b - a).cross(c - a) != DVec3::ZERO
 }
 
-/// To the plane of the triangle where the point lies above it, else to the nearest edge; square metres.
+/// Returns the square of a point's distance, in square metres: from the plane of the triangle if the point projects into the
+/// triangle, else from the nearest edge.
 pub(super) fn distance_squared([a, b, c]: [DVec3; 3], point: DVec3) -> f64 {
     let normal = (b - a).cross(c - a);
     let above = |from: DVec3, to: DVec3| (to - from).cross(point - from).dot(normal) >= 0.0;
@@ -121,7 +122,7 @@ mod tests {
         assert_eq!((distance, at), (2.0, DVec2::new(0.25, 0.5)));
         let (distance, at) = meet(RIGHT, [0.25, 0.5, -5.0], [0.0, 0.0, 1.0]).unwrap();
         assert_eq!((distance, at), (3.0, DVec2::new(0.25, 0.5)));
-        // Behind the origin, the caller decides.
+        // Behind the origin the distance is negative; callers filter it.
         assert_eq!(meet(RIGHT, [0.25, 0.5, -3.0], [0.0, 0.0, -1.0]).unwrap().0, -1.0);
         assert!(meet(RIGHT, [0.6, 0.6, 0.0], [0.0, 0.0, -1.0]).is_none());
     }
@@ -142,7 +143,7 @@ mod tests {
 
     #[test]
     fn an_edge_so_near_that_products_round_to_the_same_still_has_two_sides() {
-        // The point lies off the line by less than the products resolve.
+        // The point is off the line by less than the products resolve.
         let (p, q) = ([1.0 + f64::EPSILON, 1.0, 0.0], [1.0, 1.0 - 0.5 * f64::EPSILON, 0.0]);
         let exact = side_exactly(p, q);
         assert!(exact != 0.0 && side_exactly(q, p) == -exact);

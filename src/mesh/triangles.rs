@@ -4,27 +4,26 @@ use std::collections::HashMap;
 
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec4};
 
-/// Triangles in world space. Positions are f64: f32 would move hits of large or distant meshes by more than a depth
-/// code.
+/// Triangles in world space. Positions are f64, because f32 would move hits on large or distant meshes by more than a depth code.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
-    /// Corners, metres. Rays miss triangles with a corner that is not finite.
+    /// Corners in metres. Rays miss triangles with a corner that is not finite.
     pub positions: Vec<DVec3>,
-    /// Shading normal of each corner, of any length above 0; empty for flat triangles.
+    /// Shading normal of each corner, of any length above 0; empty for flat-shaded triangles.
     pub normals: Vec<Vec3>,
-    /// Texture coordinates of each corner, (0, 0) the top left of an image, or empty.
+    /// Texture coordinates of each corner, with (0, 0) at the top left of an image; may be empty.
     pub uvs: Vec<Vec2>,
-    /// Colour and alpha of each corner, linear, 0..=1, which multiply the base colour; or empty.
+    /// Linear colour and alpha of each corner, 0..=1, which multiply the base colour; may be empty.
     pub colors: Vec<Vec4>,
-    /// Corners of each triangle, counter-clockwise seen from outside.
+    /// Corner indices of each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
     pub material_of: Vec<u32>,
 }
 
 impl Mesh {
-    /// Memory that it takes.
+    /// Returns the memory of the mesh in bytes.
     pub fn bytes(&self) -> u64 {
-        // Destructured so that a new field is not forgotten here.
+        // Destructured so that no new field is omitted.
         let Mesh { positions, normals, uvs, colors, triangles, material_of } = self;
         let sizes = [
             size_of_val(&positions[..]),
@@ -41,8 +40,8 @@ impl Mesh {
         self.triangles[triangle].map(|corner| self.positions[corner as usize])
     }
 
-    /// Each triangle in four, by the middles of its edges; triangles that share an edge share its middle. `None` where there would be more
-    /// corners than indices.
+    /// Splits each triangle into four at the midpoints of its edges. Triangles that share an edge share its midpoint. `None` if
+    /// there would be more corners than indices.
     pub fn subdivided(&self) -> Option<Mesh> {
         let mut mesh = self.clone();
         (mesh.triangles, mesh.material_of) = (Vec::with_capacity(4 * self.triangles.len()), Vec::new());
@@ -63,11 +62,11 @@ impl Mesh {
         Some(mesh)
     }
 
-    /// Adds the corner in the middle of two.
+    /// Adds the midpoint of two corners.
     fn add_between(&mut self, a: usize, b: usize) {
         self.positions.push(0.5 * (self.positions[a] + self.positions[b]));
         if !self.normals.is_empty() {
-            // Not of length 1: between corners normals are interpolated as they are.
+            // Not normalised: normals are interpolated between corners without normalisation.
             self.normals.push(0.5 * (self.normals[a] + self.normals[b]));
         }
         if !self.uvs.is_empty() {
@@ -78,7 +77,8 @@ impl Mesh {
         }
     }
 
-    /// Texture coordinates at barycentric coordinates (weights of the second and third corner); (0, 0) without any.
+    /// Returns the texture coordinates at barycentric coordinates (weights of the second and third corner); (0, 0) if the mesh
+    /// has none.
     pub fn uv(&self, triangle: usize, at: DVec2) -> DVec2 {
         if self.uvs.is_empty() {
             return DVec2::ZERO;
@@ -87,7 +87,7 @@ impl Mesh {
         a + at.x * (b - a) + at.y * (c - a)
     }
 
-    /// Interpolated colour and alpha at barycentric coordinates; `None` without any.
+    /// Returns the interpolated colour and alpha at barycentric coordinates; `None` if the mesh has none.
     pub fn color(&self, triangle: usize, at: DVec2) -> Option<DVec4> {
         if self.colors.is_empty() {
             return None;
@@ -125,7 +125,7 @@ mod tests {
             let four = 4 * triangle..4 * triangle + 4;
             assert_eq!(area(&finer, four), area(&mesh, triangle..triangle + 1));
         }
-        // The attributes of the middle triangle's middle are those of the triangle.
+        // The attributes at the centre of the middle triangle are those at the centre of the original triangle.
         let third = DVec2::splat(1.0 / 3.0);
         assert!((finer.uv(3, third) - mesh.uv(0, third)).length() < 1e-6);
         assert!((finer.color(3, third).unwrap() - mesh.color(0, third).unwrap()).length() < 1e-6);

@@ -1,3 +1,3 @@
-//! The 16-bit codes of depth that measures know.
+//! 16-bit depth codes with a special meaning in metrics.
 
 pub const BACKGROUND_CODE: u16 = u16::MAX;

@@ -1,6 +1,6 @@
-//! How wrong depth is: in 16-bit codes, in metres, and in which pixel most.
+//! Depth errors in 16-bit codes and in metres, and the pixel with the largest error.
 //!
-//! Enters: two images in codes and metres. Leaves: [`DepthErrors`], which merge over faces and frames.
+//! Takes two images in codes and metres and returns [`DepthErrors`], which are merged over faces and frames.
 
 use serde::Serialize;
 use serde::ser::{SerializeStruct, Serializer};
@@ -14,7 +14,7 @@ pub const OUTSIDE: i32 = -1;
 /// A pixel of a frame of a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Spot {
-    /// Frame number, of the first side where they differ.
+    /// Frame number; that of the first side if the sides number frames differently.
     pub frame: u32,
     pub x: u32,
     pub y: u32,
@@ -30,27 +30,27 @@ impl Spot {
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthPicture {
     pub width: u32,
-    /// Codes, [`OUTSIDE`] where there is none.
+    /// Codes; [`OUTSIDE`] for depth outside the range of the codes.
     pub codes: Vec<i32>,
-    /// Metres, as exact as the side knows them; +inf for background.
+    /// Metres, as exact as the side stores them; +inf for background.
     pub metres: Vec<f32>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthErrors {
-    /// Largest error in codes: 65535 where one side sees background and the other does not, or where one side has no
-    /// code for what it sees.
+    /// Maximum error in codes; 65535 if one side has background and the other a surface, or if one side has no code for its
+    /// depth.
     pub max_error_codes: u16,
-    /// Largest error in metres, +inf where one side sees background and the other does not.
+    /// Maximum error in metres; +inf if one side has background and the other a surface.
     pub max_error_m: f64,
     pub error: SquaredError,
-    /// The first pixel that has the largest error in codes; `None` where all are equal.
+    /// The first pixel with the maximum error in codes; `None` if all codes are equal.
     pub worst: Option<Spot>,
     pub differing_pixels: u64,
     pub background_mismatches: u64,
-    /// Pixels that the range of the codes leaves out, on either side.
+    /// Number of pixels outside the range of the codes on either side.
     pub outside_pixels: u64,
-    /// Whether bits were compared, and differ.
+    /// True if bits were compared and differ.
     pub has_other_bits: bool,
 }
 
@@ -83,7 +83,7 @@ impl Default for DepthErrors {
 }
 
 impl DepthErrors {
-    /// PSNR of codes in dB; `+inf` where all are equal, NaN where their bits differ all the same.
+    /// Returns the PSNR of codes in dB; `+inf` if all codes are equal, NaN if they are equal but bits differ.
     pub fn psnr_db(&self) -> f64 {
         finite_or_nan(self.error.psnr_db(), self.has_other_bits)
     }
@@ -113,7 +113,7 @@ impl DepthErrors {
         self.error.samples += a.codes.len() as u64;
     }
 
-    /// Adds what another stream has; answers whether the worst pixel is now the other's.
+    /// Adds the errors of another stream. Returns true if the worst pixel is now that of the other stream.
     pub fn merge(&mut self, other: &DepthErrors) -> bool {
         self.max_error_m = self.max_error_m.max(other.max_error_m);
         self.error.sum += other.error.sum;
@@ -131,23 +131,23 @@ impl DepthErrors {
     }
 }
 
-/// Decibels of codes, NaN in place of +inf where values differ that the codes do not tell apart.
+/// Returns the PSNR of codes, with NaN in place of +inf if values differ that have equal codes.
 pub fn finite_or_nan(psnr_db: f64, has_other_bits: bool) -> f64 {
     if has_other_bits && psnr_db == f64::INFINITY { f64::NAN } else { psnr_db }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PixelError {
-    /// So many codes or steps of the metric; 0 where nothing differs.
+    /// Error in codes or steps of the metric; 0 if the pixels are equal.
     Steps(u32),
-    /// One side has background where the other has a surface.
+    /// One side has background and the other a surface.
     Background,
-    /// A side sees a depth that the range of the codes leaves out.
+    /// One side has a depth outside the range of the codes.
     Outside,
 }
 
 impl PixelError {
-    /// The error of depth in codes; what is no matter of codes is the largest.
+    /// Returns the error of depth in codes; 65535 for [`PixelError::Background`] and [`PixelError::Outside`].
     pub fn codes(self) -> u16 {
         match self {
             PixelError::Steps(steps) => u16::try_from(steps).unwrap_or(u16::MAX),
@@ -156,8 +156,8 @@ impl PixelError {
     }
 }
 
-/// The error between two codes. Codes that are both missing stand for two different depths: where the depths are equal
-/// nobody asks.
+/// Returns the error between two codes. Two [`OUTSIDE`] codes stand for different depths, since callers test for equal depths
+/// first.
 fn error_codes(a: i32, b: i32) -> PixelError {
     let background = i32::from(BACKGROUND_CODE);
     if (a == background) != (b == background) {
@@ -169,7 +169,7 @@ fn error_codes(a: i32, b: i32) -> PixelError {
     }
 }
 
-/// The error of each pixel, row by row, as [`DepthErrors`] counts it.
+/// Returns the error of each pixel in row order, as [`DepthErrors`] counts it.
 pub fn depth_errors(a: &DepthPicture, b: &DepthPicture) -> Vec<PixelError> {
     let codes = a.codes.iter().zip(&b.codes);
     let metres = a.metres.iter().zip(&b.metres);

@@ -1,4 +1,4 @@
-//! SSIMULACRA2 and butteraugli of 8-bit sRGB pictures, over the crates `fast-ssim2` and `butteraugli`.
+//! SSIMULACRA2 and butteraugli of 8-bit sRGB images, computed by the crates `fast-ssim2` and `butteraugli`.
 //!
 //! Based on: J. Sneyers, "SSIMULACRA 2", <https://github.com/cloudinary/ssimulacra2>; J. Alakuijala, R. Obryk, O. Stoliarchuk,
 //! Z. Szabadka, L. Vandevenne and J. Wassenberg, "Guetzli: perceptually guided JPEG encoder", arXiv 1703.04421, 2017.
@@ -10,22 +10,23 @@ use super::ssim::common_size;
 use crate::error::{Error, Result};
 use crate::image::Plane;
 
-/// Shortest side that is scored as it is. SSIMULACRA2 weighs six scales, and is void with fewer: shorter sides are mirrored.
+/// Minimum side that is scored without mirroring. SSIMULACRA2 weights six scales and is invalid with fewer, so images with
+/// shorter sides are mirrored.
 const MIN_SIDE: u32 = 256;
-/// Bytes that scoring takes for each pixel of a pair of pictures, as measured.
+/// Measured memory of scoring, in bytes per pixel of a pair of images.
 const PIXEL_BYTES: u64 = 160;
 
-/// Scores of pictures.
+/// Scores accumulated over images.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EyeScores {
-    /// SSIMULACRA2 of each picture; 100 where both are equal.
+    /// SSIMULACRA2 of each image; 100 for equal images.
     ssimulacra2: Vec<f64>,
-    /// Sum of the 3-norms of all pictures; 0 where both are equal.
+    /// Sum of the butteraugli 3-norms of all images; 0 for equal images.
     butteraugli: f64,
 }
 
 impl EyeScores {
-    /// Adds a picture, unless it has no pixels.
+    /// Adds the scores of an image; images without pixels are ignored.
     pub fn add(&mut self, source: &Plane<[u8; 3]>, shown: &Plane<[u8; 3]>) -> Result<()> {
         let size = common_size([source, shown])?;
         if size.contains(&0) {
@@ -37,7 +38,7 @@ impl EyeScores {
         Ok(())
     }
 
-    /// Adds other pictures. The order decides about the last bits.
+    /// Adds the scores of other images. The last bits of the sum depend on the order.
     pub fn merge(&mut self, other: &EyeScores) {
         self.ssimulacra2.extend(&other.ssimulacra2);
         self.butteraugli += other.butteraugli;
@@ -47,12 +48,12 @@ impl EyeScores {
         self.ssimulacra2.len() as u64
     }
 
-    /// Mean of all pictures.
+    /// Returns the mean SSIMULACRA2 of all images; `None` without images.
     pub fn ssimulacra2(&self) -> Option<f64> {
         self.mean(self.ssimulacra2.iter().sum())
     }
 
-    /// The 10th percentile of pictures, between two of them by its place.
+    /// Returns the 10th percentile of SSIMULACRA2 over images, interpolated linearly between two of them.
     pub fn ssimulacra2_p10(&self) -> Option<f64> {
         let mut sorted = self.ssimulacra2.clone();
         sorted.sort_by(f64::total_cmp);
@@ -61,7 +62,7 @@ impl EyeScores {
         Some(below + (above - below) * place.fract())
     }
 
-    /// Mean of the 3-norms of all pictures.
+    /// Returns the mean butteraugli 3-norm of all images; `None` without images.
     pub fn butteraugli_3norm(&self) -> Option<f64> {
         self.mean(self.butteraugli)
     }
@@ -71,13 +72,13 @@ impl EyeScores {
     }
 }
 
-/// Bytes that scoring a pair of pictures takes.
+/// Returns the bytes of memory that scoring a pair of images takes.
 pub fn scoring_bytes(size: [u32; 2]) -> u64 {
     let [width, height] = size.map(|side| u64::from(side * copies(side)));
     width * height * PIXEL_BYTES
 }
 
-/// SSIMULACRA2, and the 3-norm of butteraugli.
+/// Returns SSIMULACRA2 and the 3-norm of butteraugli.
 fn scores(pictures: [&Plane<[u8; 3]>; 2]) -> Result<[f64; 2]> {
     let pictures = pictures.map(mirrored);
     Ok([ssimulacra2(&pictures)?, butteraugli_3norm(&pictures)?])
@@ -103,12 +104,12 @@ fn butteraugli_3norm(pictures: &[Plane<[u8; 3]>; 2]) -> Result<f64> {
     found.map(|found| found.pnorm_3).map_err(|error| Error::invalid(format!("butteraugli: {error}")))
 }
 
-/// How often a side is repeated.
+/// Returns the number of times that a side is repeated, a power of two.
 fn copies(side: u32) -> u32 {
     MIN_SIDE.div_ceil(side.max(1)).next_power_of_two()
 }
 
-/// A picture and its mirror images, side by side, until no side is too short.
+/// Tiles an image with its mirror images until both sides are at least [`MIN_SIDE`].
 fn mirrored(picture: &Plane<[u8; 3]>) -> Plane<[u8; 3]> {
     let [width, height] = [picture.width(), picture.height()];
     let place = |at: u32, side: u32| if (at / side).is_multiple_of(2) { at % side } else { side - 1 - at % side };
@@ -140,7 +141,8 @@ mod tests {
 
     #[test]
     fn scores_are_near_those_of_another_program() {
-        // Of `ssimulacra2` 0.3.0 of PyPI, whose Gaussian has other borders; it got the smaller picture mirrored to 384 pixels.
+        // Reference values of `ssimulacra2` 0.3.0 from PyPI, whose Gaussian treats borders differently; its input of the smaller
+        // image was mirrored to 384 pixels.
         for (side, step, wanted) in [(256, 6, 91.445), (96, 6, 90.755), (256, 3, 96.024)] {
             let found = of(&picture(side), &coarse(&picture(side), step)).ssimulacra2().unwrap();
             assert!((found - wanted).abs() < 0.5, "{side} {step}: {found}");

@@ -1,6 +1,7 @@
-//! Every measure of pictures and depth, one of each: PSNR, visible errors, PSNR-HVS-M, SSIM, SSIMULACRA2, butteraugli, PU21 codes, depth error in codes and metres.
+//! Metrics of images and depth, each implemented once: PSNR, visible error, PSNR-HVS-M, SSIM, SSIMULACRA2, butteraugli, PU21
+//! codes, depth error in codes and metres.
 //!
-//! Sums are exact integers, or have an order of their own, so no figure depends on the thread count.
+//! Sums are exact integers or have a fixed order, so no result depends on the number of threads.
 
 pub mod codes;
 #[cfg(feature = "encode")]

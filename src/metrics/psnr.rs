@@ -1,24 +1,24 @@
-//! Peak signal-to-noise ratio, from sums of squared differences that merge without loss.
+//! Peak signal-to-noise ratio, from exact sums of squared differences.
 //!
-//! Enters: two slices of integer samples of equal length. Leaves: [`SquaredError`], and from it decibels. Sums are exact, so
-//! they do not depend on how an image was cut into tiles.
+//! Takes two slices of integer samples of equal length and returns [`SquaredError`], which gives decibels. Sums are integers, so
+//! merged results do not depend on how an image is divided into tiles.
 
 use crate::error::{Error, Result};
 
 pub const U8_PEAK: f64 = 255.0;
 pub const U16_PEAK: f64 = 65_535.0;
 
-/// 8-bit squares summed in i32 before they are widened: 32,768 · 255² is below 2³¹.
+/// Number of 8-bit squares summed in i32 before they are widened: 32,768 · 255² is below 2³¹.
 const U8_RUN: usize = 1 << 15;
 
-/// Sum of squared differences of a number of samples, and the peak that its PSNR refers to.
+/// Sum of squared differences, number of samples, and peak of the PSNR.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SquaredError {
     /// Σ (a − b)², in squared sample units.
     pub sum: u128,
-    /// Samples compared; an RGB pixel is three.
+    /// Number of samples compared; an RGB pixel has three.
     pub samples: u64,
-    /// The peak signal in sample units, such as 255 or 65,535.
+    /// Peak signal in sample units, such as 255 or 65,535.
     pub peak: f64,
 }
 
@@ -37,12 +37,12 @@ impl SquaredError {
         Ok(())
     }
 
-    /// Mean of the squares, 0 of no samples.
+    /// Returns the mean of the squares; 0 without samples.
     pub fn mse(&self) -> f64 {
         self.sum as f64 / self.samples.max(1) as f64
     }
 
-    /// 10·log₁₀(peak² / mse) in dB; `+inf` when the samples are equal or none was compared.
+    /// Returns 10·log₁₀(peak² / mse) in dB; `+inf` if all samples are equal or none were compared.
     pub fn psnr_db(&self) -> f64 {
         psnr_of_sum(self.sum as f64, self.samples, self.peak)
     }
@@ -58,27 +58,27 @@ impl SquaredError {
     }
 }
 
-/// The largest integer sum of squared differences whose PSNR, exactly as [`SquaredError::psnr_db`] computes it, is
-/// still at least `db`: `sse <= psnr_to_max_sse(db, samples, peak)` implies `psnr_db() >= db`.
+/// Returns the largest integer sum of squared differences whose PSNR, exactly as [`SquaredError::psnr_db`] computes it, is at
+/// least `db`: `sse <= psnr_to_max_sse(db, samples, peak)` implies `psnr_db() >= db`.
 ///
-/// Up to 2³⁸ the answer is also the largest such sum. Beyond, neighbouring sums are closer than the logarithm
-/// resolves and the answer is rounded down by a relative 1e-12. NaN and `+inf` give 0 (only equality satisfies
-/// them), `−inf` gives `u64::MAX`.
+/// Up to 2³⁸ the result is exactly the largest such sum. Beyond that, neighbouring sums are closer than the logarithm resolves,
+/// and the result is rounded down by a relative 1e-12. NaN and `+inf` give 0 (only equal samples reach them), `−inf` and 0
+/// samples give `u64::MAX`.
 pub fn psnr_to_max_sse(db: f64, samples: u64, peak: f64) -> u64 {
-    /// Below this bound one step of the sum moves the decibels by more than 1e-11, thousands of times the error of
-    /// `log10`, so that the search below meets a monotone function on every platform.
+    /// Below this bound one step of the sum changes the PSNR by more than 1e-11 dB, thousands of times the error of `log10`, so
+    /// the function searched below is monotone on every platform.
     const EXACT_BELOW: f64 = (1_u64 << 38) as f64;
 
     if samples == 0 || db == f64::NEG_INFINITY {
         return u64::MAX;
     }
     let estimate = peak * peak * samples as f64 * libm::pow(10.0, -db / 10.0);
-    // NaN, an overflowing db, or a target so high that not even an error of 1 fits.
+    // NaN, an overflowing `db`, or a target so high that even an error of 1 misses it.
     if estimate.is_nan() || estimate < 0.5 {
         return 0;
     }
     if estimate >= EXACT_BELOW {
-        // The margin of 4e-12 dB covers the rounding of powf here and of log10 there; the cast saturates.
+        // The margin of 4e-12 dB covers the rounding of `pow` in the estimate and of `log10` in the PSNR; the cast saturates.
         return (estimate * (1.0 - 1e-12)) as u64;
     }
     let reaches = |sse: u64| psnr_of_sum(sse as f64, samples, peak) >= db;
@@ -92,16 +92,17 @@ pub fn psnr_to_max_sse(db: f64, samples: u64, peak: f64) -> u64 {
     sse
 }
 
-/// The one place where a sum becomes decibels.
+/// Converts a sum of squares to dB; all PSNRs use this function.
 fn psnr_of_sum(sum: f64, samples: u64, peak: f64) -> f64 {
     if samples == 0 || sum == 0.0 {
         return f64::INFINITY;
     }
-    // The same bits on every machine: encoders decide by it.
+    // libm gives the same bits on every machine, which the decisions of encoders need.
     10.0 * libm::log10(peak * peak / (sum / samples as f64))
 }
 
-/// At most [`U8_RUN`] samples. Differences in i16 and sums in i32, because processors have one instruction for that.
+/// Returns the sum of squared differences of at most [`U8_RUN`] samples. Differences in i16 and sums in i32 compile to one SIMD
+/// instruction.
 fn sum_u8(a: &[u8], b: &[u8]) -> u32 {
     let squares = a.iter().zip(b).map(|(&a, &b)| {
         let d = i16::from(a) - i16::from(b);
@@ -121,7 +122,7 @@ mod tests {
         assert_eq!((error.sum, error.samples), (65_039, 4));
         let expected = 10.0 * (255.0 * 255.0 * 4.0 / 65_039.0_f64).log10();
         assert!((error.psnr_db() - expected).abs() < 1e-12);
-        // An error of exactly one code everywhere: 20 log10(255).
+        // An error of exactly one code in each sample: 20 log10(255).
         let one = SquaredError::of_u8(&[0; 100], &[1; 100]).unwrap();
         assert!((one.psnr_db() - 48.130_803_608_679_1).abs() < 1e-9, "{}", one.psnr_db());
     }
@@ -180,7 +181,7 @@ mod tests {
                     assert!(psnr(max + 1) < db, "{db} dB, {samples} samples: {max} is not the largest");
                 }
             }
-            // The decibels of a sum lead back to that very sum.
+            // The PSNR of a sum maps back to that sum.
             for sum in (0..40).chain([1000, 4095, 65_537, 1_000_003]) {
                 assert_eq!(psnr_to_max_sse(psnr(sum), samples, peak), sum);
             }

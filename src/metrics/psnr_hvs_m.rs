@@ -1,4 +1,5 @@
-//! PSNR-HVS-M of 8-bit images, over the `iqa` crate: errors of DCT coefficients that the eye cannot see count less or not at all.
+//! PSNR-HVS-M of 8-bit images, computed by the `iqa` crate: DCT coefficient errors below the visibility threshold have reduced or
+//! zero weight.
 //!
 //! Based on: N. Ponomarenko, F. Silvestri, K. Egiazarian, M. Carli, J. Astola and V. Lukin, "On between-coefficient contrast
 //! masking of DCT basis functions", Third International Workshop on Video Processing and Quality Metrics (VPQM), 2007.
@@ -7,13 +8,13 @@ use super::ssim::common_size;
 use crate::error::{Error, Result};
 use crate::image::Plane;
 
-/// Side of a DCT block. A smaller image has no PSNR-HVS-M; columns and rows beyond the last whole block do not count.
+/// Side of a DCT block. Smaller images have no PSNR-HVS-M; columns and rows beyond the last whole block are ignored.
 pub const HVS_BLOCK: u32 = 8;
-/// Rows that are measured at once, in whole blocks: images of the crate have 25 bytes a pixel.
+/// Number of rows measured at once, in whole blocks: images of the crate take 25 bytes per pixel.
 const BAND_ROWS: u32 = 64 * HVS_BLOCK;
 
-/// PSNR-HVS-M in dB of the Rec. 709 luma of two display-referred RGB images; `+inf` for equal ones.
-/// `None` when a side is shorter than [`HVS_BLOCK`].
+/// Returns the PSNR-HVS-M in dB of the Rec. 709 luma of two display-referred RGB images; `+inf` if they are equal, `None` if a
+/// side is shorter than [`HVS_BLOCK`]. Fails if the sizes differ.
 pub fn psnr_hvs_m_rgb8(reference: &Plane<[u8; 3]>, distorted: &Plane<[u8; 3]>) -> Result<Option<f64>> {
     let size = common_size([reference, distorted])?;
     if size[0].min(size[1]) < HVS_BLOCK {
@@ -32,7 +33,7 @@ pub fn psnr_hvs_m_rgb8(reference: &Plane<[u8; 3]>, distorted: &Plane<[u8; 3]>) -
     Ok(Some(if sum == 0.0 { f64::INFINITY } else { -10.0 * (sum / f64::from(rows)).log10() }))
 }
 
-/// PSNR-HVS-M of some rows of two images: the first, and their number.
+/// Returns the PSNR-HVS-M in dB of `count` rows of two images, from row `first` on.
 fn band_db(planes: [&Plane<[u8; 3]>; 2], [first, count]: [u32; 2]) -> Result<f64> {
     let failed = |error: iqa::Error| Error::invalid(format!("PSNR-HVS-M: {error}"));
     let width = planes[0].width();
@@ -44,12 +45,12 @@ fn band_db(planes: [&Plane<[u8; 3]>; 2], [first, count]: [u32; 2]) -> Result<f64
     iqa::psnr_hvs_m(&image(planes[0])?, &image(planes[1])?, options).map_err(failed)
 }
 
-/// Perceptual squared error of images, for the PSNR-HVS-M of all of them.
+/// Perceptual squared error summed over images, for their common PSNR-HVS-M.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct HvsError {
-    /// Pixels of the images that are large enough.
+    /// Number of pixels of the images that are large enough.
     pub pixels: u64,
-    /// Perceptual squared error over the squared peak, summed over these pixels.
+    /// Perceptual squared error divided by the squared peak, summed over these pixels.
     pub sum: f64,
 }
 
@@ -60,13 +61,13 @@ impl HvsError {
         Ok(HvsError { pixels, sum: pixels as f64 * 10f64.powf(-db / 10.0) })
     }
 
-    /// Adds other images. The order decides about the last bits.
+    /// Adds the errors of other images. The last bits of the sum depend on the order.
     pub fn merge(&mut self, other: &HvsError) {
         self.pixels += other.pixels;
         self.sum += other.sum;
     }
 
-    /// `+inf` where all images are equal, none where all are too small.
+    /// Returns the PSNR-HVS-M in dB over all images; `+inf` if all are equal, `None` if all are too small.
     pub fn psnr_db(&self) -> Option<f64> {
         (self.pixels > 0)
             .then(|| if self.sum == 0.0 { f64::INFINITY } else { -10.0 * (self.sum / self.pixels as f64).log10() })
@@ -82,7 +83,7 @@ mod tests {
 
     #[test]
     fn a_constant_error_matches_hand_computation() {
-        // Only DC coefficients differ, which nothing masks: the perceptual MSE is (sensitivity · error)².
+        // Only DC coefficients differ, and masking does not apply to them: the perceptual MSE is (sensitivity · error)².
         let (a, b) = (Plane::filled(16, 24, [100; 3]), Plane::filled(16, 24, [103; 3]));
         let expected = 20.0 * (255.0 / (DC_SENSITIVITY * 3.0)).log10();
         let found = psnr_hvs_m_rgb8(&a, &b).unwrap().unwrap();

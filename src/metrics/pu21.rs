@@ -1,25 +1,25 @@
-//! A perceptually uniform code of scene-referred HDR colour, in which its PSNR is measured.
+//! Perceptually uniform encoding of scene-referred HDR colour, in which its PSNR is measured.
 //!
 //! Based on: R. K. Mantiuk and M. Azimi, "PU21: A novel perceptually uniform encoding for adapting existing quality
 //! metrics for HDR", Picture Coding Symposium, 2021; parameter set "banding + glare", the one its authors recommend.
 //!
-//! Why not a PSNR of logarithms: a logarithm goes to −inf at black, so that its result is the choice of an offset, and
-//! it weighs a step of 1% the same in deep shadow, where nobody sees it, as in the light. PU21 follows the measured
-//! contrast sensitivity of the eye from 0.005 to 10,000 cd/m², and is scaled so that the range of a 100 cd/m² display spans 0 to
-//! 256: its decibels read like those of 8-bit images. What is darker, negative or brighter has codes, too, so that an error there
-//! is one.
+//! A PSNR of logarithms is not used: a logarithm diverges at black, so the result depends on the choice of an offset, and it
+//! weights a step of 1% in deep shadow, where it is invisible, as much as in bright areas. PU21 follows the measured contrast
+//! sensitivity of the eye from 0.005 to 10,000 cd/m², and is scaled so that the range of a 100 cd/m² display spans 0 to 256:
+//! decibels are comparable to those of 8-bit images. Darker, negative and brighter values have codes by extrapolation, so that
+//! their errors count.
 
 use half::f16;
 
 use crate::error::{Error, Result};
 
-/// Peak of the PSNR in PU21 units: the code of 100 cd/m², as in the authors' metric, whatever the image's brightest pixel.
+/// Peak of the PSNR in PU21 units: the code of 100 cd/m², as in the authors' metric, independent of the maximum of the image.
 pub const PU21_PEAK: f64 = 256.0;
-/// Luminance in cd/m² of the sample value 1.0, when nothing else is known: the white of a standard display.
+/// Luminance in cd/m² of the sample value 1.0 if none is given: the white of a standard display.
 pub const DEFAULT_WHITE_CD_M2: f64 = 100.0;
-/// Darkest luminance, in cd/m², that PU21 tells from black.
+/// Minimum luminance, in cd/m², that PU21 distinguishes from black.
 pub const PU21_MIN_CD_M2: f64 = 0.005;
-/// Brightest luminance, in cd/m², that PU21 describes.
+/// Maximum luminance, in cd/m², for which PU21 is defined.
 pub const PU21_MAX_CD_M2: f64 = 10_000.0;
 
 const P: [f64; 7] = [
@@ -32,22 +32,22 @@ const P: [f64; 7] = [
     596.314_814_2,
 ];
 
-/// Slope below [`PU21_MIN_CD_M2`], per cd/m²: that of PU21 there.
+/// Slope below [`PU21_MIN_CD_M2`], per cd/m²: the slope of PU21 at that luminance.
 const DARK_SLOPE: f64 = 77.44;
-/// Slope above [`PU21_MAX_CD_M2`], per unit of the natural logarithm: that of PU21 there.
+/// Slope above [`PU21_MAX_CD_M2`], per unit of the natural logarithm: the slope of PU21 at that luminance.
 const BRIGHT_SLOPE: f64 = 69.93;
-/// Values that infinities and NaN have the codes of, with their signs; finite halves end at 65504.
+/// Sample values whose codes are used for infinities and NaN, with their signs; finite halves end at 65504.
 const INFINITE_VALUE: f64 = 131_072.0;
 const NAN_VALUE: f64 = 262_144.0;
 
 /// Code of a luminance in cd/m²: about 0 at 0.005, 256 at 100, 595 at 10,000.
 ///
-/// From 0.005 to 10,000 it is that of PU21. Beyond it goes on with the slope that PU21 has at either end: above with the logarithm of
-/// luminance, below in proportion to luminance down to black, and from there as the mirror image of positive light. So it ascends
-/// with luminance everywhere.
+/// From 0.005 to 10,000 cd/m² it is the code of PU21. It is extrapolated with the slope of PU21 at either end: above linearly in
+/// the logarithm of luminance, below linearly in luminance down to black. Negative values mirror positive ones about black. The
+/// code increases with luminance everywhere.
 pub fn pu21_encode(luminance_cd_m2: f64) -> f64 {
     let magnitude = luminance_cd_m2.abs();
-    // The same bits on every machine: encoders decide by it.
+    // libm gives the same bits on every machine, which the decisions of encoders need.
     let code = if magnitude < PU21_MIN_CD_M2 {
         within_range(PU21_MIN_CD_M2) - DARK_SLOPE * (PU21_MIN_CD_M2 - magnitude)
     } else if magnitude <= PU21_MAX_CD_M2 {
@@ -65,7 +65,7 @@ fn within_range(y: f64) -> f64 {
     p7 * (libm::pow((p1 + p2 * power) / (1.0 + p3 * power), p5) - p6)
 }
 
-/// PU21 codes of all 65,536 half-float values, for one luminance of white.
+/// PU21 codes of all 65,536 half floats, for one luminance of white.
 #[derive(Clone)]
 pub struct PuTable {
     code: Vec<f32>,
@@ -78,8 +78,8 @@ impl std::fmt::Debug for PuTable {
 }
 
 impl PuTable {
-    /// The table in which the sample value 1.0 means `white_cd_m2` cd/m².
-    /// Infinities have the codes of ±2^17, and NaN those of ±2^18 by its sign: neither is taken for a finite half.
+    /// Creates the table for a sample value 1.0 of `white_cd_m2` cd/m². Infinities have the codes of ±2^17, and NaN those of
+    /// ±2^18 by its sign, so neither has the code of a finite half.
     pub fn new(white_cd_m2: f64) -> Result<Self> {
         if !(white_cd_m2.is_finite() && white_cd_m2 > 0.0) {
             return Err(Error::Usage(format!("the luminance of white must be above 0 cd/m2, not {white_cd_m2}")));
@@ -135,12 +135,12 @@ mod tests {
         for white in [1.0, DEFAULT_WHITE_CD_M2, 10_000.0] {
             let table = PuTable::new(white).unwrap();
             let code = |bits: u16| table.encode(f16::from_bits(bits));
-            // Positive halves, zero to infinity and NaN, are 0x0000..=0x7fff in order of value.
+            // Positive halves, from zero to infinity and NaN, are 0x0000..=0x7fff in ascending order.
             for bits in 0..0x7fff_u16 {
                 assert!(code(bits) <= code(bits + 1), "{bits:#06x}");
                 assert!(code(bits | 0x8000) >= code((bits + 1) | 0x8000), "-{bits:#06x}");
             }
-            // Above the range of PU21 halves differ by more than rounding.
+            // Above the range of PU21, codes of neighbouring halves differ by more than rounding.
             assert!((0x7000..0x7bff_u16).all(|bits| code(bits + 1) - code(bits) > 0.02));
             assert_eq!(table.encode(f16::ZERO), table.encode(f16::NEG_ZERO));
             let ascending = [-f16::NAN, f16::NEG_INFINITY, f16::MIN, f16::ZERO, f16::MAX, f16::INFINITY, f16::NAN];
@@ -163,7 +163,7 @@ mod tests {
     fn highlights_are_compressed() {
         let table = PuTable::new(DEFAULT_WHITE_CD_M2).unwrap();
         let apart = |a: f32, b: f32| (table.encode(f16::from_f32(a)) - table.encode(f16::from_f32(b))).abs();
-        // The same absolute difference weighs less in the light, the same relative one less in deep shadow.
+        // An absolute difference has less weight in bright areas, a relative difference less in deep shadow.
         assert!(apart(20.0, 20.5) < apart(0.1, 0.6));
         assert!(apart(0.000_1, 0.000_2) < apart(1.0, 2.0));
     }

@@ -1,4 +1,4 @@
-//! Structural similarity of 8-bit images: that of the `iqa` crate, with its Gaussian window divided into a column and a row.
+//! Structural similarity of 8-bit images, equal to that of the `iqa` crate but with a separable Gaussian window.
 //!
 //! Based on: Z. Wang, A. C. Bovik, H. R. Sheikh and E. P. Simoncelli, "Image quality assessment: from error visibility
 //! to structural similarity", IEEE Transactions on Image Processing 13(4), 2004.
@@ -8,17 +8,17 @@ use std::collections::VecDeque;
 use crate::error::{Error, Result};
 use crate::image::Plane;
 
-/// Side of the Gaussian window (σ = 1.5 pixels). A smaller image has no SSIM.
+/// Side of the Gaussian window (σ = 1.5 pixels). Smaller images have no SSIM.
 pub const SSIM_WINDOW: u32 = 11;
 
 /// Standard deviation of the window, in pixels.
 const SIGMA: f64 = 1.5;
-/// C1 and C2 of the measure, for a peak of 255.
+/// Constants C1 and C2 of SSIM for a peak of 255.
 const STABILISERS: [f64; 2] = [2.55 * 2.55, 7.65 * 7.65];
 
-/// Mean SSIM of two display-referred RGB images, in −1..=1; exactly 1 for equal images.
-/// Each of R, G and B is compared for itself and the three means averaged; only windows that lie wholly inside
-/// count. `None` when a side is shorter than [`SSIM_WINDOW`]: padding would invent the answer.
+/// Returns the mean SSIM of two display-referred RGB images, in −1..=1; exactly 1 for equal images. SSIM is computed for R, G and
+/// B separately and averaged; only windows that lie wholly inside the image count. Returns `None` if a side is shorter than
+/// [`SSIM_WINDOW`], since padding would determine the result. Fails if the sizes differ.
 pub fn ssim_rgb8(a: &Plane<[u8; 3]>, b: &Plane<[u8; 3]>) -> Result<Option<f64>> {
     let size = common_size([a, b])?;
     if size[0].min(size[1]) < SSIM_WINDOW {
@@ -28,7 +28,7 @@ pub fn ssim_rgb8(a: &Plane<[u8; 3]>, b: &Plane<[u8; 3]>) -> Result<Option<f64>> 
     Ok(Some(means.sum::<f64>() / 3.0))
 }
 
-/// Mean over all windows inside.
+/// Returns the mean SSIM of a channel over all windows inside the image.
 fn mean_of_channel([a, b]: [&Plane<[u8; 3]>; 2], channel: usize) -> f64 {
     let weights = window();
     let [width, height] = [a.width() as usize, a.height() as usize];
@@ -38,7 +38,7 @@ fn mean_of_channel([a, b]: [&Plane<[u8; 3]>; 2], channel: usize) -> f64 {
     };
     let products_of =
         |y: usize| -> Vec<[f64; 4]> { a.row(y as u32).iter().zip(b.row(y as u32)).map(products).collect() };
-    // The rows of a window; the next one takes the place of the first.
+    // The rows of the current window; the next row replaces the first.
     let mut rows: VecDeque<Vec<[f64; 4]>> = (0..weights.len() - 1).map(products_of).collect();
     let mut columns = vec![[0.0; 4]; width];
     let mut sum = 0.0;
@@ -62,7 +62,7 @@ fn mean_of_channel([a, b]: [&Plane<[u8; 3]>; 2], channel: usize) -> f64 {
     sum / ((width + 1 - weights.len()) * (height + 1 - weights.len())) as f64
 }
 
-/// SSIM of a window, of the means of a, b, a² + b² and a·b.
+/// Returns the SSIM of a window from the weighted means of a, b, a² + b² and a·b.
 fn of_means([a, b, squares, product]: [f64; 4]) -> f64 {
     let [c1, c2] = STABILISERS;
     let (squared_means, product_of_means) = (a * a + b * b, a * b);
@@ -71,7 +71,7 @@ fn of_means([a, b, squares, product]: [f64; 4]) -> f64 {
     shared / ((squared_means + c1) * (squares - squared_means + c2))
 }
 
-/// Weights of a row of the window; their sum is 1.
+/// Returns the weights of a row of the window; they sum to 1.
 fn window() -> [f64; SSIM_WINDOW as usize] {
     let middle = f64::from(SSIM_WINDOW / 2);
     let weights: [f64; SSIM_WINDOW as usize] =
@@ -80,7 +80,7 @@ fn window() -> [f64; SSIM_WINDOW as usize] {
     weights.map(|weight| weight / sum)
 }
 
-/// Width and height of two images that have the same.
+/// Returns the common width and height of two images. Fails if they differ.
 pub(super) fn common_size(planes: [&Plane<[u8; 3]>; 2]) -> Result<[u32; 2]> {
     let [size, other] = planes.map(|plane| [plane.width(), plane.height()]);
     match size == other {
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn constant_images_match_hand_computation() {
-        // No variance: only the luminance term (2ab + C1)/(a² + b² + C1) is left, C1 = (0.01·255)².
+        // Without variance only the luminance term (2ab + C1)/(a² + b² + C1) remains, C1 = (0.01·255)².
         let (a, b) = (Plane::filled(11, 11, [100; 3]), Plane::filled(11, 11, [120; 3]));
         let c1 = 2.55_f64 * 2.55;
         let expected = (2.0 * 100.0 * 120.0 + c1) / (100.0 * 100.0 + 120.0 * 120.0 + c1);

@@ -1,29 +1,31 @@
-//! The visible error of a picture (color.md 5): a squared error that counts most what is some pixels wide, luma more than chroma, and
-//! busy places less. Quality on the scale of SSIMULACRA2 follows from it.
+//! Visible error of an image (color.md 5.2): a squared error that weights errors some pixels wide the most, luma more than
+//! chroma, and textured areas less. The quality on the scale of SSIMULACRA2 is computed from it.
 
-/// Side of the squares whose errors are masked by what the source shows there.
+/// Side of the squares in which the texture of the source masks errors.
 const SIDE: usize = 8;
 const PIXELS: usize = SIDE * SIDE;
-/// What errors count by how wide they are: the differences of pixels within 2x2, of the means of 2x2 within 4x4, of those of 4x4 within 8x8, and
-/// the mean of 8x8. Of luma, green chroma, orange chroma; fitted to scores of 64x64 pixels of pictures of several codecs.
+/// Weights of errors by their width: differences of pixels within 2x2, of 2x2 means within 4x4, of 4x4 means within 8x8, and the
+/// 8x8 mean. Rows are luma, green chroma and orange chroma. The weights are fitted to scores of 64x64 pixels of images of several
+/// codecs.
 const WEIGHTS: [[f32; 4]; 3] = [[0.5, 0.5, 8.0, 1.0], [0.03125, 0.04, 0.09, 0.125], [0.00625, 0.008, 0.018, 0.025]];
-/// Variance of luma, in codes², below which a place hides no errors; and that of places whose errors count once.
+/// Luma variance of the source in codes²: below `QUIET` it masks hardly any error, and at `USUAL` the weight of errors is 1.
 const QUIET: f32 = 40.0;
 const USUAL: f32 = 100.0;
-/// Loss of quality of a visible error of 1.
+/// Loss of quality at a visible error of 1 code².
 const LOSS: f64 = 7.8;
 
-/// Quality to the eye of a visible error in codes²: 100 without any.
+/// Returns the quality for a visible error in codes²; 100 without any error.
 pub fn quality_of(error: f64) -> f64 {
     100.0 - LOSS * error.sqrt()
 }
 
-/// The largest visible error of a quality of 0 to 100.
+/// Returns the maximum visible error, in codes², at a quality of 0 to 100.
 pub fn error_of(quality: f64) -> f64 {
     ((100.0 - quality) / LOSS).powi(2)
 }
 
-/// The visible error in codes² of a picture of `size` pixels; `at` answers what is shown at a column and row, and the source, in red, green and blue codes.
+/// Returns the visible error in codes² of an image of `width`×`height` pixels. `at` returns the shown pixel and the source pixel
+/// at a column and row, as red, green and blue codes.
 pub fn visible_error([width, height]: [usize; 2], at: impl Fn(usize, usize) -> [[f32; 3]; 2]) -> f64 {
     let mut sum = 0.0;
     for top in (0..height).step_by(SIDE) {
@@ -39,7 +41,7 @@ pub fn visible_error([width, height]: [usize; 2], at: impl Fn(usize, usize) -> [
     sum / (width.div_ceil(SIDE) * height.div_ceil(SIDE)).max(1) as f64
 }
 
-/// Errors of the channels of 8x8 pixels, and the source's luma.
+/// Channel errors of 8x8 pixels, and the luma of the source.
 struct Square {
     errors: [[f32; PIXELS]; 3],
     luma: [f32; PIXELS],
@@ -62,7 +64,7 @@ impl Square {
         self.luma[place] = 0.25 * (source[0] + source[2]) + 0.5 * source[1];
     }
 
-    /// The weighted error of a pixel, times what the source hides.
+    /// Returns the weighted error per pixel, times the masking factor of the source.
     fn error(&self) -> f32 {
         let weighted = |(errors, weights): (&[f32; PIXELS], &[f32; 4])| {
             let twos: [f32; 16] = pooled::<PIXELS, 16>(errors);
@@ -75,12 +77,12 @@ impl Square {
         let error = self.errors.iter().zip(&WEIGHTS).map(weighted).sum::<f32>() / PIXELS as f32;
         let mean = self.luma.iter().sum::<f32>() / PIXELS as f32;
         let variance = self.luma.iter().map(|luma| (luma - mean) * (luma - mean)).sum::<f32>() / PIXELS as f32;
-        // Bands of equal pictures may be below 0 by rounding.
+        // Rounding may make the sum of the bands negative.
         error.max(0.0) * (QUIET + USUAL) / (QUIET + variance)
     }
 }
 
-/// Sums over squares of 2x2 of a square of N values.
+/// Returns the sums over the 2x2 squares of a square of N values.
 fn pooled<const N: usize, const M: usize>(values: &[f32; N]) -> [f32; M] {
     let side = N.isqrt();
     std::array::from_fn(|at| {

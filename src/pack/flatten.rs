@@ -1,6 +1,6 @@
-//! Packs the intermediate form: a chunk of trees becomes chunks of packed nodes at an error bound (depth.md 11, 9).
+//! Packs the intermediate form: converts chunks of trees to chunks of packed nodes at an error bound (depth.md 11, 9).
 //!
-//! Each chunk of trees starts with all leaves, so that chunks are packed independently, in any order.
+//! Each chunk of trees starts with all leaves, so chunks can be packed independently and in any order.
 
 use crate::container::{ChunkEntry, EncodedChunk, Reader, StreamEntry};
 use crate::depth::domain::Domain;
@@ -16,7 +16,7 @@ use crate::streams::{CodecHeader, DEPTH_TREE, DepthCoding, DepthHeader, NodeHead
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlattenSettings {
-    /// Largest error of a node; at most what the tree was built for.
+    /// Maximum error of a node; at most the error that the tree was built for.
     pub error: ErrorBound,
     pub window: u8,
     pub epsilon: u16,

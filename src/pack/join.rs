@@ -1,4 +1,4 @@
-//! Joins the streams of several containers into one, without decoding them; trees are packed where a bound is given.
+//! Joins the streams of several containers into one without decoding them; with an error bound, trees are packed.
 
 use std::collections::{HashMap, HashSet};
 use std::io::Write;
@@ -18,26 +18,26 @@ use crate::streams;
 use crate::streams::shard::{SHARD, SHARD_FOOTAGE};
 use crate::streams::{CodecHeader, FootageInfo, StreamKind};
 
-/// Payload bytes fetched and compressed together, unless a single chunk has more.
+/// Payload bytes that are fetched and compressed as one batch; a single chunk may have more.
 const BATCH_BYTES: u64 = 256 << 20;
-/// The same of chunks that are copied: no more are read than keeps a disk busy.
+/// Batch size in bytes for chunks that are copied: no more than keeps a disk busy.
 const COPIED_BATCH_BYTES: u64 = 16 << 20;
 
-/// Bytes for each pixel of a tile whose tree is packed, besides its chunk: the encoder of nodes (24); known, changed and tried
-/// functions, each at most 4/3 for 16 pixels with 56 bytes, in maps that are half empty (3 times 10); codes of source and
-/// picture (4); 6 to spare.
+/// Bytes per pixel of a tile whose tree is packed, in addition to its chunk: the node encoder (24); known, changed and candidate
+/// functions, each at most 4/3 per 16 pixels with 56 bytes, in maps that are half empty (3 times 10); codes of source and picture
+/// (4); a reserve of 6.
 const PACKING_BYTES: u64 = 64;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Repack {
     #[default]
     Keep,
-    /// All chunks anew.
+    /// Recompresses all chunks.
     As(Compression),
 }
 
 impl Repack {
-    /// How what is made of a chunk is compressed.
+    /// Returns the compression of the chunks that are made from `chunk`.
     fn of(self, chunk: &ChunkEntry) -> Compression {
         match (self, chunk.storage) {
             (Repack::As(compression), _) => compression,
@@ -51,14 +51,14 @@ impl Repack {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PackSettings {
     pub repack: Repack,
-    /// Packs trees at a bound; without it they are copied as any other stream.
+    /// Packs trees at an error bound; if `None`, trees are copied as other streams are.
     pub flatten: Option<FlattenSettings>,
-    /// Limit of memory for chunks; the result does not depend on it.
+    /// Memory limit for chunks; the result does not depend on it.
     pub memory: Budget,
 }
 
 impl PackSettings {
-    /// Whether chunks stay as they are.
+    /// Returns true if chunks are copied unchanged.
     fn copies(&self) -> bool {
         self.repack == Repack::Keep && self.flatten.is_none()
     }
@@ -67,11 +67,11 @@ impl PackSettings {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct PackSummary {
     pub bytes: u64,
-    /// Size of the same footage as CALF's table 1 counts it ([`CodecHeader::raw_pixel_bytes`]), streams of unknown codecs left out.
+    /// Uncompressed size as in table 1 of CALF ([`CodecHeader::raw_pixel_bytes`]), without streams of unknown codecs.
     pub raw_bytes: u64,
     pub frames: u64,
     pub streams: u64,
-    /// Streams of trees that became packed nodes.
+    /// Number of tree streams that were converted to packed nodes.
     pub flattened_streams: u64,
     pub chunks: u64,
 }
@@ -84,8 +84,9 @@ pub struct PackReport {
     pub seconds: f64,
 }
 
-/// Writes all streams of `inputs`, none of which is a shard, into `out`. Probes of one name must agree; streams of one kind, probe and face must
-/// not occur twice. Name, frame rate and projection are the first input's. The monitor advances by one for each chunk.
+/// Writes all streams of `inputs`, none of which is a shard, to `out`. Probes with the same name must agree; streams of the same
+/// kind, probe and face must not occur twice. Frame rate and projection must be the same in all inputs; the name is that of the
+/// first. The monitor advances by one for each chunk.
 pub(super) fn join<W: Write>(
     inputs: &[Reader],
     settings: &PackSettings,
@@ -170,7 +171,7 @@ pub(super) fn join<W: Write>(
     Ok((out, PackSummary { bytes, ..summary }))
 }
 
-/// How many chunks are worked on at once, and how many bytes of chunks make a batch.
+/// Returns the number of chunks to process at once, and the maximum bytes of chunks in a batch.
 pub(super) fn limits(inputs: &[Reader], settings: &PackSettings) -> Result<(usize, u64)> {
     let most = if settings.copies() { COPIED_BATCH_BYTES } else { BATCH_BYTES };
     let Some(bytes) = settings.memory.bytes else { return Ok((usize::MAX, most)) };
@@ -181,7 +182,7 @@ pub(super) fn limits(inputs: &[Reader], settings: &PackSettings) -> Result<(usiz
             Ok(header) if settings.flatten.is_some() => memory::chunk_bytes(&header, stream, chunk),
             _ => 3 * raw + u64::from(chunk.stored_bytes),
         };
-        // Packing a tree takes its pictures, and what comes out may be as large as what went in.
+        // Packing a tree needs its pictures, and the output may be as large as the input.
         let packing = match &settings.flatten {
             Some(_) if is_tree(stream) => {
                 let [_, _, width, height] = stream.unit_rect(chunk.key.unit);
@@ -194,7 +195,7 @@ pub(super) fn limits(inputs: &[Reader], settings: &PackSettings) -> Result<(usiz
     let chunks =
         inputs.iter().flat_map(|reader| reader.index().chunks.iter().map(move |chunk| of_chunk(reader, chunk)));
     let each = chunks.max().unwrap_or(0);
-    // The new index is built while those of the inputs are open.
+    // The new index is built while those of the inputs are in memory.
     let fixed = inputs.iter().map(|reader| 2 * memory::container_bytes(reader)).sum::<u64>();
     // A batch is written when all of it is packed.
     let batch_bytes = (bytes.saturating_sub(fixed + each) / 2).min(most);
@@ -242,7 +243,7 @@ impl Copier<'_> {
         }
     }
 
-    /// Copies chunks, each with its new stream, that lie one behind the other.
+    /// Copies chunks that are adjacent in the file, each to its new stream.
     pub fn copy_run(&self, chunks: &[(ChunkEntry, u32)]) -> Result<Vec<PackedChunk>> {
         if self.repack != Repack::Keep {
             return chunks.iter().map(|(chunk, stream)| self.copy(chunk, *stream)).collect();
@@ -266,7 +267,7 @@ impl Copier<'_> {
     }
 }
 
-/// The attributes of all inputs, without those of shards.
+/// Merges the attributes of all inputs, except those of shards.
 pub(super) fn merge_attributes<'a>(inputs: impl Iterator<Item = &'a Reader>) -> Result<Attributes> {
     let mut merged = Attributes::default();
     let mut footage: Option<(FootageInfo, bool)> = None;
@@ -300,7 +301,7 @@ pub(super) fn merge_attributes<'a>(inputs: impl Iterator<Item = &'a Reader>) -> 
     Ok(merged)
 }
 
-/// Adds a probe, or widens the frames of the one with its name; returns its index.
+/// Adds a probe, or extends the frames of the probe with its name; returns its index.
 fn merge_probe(merged: &mut Vec<ProbeEntry>, known: &mut HashMap<String, u16>, probe: &ProbeEntry) -> Result<u16> {
     let Some(&at) = known.get(&probe.name) else {
         let at = u16::try_from(merged.len()).map_err(|_| Error::unsupported("more than 65536 probes"))?;
@@ -320,7 +321,7 @@ fn merge_probe(merged: &mut Vec<ProbeEntry>, known: &mut HashMap<String, u16>, p
     Ok(at)
 }
 
-/// How many of the next chunks have at most `limit` bytes together; at least one.
+/// Returns the number of next chunks that have at most `limit` bytes in total; at least one, if there are chunks.
 pub(super) fn batch_length<T>(chunks: &[T], limit: u64, entry: impl Fn(&T) -> &ChunkEntry) -> usize {
     let mut bytes = 0;
     let fits = |chunk: &&T| {

@@ -15,9 +15,10 @@ use crate::monitor::Monitor;
 pub use flatten::FlattenSettings;
 pub use join::{PackReport, PackSettings, PackSummary, Repack};
 
-/// Writes all streams of `inputs` into `out`: shards of one encode as the container that it would have written, all others one
-/// after the other. Then probes of one name must agree; streams of one kind, probe and face must not occur twice. Name, frame
-/// rate and projection are the first input's. The monitor advances by one for each chunk.
+/// Writes all streams of `inputs` to `out`. Shards of one encode are joined to the container that the encode would have written;
+/// other containers are appended one after the other. In that case probes with the same name must agree, streams of the same
+/// kind, probe and face must not occur twice, and frame rate and projection must be the same; the name is that of the first
+/// input. The monitor advances by one for each chunk.
 pub fn pack<W: Write + Send>(
     inputs: &[Reader],
     settings: &PackSettings,

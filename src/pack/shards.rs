@@ -1,4 +1,4 @@
-//! Joins shards of one encode to the container that the encode would have written (container.md 6.5).
+//! Joins the shards of one encode to the container that the encode would have written (container.md 6.5).
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::Write;
@@ -12,29 +12,29 @@ use crate::pack::join::{Copier, PackSettings, PackSummary, Repack, batch_length,
 use crate::streams;
 use crate::streams::shard::{FootageDigests, SHARD, SHARD_FOOTAGE, ShardEntry, WholeStream};
 
-/// Bytes of chunks that are read together where they lie one behind the other, so that a call to the system costs little.
+/// Maximum bytes of adjacent chunks that are read with one system call, to reduce the cost of calls.
 const RUN_BYTES: u64 = 512 << 10;
 
-/// Streams of the whole, and where the chunks of each lie.
+/// Streams of the joined container, and the inputs that hold their chunks.
 pub(super) struct Joined<'a> {
     inputs: &'a [Reader],
     whole: Vec<WholeStream>,
-    /// One for each stream of the whole.
+    /// Stream entries of the joined container.
     pub streams: Vec<StreamEntry>,
-    /// By group of the whole and first frame: the input, and its streams as those of the whole.
+    /// Pieces by group and first frame; a group is that of [`WholeStream`].
     pieces: BTreeMap<(u32, u32), Piece>,
 }
 
 struct Piece {
     input: usize,
-    /// Streams of the whole by those of the input.
+    /// Stream of the joined container by stream of the input.
     streams: HashMap<u32, u32>,
 }
 
-/// What each input says of the whole; `None` where no input is a shard.
+/// Returns the shard attribute of each input; `None` if no input is a shard.
 ///
 /// # Errors
-/// [`Error::Invalid`] where some inputs are no shards, or shards of other encodes.
+/// [`Error::Invalid`] if some inputs are not shards, or are shards of other encodes.
 pub(super) fn shard_entries(inputs: &[Reader]) -> Result<Option<Vec<ShardEntry>>> {
     let value = |reader: &Reader| {
         let value = reader.index().attributes.get(SHARD)?;
@@ -66,7 +66,7 @@ pub(super) fn shard_entries(inputs: &[Reader]) -> Result<Option<Vec<ShardEntry>>
     Ok(Some(shards))
 }
 
-/// What differs between a shard and the first one, as far as they say it.
+/// Describes how a shard differs from the first one, as far as their attributes state it.
 fn not_of_one_encode(first: &Reader, other: &Reader, shard: &ShardEntry) -> String {
     let digests = |reader: &Reader| {
         FootageDigests::read(reader.index().attributes.get(SHARD_FOOTAGE)?, shard.streams.len()).map(|found| found.0)
@@ -93,7 +93,7 @@ fn not_of_one_encode(first: &Reader, other: &Reader, shard: &ShardEntry) -> Stri
     )
 }
 
-/// Writes the whole into `out`.
+/// Writes the joined container to `out`.
 pub(super) fn join<W: Write + Send>(
     joined: &Joined<'_>,
     settings: &PackSettings,
@@ -122,7 +122,7 @@ pub(super) fn join<W: Write + Send>(
         copier.copy_run(&run.iter().map(|source| (source.chunk, source.stream)).collect::<Vec<_>>())
     };
     let mut packed: Vec<Vec<PackedChunk>> = Vec::new();
-    // One batch is written while the next is read.
+    // A batch is written while the next one is read.
     loop {
         let (batch, rest) = left.split_at(batch_length(left, batch_bytes / 2, |source| &source.chunk));
         left = rest;
@@ -149,17 +149,17 @@ pub(super) fn join<W: Write + Send>(
 }
 
 impl Joined<'_> {
-    /// Finds the pieces of all streams of the whole.
+    /// Finds the pieces of all streams of the joined container.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for missing shards, and for two that differ about the same frames.
+    /// [`Error::Invalid`] if shards are missing, or if two shards hold different data for the same frames.
     pub fn new<'a>(inputs: &'a [Reader], shards: &[ShardEntry]) -> Result<Joined<'a>> {
         let whole = shards[0].streams.clone();
         let numbers: HashMap<_, _> = (0..).zip(&whole).map(|(at, stream): (u32, _)| (key_of(stream), at)).collect();
         let mut joined = Joined { inputs, whole, streams: Vec::new(), pieces: BTreeMap::new() };
         let mut parts: BTreeMap<(u32, u32), (usize, u32)> = BTreeMap::new();
         for (input, reader) in inputs.iter().enumerate() {
-            // Streams that an earlier input has, too.
+            // Earlier inputs that hold a stream of this input, one entry per such stream.
             let mut repeats: Vec<usize> = Vec::new();
             for (at, stream) in (0..).zip(&reader.index().streams) {
                 let strange = || Error::invalid(format!("stream {at} is not of its encode")).in_file(reader.path());
@@ -198,8 +198,8 @@ impl Joined<'_> {
         Ok(joined)
     }
 
-    /// Refuses an input that has some streams of another and others of its own, or not all of those of the other: what it says of all
-    /// its streams, such as clipped pixels, would count twice.
+    /// Rejects an input that shares some streams with an earlier input, unless both have exactly the same streams. Attributes
+    /// that cover all streams of an input, such as clipped pixels, would be counted twice.
     fn check_repeats(&self, input: usize, repeats: &[usize]) -> Result<()> {
         let Some(&first) = repeats.first() else { return Ok(()) };
         let streams = |input: usize| self.inputs[input].index().streams.len();
@@ -213,7 +213,7 @@ impl Joined<'_> {
         Err(Error::invalid(message).in_file(self.inputs[input].path()))
     }
 
-    /// Puts the pieces of each stream one behind the other.
+    /// Concatenates the pieces of each stream.
     fn join_streams(&mut self, parts: &BTreeMap<(u32, u32), (usize, u32)>, shards: &[ShardEntry]) -> Result<()> {
         for (number, stream) in (0..).zip(&self.whole) {
             let mut next = stream.first_frame;
@@ -256,7 +256,7 @@ impl Joined<'_> {
         Ok(())
     }
 
-    /// Two shards with the same frames.
+    /// Returns the error for two shards with the same frames.
     fn overlap(&self, reader: &Reader, part: &StreamEntry, number: u32) -> Error {
         let name = name_of(reader, &self.whole[number as usize]);
         let (first, last) = (part.first_frame, part.end_frame() - 1);
@@ -265,13 +265,14 @@ impl Joined<'_> {
         Error::invalid(message).in_file(reader.path())
     }
 
-    /// Inputs of which chunks are taken: not those that ran twice.
+    /// Returns the inputs whose chunks are used; a repeated shard is not.
     fn used_inputs(&self) -> impl Iterator<Item = &Reader> {
         let used: BTreeSet<usize> = self.pieces.values().map(|piece| piece.input).collect();
         used.into_iter().map(|input| &self.inputs[input])
     }
 
-    /// Chunks of all inputs in the order of the whole, each with its input and its stream there.
+    /// Returns the chunks of all inputs in the order of the joined container, each with its input and its stream in that
+    /// container.
     pub fn chunks(&self) -> Result<Vec<Source>> {
         let mut written: HashMap<usize, Vec<ChunkEntry>> = HashMap::new();
         let mut chunks = Vec::new();
@@ -289,7 +290,7 @@ impl Joined<'_> {
     }
 }
 
-/// A chunk of an input, and its stream in the whole.
+/// A chunk of an input, and its stream in the joined container.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Source {
     pub input: usize,
@@ -297,7 +298,7 @@ pub(super) struct Source {
     pub stream: u32,
 }
 
-/// Chunks that lie one behind the other in their file, of at most so many bytes together, or one.
+/// Divides chunks into runs that are adjacent in their file and have at most `most_bytes` bytes in total, or a single chunk.
 fn runs(mut chunks: &[Source], most_bytes: u64) -> Vec<&[Source]> {
     let mut runs = Vec::new();
     while let Some(first) = chunks.first() {
@@ -314,7 +315,7 @@ fn runs(mut chunks: &[Source], most_bytes: u64) -> Vec<&[Source]> {
 }
 
 impl Source {
-    /// Whether the other lies behind this one in its file.
+    /// Returns true if `other` directly follows this chunk in the file.
     fn is_before(&self, other: &Source) -> bool {
         self.input == other.input && self.chunk.offset + u64::from(self.chunk.stored_bytes) == other.chunk.offset
     }
@@ -324,7 +325,7 @@ fn key_of(stream: &WholeStream) -> (u8, u16, u8) {
     (stream.kind, stream.probe, stream.face)
 }
 
-/// What is equal where two shards have the same bytes.
+/// Returns the values that are equal if two shards hold the same bytes of a stream.
 fn chunks_of(reader: &Reader, stream: u32) -> (StreamEntry, Vec<(ChunkKey, u32, u32, u32)>) {
     let chunks = reader.index().stream_chunks(stream).iter().map(|chunk| {
         let ChunkEntry { key, stored_bytes, raw_bytes, crc32, .. } = *chunk;
@@ -340,7 +341,7 @@ fn name_of(reader: &Reader, stream: &WholeStream) -> String {
     format!("{kind} of probe {probe}, face {face}")
 }
 
-/// Which shards are missing, in words.
+/// Returns a message that names the missing shards.
 fn missing(shards: &[ShardEntry]) -> String {
     let count = shards[0].count;
     if shards.iter().any(|shard| shard.count != count) {
@@ -371,7 +372,7 @@ mod tests {
             let (storage, stored_bytes, raw_bytes, crc32) = (Storage::Raw, 10, 10, 0);
             Source { input, chunk: ChunkEntry { key, offset, stored_bytes, raw_bytes, crc32, storage }, stream: 0 }
         };
-        // A gap, the same bytes again, another file.
+        // A gap, a repeated chunk, another file.
         let chunks = [(0, 16), (0, 26), (0, 36), (0, 50), (0, 50), (1, 60), (1, 70)].map(source);
         let lengths = |most| runs(&chunks, most).iter().map(|run| run.len()).collect::<Vec<_>>();
         assert_eq!(lengths(100), [3, 1, 1, 2]);

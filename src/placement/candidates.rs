@@ -1,4 +1,4 @@
-//! Candidate positions: in the region, outside of solids, spread evenly; and local refinement of a position.
+//! Candidate positions, spread evenly over the region outside of solids.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -8,18 +8,18 @@ use super::sampled_scene::SampledScene;
 use super::sequence;
 use crate::error::{Error, Result};
 
-/// Most positions tested for each candidate.
+/// Maximum number of positions tested per candidate.
 const TRIES: usize = 64;
-/// Least size of a volume along an axis, as a fraction of the region's diagonal; sets the share of candidates of flat
-/// volumes.
+/// Minimum size of a volume along an axis, as a fraction of the region's diagonal. It gives flat volumes a share of the
+/// candidates.
 const THINNEST: f64 = 1e-3;
 
-/// Least distance between cameras of [`FreeSpace::hammersley`], as a fraction of the spacing of an even grid.
+/// Minimum distance between cameras of [`FreeSpace::hammersley`], as a fraction of the spacing of an even grid.
 pub const APART: f64 = 0.5;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum CandidateKind {
-    /// Low-discrepancy sequence, refined around the best.
+    /// Low-discrepancy sequence; the search refines the best candidates.
     #[default]
     Refined,
     /// Uniform grid (CALF 4.2).
@@ -31,7 +31,7 @@ pub enum CandidateKind {
 pub struct FreeSpace<'a> {
     pub sampled: &'a SampledScene,
     pub region: &'a Region,
-    /// Least distance to a surface, metres.
+    /// Minimum distance to a surface, in metres.
     pub clearance_m: f64,
 }
 
@@ -40,7 +40,7 @@ impl FreeSpace<'_> {
         self.region.contains(position) && self.sampled.is_free(position, self.clearance_m)
     }
 
-    /// About `wanted` candidates; fails where there is no free space.
+    /// Returns about `wanted` candidates. Fails if there is no free space.
     pub fn candidates(&self, kind: CandidateKind, wanted: usize) -> Result<Vec<DVec3>> {
         let found: Vec<DVec3> = match kind {
             CandidateKind::Refined => self.refined(wanted),
@@ -64,9 +64,9 @@ impl FreeSpace<'_> {
         found
     }
 
-    /// Positions without a search, as Seurat 3 spreads cameras in the viewer's head box: `wanted` points of a
-    /// Hammersley set in the box around the region, of those that are free and at least [`APART`] of an even spacing
-    /// from each other, in the order of the set (along x). Fewer where there is no space for more.
+    /// Returns positions without a search, as Seurat 3 spreads cameras in the viewer's head box: points of a Hammersley set in
+    /// the box around the region that are free and at least [`APART`] of an even spacing from each other. Returns `wanted` of
+    /// them in the order of the set (along x), or fewer if the free space does not allow for more.
     pub fn hammersley(&self, wanted: usize) -> Result<Vec<DVec3>> {
         let bounds = self.region.bounds();
         let apart_m = APART * self.spacing_m(wanted);
@@ -86,11 +86,11 @@ impl FreeSpace<'_> {
             if found.len() >= wanted || count >= TRIES * wanted {
                 return match found.len() {
                     0 => Err(self.no_space()),
-                    // Evenly from all of the set.
+                    // Selects points evenly from the whole set.
                     all => Ok((0..wanted.min(all)).map(|at| found[at * all / wanted.min(all)]).collect()),
                 };
             }
-            // The next larger set that may be enough.
+            // Next larger set that may give enough points.
             let more = count * wanted / found.len().max(1);
             count = more.clamp(count + 1, 2 * count + 1).min(TRIES * wanted);
         }
@@ -104,20 +104,20 @@ impl FreeSpace<'_> {
         ))
     }
 
-    /// Mean spacing of candidates, metres.
+    /// Returns the mean spacing of candidates, in metres.
     pub fn spacing_m(&self, candidates: usize) -> f64 {
         let volume: f64 = self.region.volumes.iter().map(|volume| size(volume, self.region).element_product()).sum();
         (volume / candidates.max(1) as f64).cbrt()
     }
 }
 
-/// Size of a volume, metres, not 0 for flat ones.
+/// Returns the size of a volume in metres, which is above 0 for flat volumes.
 fn size(volume: &Volume, region: &Region) -> DVec3 {
     let bounds = volume.bounds();
     (bounds.max - bounds.min).max(DVec3::splat(THINNEST * region.diagonal_m()))
 }
 
-/// Cumulative shares of candidates by volume; the last is 1.
+/// Returns the cumulative shares of candidates of the volumes, by size; the last is 1.
 fn shares(region: &Region) -> Vec<f64> {
     let diagonal = region.diagonal_m().max(f64::MIN_POSITIVE);
     let sizes: Vec<f64> =
@@ -130,9 +130,9 @@ fn shares(region: &Region) -> Vec<f64> {
     cumulative.collect()
 }
 
-/// Point of the sequence in one of the volumes; `None` where it is outside of that volume or inside one before it.
+/// Returns a point of the sequence in one of the volumes; `None` if the point is outside of that volume or inside an earlier one.
 fn position(region: &Region, shares: &[f64], index: u64) -> Option<DVec3> {
-    // The volume is chosen by a low-discrepancy sequence, so any run of indices has its share of each.
+    // A low-discrepancy sequence selects the volume, so that any run of indices gives each volume its share.
     let turn = (0.5 + (index % (1 << 40)) as f64 * 0.618_033_988_749_894_9).fract();
     let which = shares.partition_point(|share| *share <= turn).min(shares.len() - 1);
     let volume = &region.volumes[which];
@@ -143,7 +143,7 @@ fn position(region: &Region, shares: &[f64], index: u64) -> Option<DVec3> {
     (volume.contains(point) && is_first).then_some(point)
 }
 
-/// Centres of about `wanted` cells of a uniform grid over the box around the region.
+/// Returns the centres of about `wanted` cells of a uniform grid over the box around the region.
 fn grid(region: &Region, wanted: usize) -> Vec<DVec3> {
     let bounds = region.bounds();
     let size = bounds.max - bounds.min;
@@ -216,7 +216,7 @@ mod tests {
         let shared = Region::parse(&["2,0,0,4,1,1", "-4,0,0,-3,1,1", "2,0,0,3,1,1"]).unwrap();
         let found = free_space(&sampled, &shared).candidates(CandidateKind::Refined, 600).unwrap();
         let large = found.iter().filter(|at| at.x > 0.0).count();
-        // The third lies in the first, and adds none.
+        // The third volume lies in the first, and adds no candidates.
         assert!((380..=420).contains(&large), "{large}");
         for text in ["2,1.5,-2,4,1.5,2", "2,2,2,2,2,2", "sphere:3,0,0,1e-6"] {
             let region = Region::parse(&[text]).unwrap();

@@ -1,8 +1,8 @@
 //! A closed mesh as a volume.
 //!
-//! A point is inside where the winding number is not 0: shells that overlap, touch or coincide form their union, and
-//! a shell turned inwards inside another is a cavity. So each edge must be run along as often one way as the other.
-//! Elsewhere (`SampledScene::is_free`) no winding number is used, as scenes have open meshes.
+//! A point is inside if its winding number is not 0. Shells that overlap, touch or coincide therefore form their union, and a
+//! shell turned inwards inside another one is a cavity. The triangles must traverse each edge equally often in both directions.
+//! `SampledScene::is_free` uses no winding number, because scenes have open meshes.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::mesh::{AxisBox, Bvh, Mesh, Ray};
 use crate::scene::{Model, Play};
 
-/// Rays that vote on whether a point is inside: an odd number, as one along an edge may be wrong.
+/// Number of rays that vote on whether a point is inside: an odd number, because a ray along an edge may give a wrong result.
 const VOTES: usize = 5;
 /// Thickness of the surface, as a fraction of the diagonal of the bounds.
 const BORDER: f64 = 1e-12;
@@ -34,7 +34,8 @@ impl ClosedMesh {
         Self::new(meshes).map_err(|error| error.in_file(path))
     }
 
-    /// The union of the shells of all meshes; equal corners are one. Fails where there are no triangles, or wrong edges.
+    /// Creates the union of the shells of all meshes; equal corners are merged. Fails if there are no triangles, or if an edge is
+    /// open or its triangles have inconsistent orientations.
     pub fn new(meshes: Vec<Mesh>) -> Result<ClosedMesh> {
         let triangles: Vec<[DVec3; 3]> = meshes
             .iter()
@@ -61,7 +62,7 @@ impl ClosedMesh {
         Ok(ClosedMesh { triangles, bvh, bounds })
     }
 
-    /// Whether the winding number around the point is not 0, or the point is on the surface.
+    /// Returns true if the winding number of the point is not 0, or if the point is on the surface.
     pub fn contains(&self, point: DVec3) -> bool {
         if !self.bounds.contains(point) {
             return false;
@@ -74,7 +75,8 @@ impl ClosedMesh {
         votes.count() > VOTES / 2
     }
 
-    /// Around the origin of the ray; `None` where a triangle is within `border_m`. Coincident triangles count each.
+    /// Returns the winding number of the ray's origin; `None` if a triangle is within `border_m`. Coincident triangles are
+    /// counted separately.
     fn winding(&self, ray: &Ray, border_m: f64) -> Option<i64> {
         let mut winding = 0;
         for hit in self.bvh.all(ray, -2.0 * border_m..f64::INFINITY) {
@@ -91,7 +93,7 @@ impl ClosedMesh {
 }
 
 fn wrong_edges(triangles: &[[DVec3; 3]]) -> (usize, usize) {
-    // The sum turns −0 into 0.
+    // Adding 0 turns −0 into 0.
     let key = |corner: DVec3| corner.to_array().map(|value| (value + 0.0).to_bits());
     let mut edges: HashMap<[[u64; 3]; 2], i64> = HashMap::new();
     for [a, b, c] in triangles.iter().map(|corners| corners.map(key)) {
@@ -109,7 +111,7 @@ mod tests {
     use super::super::sequence::in_cube;
     use super::*;
 
-    /// A box of triangles, faces outwards.
+    /// A box of triangles whose faces point outwards.
     pub fn box_mesh(min: DVec3, max: DVec3) -> Mesh {
         let positions = AxisBox { min, max }.corners().to_vec();
         let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
@@ -150,7 +152,7 @@ mod tests {
                 let inside = point.min(DVec3::new(3.0, 1.0, 1.0) - point).min_element() > 0.0;
                 assert_eq!(mesh.contains(point), inside, "{set:?} {point}");
             }
-            // On the wall that two of them share, and on the outer one.
+            // Points on the wall that two of the boxes share, and on the outer wall.
             assert!(
                 mesh.contains(DVec3::new(1.0, 0.37, 0.52)) && mesh.contains(DVec3::new(3.0, 0.37, 0.52)),
                 "{set:?}"
@@ -170,7 +172,7 @@ mod tests {
         assert_eq!([0.5, 1.5, 2.5].map(|x| at(&cavity, x)), [true, false, true]);
         let alone = ClosedMesh::new(vec![turned(0.0, 3.0)]).unwrap();
         assert_eq!([-0.5, 1.5, 3.5].map(|x| at(&alone, x)), [false, true, false]);
-        // One face that is turned against its neighbours leaves no rule for what is inside.
+        // If one face is turned against its neighbours, the inside is not defined.
         let mut one = box_mesh(DVec3::ZERO, DVec3::ONE);
         one.triangles[3].swap(0, 1);
         assert!(ClosedMesh::new(vec![one]).unwrap_err().to_string().contains("3 edges"));

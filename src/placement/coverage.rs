@@ -1,4 +1,4 @@
-//! Coverage by cameras, measured apart from the objective that placed them.
+//! Coverage of a scene by cameras, measured independently of the objective that placed them.
 
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -7,18 +7,18 @@ use serde::Serialize;
 use super::objective::{Lighting, Problem, VisibleSet};
 use super::sequence;
 
-/// Cameras up to this fraction of the viewer distance beyond it count as within it: a quarter more metres are a fifth
-/// less detail. Z is the exact distance from a surface to the region, so without a tolerance only a camera at the one
-/// nearest place would count. Equation 2 has none.
+/// Cameras up to this fraction of the viewer distance beyond the viewer distance count as within it: a quarter more metres are a
+/// fifth less detail. Z is the exact distance from a surface to the region, so without a tolerance only a camera at the single
+/// nearest position would count. Equation 2 has no tolerance.
 pub const WITHIN: f64 = 0.25;
-/// Directions of a hemisphere, a bit each.
+/// Number of directions of a hemisphere, one bit each.
 const DIRECTIONS: usize = 64;
 
 /// Coverage as fractions of all area and time, 0..=1 each.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Figures {
-    /// Diffuse: fraction of the surface that is seen. Specular: fraction of directions above the surface within θ of
-    /// a camera that sees it.
+    /// Diffuse: fraction of the surface that is seen. Specular: fraction of directions above the surface within θ of a camera
+    /// that sees it.
     pub coverage: f64,
     /// Fraction of the surface that any camera sees.
     pub seen: f64,
@@ -49,7 +49,7 @@ pub struct Coverage<'a> {
 }
 
 impl<'a> Coverage<'a> {
-    /// No cameras. The tolerance applies where it is more than [`WITHIN`].
+    /// Creates the coverage by no cameras. `tolerance_m` applies where it is more than [`WITHIN`] of the viewer distance.
     pub fn new(problem: &'a Problem, lighting: Lighting, tolerance_m: f64) -> Coverage<'a> {
         let directions = (0..DIRECTIONS).map(|at| sequence::on_hemisphere(at, DIRECTIONS)).collect();
         let surfels = vec![Covered::default(); problem.surfels.len()];
@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn within_has_a_tolerance() {
-        // Of a viewer distance of 1.5 m a quarter is more than 0.1 m, and less than 1 m.
+        // A quarter of a viewer distance of 1.5 m is more than 0.1 m, and less than 1 m.
         let within = |distance: f64, tolerance_m: f64| {
             let problem = problem();
             let mut coverage = Coverage::new(&problem, Lighting::Diffuse, tolerance_m);
@@ -144,7 +144,7 @@ mod tests {
         let cover = |theta_deg: f64, visible_sets: &[VisibleSet]| {
             figures(Lighting::Specular { theta_deg }, visible_sets).coverage / 0.75
         };
-        // A cap of 60 degrees around the normal is half of the half sphere, one of 90 degrees all of it.
+        // A cap of 60 degrees around the normal is half of the hemisphere; one of 90 degrees is all of it.
         assert!((cover(60.0, std::slice::from_ref(&above)) - 0.5).abs() < 0.02);
         assert_eq!([0.0, 90.0, 180.0].map(|theta| cover(theta, std::slice::from_ref(&above))), [0.0, 1.0, 1.0]);
         let aside = VisibleSet { position: DVec3::new(9.0, 3.0, 0.0), seen: vec![0b01] };

@@ -1,10 +1,10 @@
-//! The candidate of the largest gain (CALF 4, equation 5), of equal ones the first.
+//! Choice of the candidate with the largest gain (CALF 4, equation 5); ties go to the first candidate.
 //!
-//! [`plain`] computes every gain in every round, as algorithm 1 is written. [`Lazy`] makes the same choices: gains
-//! never grow (see [`super::objective`]), so an earlier gain is an upper bound, and candidates whose bound is below
-//! the best gain are skipped (Minoux 1978). Before the first round, [`State::bound`] is the bound. How much this
-//! saves depends on the scene: from 0.2% of the gains for 8 cameras around a dragon to 40% in sponza, where many
-//! candidates see nearly the same.
+//! [`plain`] computes every gain in every round, as algorithm 1 is written. [`Lazy`] makes the same choices: gains never grow
+//! (see [`super::objective`]), so an earlier gain is an upper bound, and candidates whose bound is below the best gain are
+//! skipped (Minoux 1978). In the first round, [`State::bound`] is the bound. The savings depend on the scene: lazy search
+//! computes from 0.2% of the gains, for 8 cameras around a dragon, to 40% in sponza, where many candidates see nearly the same
+//! surfaces.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -16,18 +16,18 @@ use super::objective::{State, VisibleSet};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Choice {
     pub candidate: usize,
-    /// Fraction of all area and time, above 0.
+    /// Gain as a fraction of all area and time, above 0.
     pub gain: f64,
 }
 
-/// Computed [`State::gain`]s and [`State::bound`]s.
+/// Numbers of computed [`State::gain`]s and [`State::bound`]s.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Calls {
     pub gains: u64,
     pub bounds: u64,
 }
 
-/// Computes all gains; adds their number to `calls`.
+/// Returns the best candidate by computing all gains. Adds their number to `calls`.
 pub fn plain(state: &State<'_>, visible_sets: &[VisibleSet], calls: &mut u64) -> Option<Choice> {
     let gains: Vec<f64> = visible_sets.par_iter().map(|visible| state.gain(visible)).collect();
     *calls += gains.len() as u64;
@@ -35,15 +35,15 @@ pub fn plain(state: &State<'_>, visible_sets: &[VisibleSet], calls: &mut u64) ->
     all.filter(|choice| choice.gain > 0.0).reduce(|best, other| if other.gain > best.gain { other } else { best })
 }
 
-/// A candidate in the queue, ordered by its bound, of equal ones by its index.
+/// A candidate in the queue, ordered by bound, then by index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Entry {
-    /// Upper bound of the gain as bits, which are ordered as numbers from 0 up are.
+    /// Bits of the upper bound of the gain. For numbers of 0 or more, bits are ordered as the numbers are.
     bound_bits: u64,
     candidate: Reverse<usize>,
     /// Round in which the bound was computed.
     round: u64,
-    /// Whether it was the gain in that round.
+    /// True if the bound is the gain in that round.
     is_gain: bool,
 }
 
@@ -64,11 +64,11 @@ impl Lazy {
         Lazy { queue: entries.into(), round: 0 }
     }
 
-    /// The best candidate; cameras may have been added since the last call. Adds to `calls`.
+    /// Returns the best candidate. Cameras may have been added since the last call. Adds the numbers of computations to `calls`.
     pub fn best(&mut self, state: &State<'_>, visible_sets: &[VisibleSet], calls: &mut Calls) -> Option<Choice> {
         self.round += 1;
         loop {
-            // Of equal bounds the lower index is popped first, so ties go to it.
+            // The lowest index of equal bounds is popped first, so ties go to it.
             let mut entry = self.queue.pop()?;
             let is_new = entry.round == self.round;
             let bound = f64::from_bits(entry.bound_bits);
@@ -129,7 +129,7 @@ mod tests {
         theta_deg.map_or(Lighting::Diffuse, |theta_deg| Lighting::Specular { theta_deg })
     }
 
-    /// Choices of both ways, at most `most`; and how often each asked.
+    /// Returns the choices of both methods, at most `most`, and how many gains each computed.
     fn both(
         problem: &Problem,
         visible_sets: &[VisibleSet],
@@ -162,12 +162,12 @@ mod tests {
             theta in prop_oneof![Just(None), Just(Some(0.0)), Just(Some(180.0)), (1.0..179.0f64).prop_map(Some)],
             seeds in prop::collection::vec(0u64..40, 1..40),
         ) {
-            // Few seeds: many candidates see the same, and gains are equal where nothing fades.
+            // Few seeds are used, so that many candidates have the same visible sets, and equal gains without decay.
             let (problem, visible_sets) = (problem(surfels, rate), visible_sets(surfels, &seeds));
             let ([first, second], calls) = both(&problem, &visible_sets, lighting(theta), 25);
             prop_assert_eq!(&first, &second);
             prop_assert!(calls[1] <= calls[0]);
-            // Gains only shrink.
+            // Gains never grow.
             prop_assert!(first.windows(2).all(|pair| pair[1].gain <= pair[0].gain));
         }
     }

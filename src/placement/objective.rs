@@ -1,50 +1,50 @@
 //! The gain of a camera (CALF 4, equations 2, 3, 4, 6 and 7).
 //!
-//! With `d = |x O|`, `Z` the viewer distance of x and `k` the rate of decay, the suitability of a camera at O for x
-//! is `I_suit = V · exp(−k · max(d − Z, 0))` (2). Its gain at x is `I_cov = max(I_suit(O) − max_i I_suit(C_i), 0)`
-//! (3), and its gain is the sum over surfels by area (4).
+//! With `d = |x O|`, `Z` the viewer distance of x and `k` the rate of decay, the suitability of a camera at O for x is `I_suit =
+//! V · exp(−k · max(d − Z, 0))` (2). The gain of the camera at x is `I_cov = max(I_suit(O) − max_i I_suit(C_i), 0)` (3), and its
+//! total gain is the sum over surfels by area (4).
 //!
-//! **Equation 6**, for specular surfaces, is printed as `I(θ ≥ ∠(xO, xC_i)) · I_cov`: a new camera would count only
-//! *near* an old one, and the first nowhere. The text asks for a *minimum* angle between views. Here a camera is
-//! redundant to another one within θ, seen from x: `I'_cov = max(I_suit(O) − max over i with ∠ < θ of I_suit(C_i),
-//! 0)`. θ = 180° is the diffuse case, choice for choice; with θ = 0° nothing is redundant.
+//! **Equation 6**, for specular surfaces, is printed as `I(θ ≥ ∠(xO, xC_i)) · I_cov`: a new camera would count only *near* an old
+//! one, and the first camera would count nowhere. The text asks for a *minimum* angle between views. In this implementation a
+//! camera is redundant with another one if both are within θ of each other, seen from x: `I'_cov = max(I_suit(O) − max over i
+//! with ∠ < θ of I_suit(C_i), 0)`. θ = 180° makes the same choices as the diffuse case; with θ = 0° no camera is redundant.
 //!
-//! **Equation 7**, for scenes that move, multiplies `I_suit · I_cov` under the integral over time. `I_cov` contains
-//! `I_suit` already: squared, distance would count twice as much as in a still scene, and one frame would not give
-//! equation 4. Here (7) is the integral of (4) over time: surfels of several time samples.
+//! **Equation 7**, for moving scenes, multiplies `I_suit · I_cov` under the integral over time. `I_cov` already contains
+//! `I_suit`: the product squares it, so distance would count twice as much as in a still scene, and a single frame would not give
+//! equation 4. In this implementation (7) is the integral of (4) over time: the surfels come from several time samples.
 //!
-//! A gain never grows when cameras are added, as the maximum is over more of them. Terms are added in a fixed order
-//! and rounding is monotone, so this holds for the computed numbers, too; `greedy` relies on it.
+//! A gain never grows when cameras are added, because the maximum is taken over more of them. Terms are added in a fixed order
+//! and rounding is monotone, so the same holds for the computed gains. `greedy` relies on this.
 
 use glam::DVec3;
 
 use crate::mesh::AxisBox;
 
-/// Surfels that [`State::bound`] treats together: a byte of a visible set.
+/// Number of surfels that [`State::bound`] groups: those of one byte of a visible set.
 const GROUP: usize = 8;
-/// Relative margin above the rounding of suitabilities.
+/// Relative margin, larger than the rounding error of suitabilities.
 const ROUNDING: f64 = 1e-9;
 
-/// Surface sample: one side of a surface around a point, at one time sample.
+/// Surface sample: one side of a surface at a point, at one time sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surfel {
     pub point: DVec3,
-    /// On the visible side, length 1.
+    /// Unit normal on the visible side.
     pub normal: DVec3,
     /// Fraction of all area and time; the sum over all surfels is 1.
     pub weight: f64,
-    /// Z: metres within which a camera sees it as well as any viewer.
+    /// Z: distance in metres within which a camera sees the surfel as well as any viewer.
     pub viewer_distance_m: f64,
 }
 
 /// Reflectance of surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Lighting {
-    /// Looks the same from everywhere: one camera is enough (CALF 4.1).
+    /// Looks the same from all directions: one camera is enough (CALF 4.1).
     Diffuse,
     /// Looks different from each direction (CALF 4.2).
     Specular {
-        /// θ, degrees, 0..=180: cameras closer to each other, seen from a point, are redundant there.
+        /// θ in degrees, 0..=180: cameras whose directions from a point are closer than this are redundant at that point.
         theta_deg: f64,
     },
 }
@@ -57,8 +57,8 @@ impl Lighting {
         }
     }
 
-    /// Cosine above which two directions are within θ; beyond all cosines at both ends of the range, where rounding
-    /// must not decide.
+    /// Returns the cosine above which two directions are within θ. It is infinite at both ends of the range, so that rounding has
+    /// no effect.
     pub(super) fn near_cosine(self) -> f64 {
         match self {
             Lighting::Specular { theta_deg } if theta_deg <= 0.0 => f64::INFINITY,
@@ -68,7 +68,7 @@ impl Lighting {
     }
 }
 
-/// The surfels that a position sees, one bit each, from the lowest of the first word.
+/// Surfels that a position sees, one bit each, from the lowest bit of the first word.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VisibleSet {
     pub position: DVec3,
@@ -77,7 +77,7 @@ pub struct VisibleSet {
 }
 
 impl VisibleSet {
-    /// Indices of the surfels, in order.
+    /// Returns the indices of the surfels, in ascending order.
     pub fn surfels(&self) -> impl Iterator<Item = usize> + '_ {
         self.seen.iter().enumerate().flat_map(|(at, &word)| {
             let mut left = word;
@@ -95,7 +95,7 @@ impl VisibleSet {
 #[derive(Debug, Clone)]
 pub struct Problem {
     pub surfels: Vec<Surfel>,
-    /// k, 0 or more.
+    /// Rate of decay k in 1/m, 0 or more.
     pub rate_per_m: f64,
     groups: Vec<Group>,
 }
@@ -123,7 +123,7 @@ impl Problem {
         Problem { surfels, rate_per_m, groups }
     }
 
-    /// `I_suit` (2) of a camera for a surfel that it sees.
+    /// Returns `I_suit` (2) of a camera for a surfel that it sees.
     pub fn suitability(&self, camera: DVec3, surfel: usize) -> f64 {
         let surfel = &self.surfels[surfel];
         self.decay(camera.distance(surfel.point) - surfel.viewer_distance_m)
@@ -138,17 +138,17 @@ impl Problem {
 #[derive(Debug, Clone, Copy)]
 struct GroupCamera {
     direction: DirectionBound,
-    /// Smallest suitability for the surfels that it sees.
+    /// Minimum suitability for the surfels that it sees.
     suitability: f64,
     seen: u8,
 }
 
-/// Directions to a position from the surfels of a group.
+/// Cone of the directions from the surfels of a group to a position.
 #[derive(Debug, Clone, Copy)]
 struct DirectionBound {
-    /// From the centre of the group.
+    /// Direction from the centre of the group.
     direction: DVec3,
-    /// Largest angle to the direction from a surfel, radians.
+    /// Maximum angle between this direction and that from a surfel, in radians.
     spread: f64,
 }
 
@@ -164,7 +164,7 @@ impl Group {
 /// A camera that sees a surfel.
 #[derive(Debug, Clone, Copy)]
 struct Observer {
-    /// From the surfel.
+    /// Direction from the surfel.
     direction: DVec3,
     suitability: f64,
 }
@@ -174,11 +174,11 @@ struct Observer {
 pub struct State<'a> {
     problem: &'a Problem,
     near_cosine: f64,
-    /// Largest suitability of any camera for each surfel.
+    /// Maximum suitability of the cameras, for each surfel.
     best: Vec<f64>,
     /// Cameras that see each surfel; empty for diffuse surfaces.
     around: Vec<Vec<Observer>>,
-    /// The same for each group.
+    /// Cameras that see each group; empty for diffuse surfaces.
     around_groups: Vec<Vec<GroupCamera>>,
     cameras: Vec<DVec3>,
 }
@@ -197,7 +197,7 @@ impl<'a> State<'a> {
         }
     }
 
-    /// Gain (4) of a further camera, as a fraction of all area and time; 0 at the position of a camera.
+    /// Returns the gain (4) of a further camera, as a fraction of all area and time; 0 at the position of a camera.
     pub fn gain(&self, visible: &VisibleSet) -> f64 {
         if self.cameras.contains(&visible.position) {
             return 0.0;
@@ -213,8 +213,8 @@ impl<'a> State<'a> {
         sum
     }
 
-    /// Upper bound of the gain at less cost: distances are those of the nearest point of a group's box, and a camera
-    /// makes another redundant only where it does so for the whole group.
+    /// Returns an upper bound of the gain that is cheaper to compute: distances are those of the nearest point of a group's box,
+    /// and a camera makes another one redundant only if it does so for the whole group.
     pub fn bound(&self, visible: &VisibleSet) -> f64 {
         let mut sum = 0.0;
         for (at, group) in self.problem.groups.iter().enumerate() {
@@ -239,11 +239,11 @@ impl<'a> State<'a> {
         sum
     }
 
-    /// Raises the covered suitabilities of a group by the cameras that are redundant for all of it.
+    /// Raises the covered suitabilities of a group by the cameras that make `towards` redundant for the whole group.
     fn cover_group(&self, covered: &mut [f64; GROUP], towards: DirectionBound, cameras: &[GroupCamera]) {
         for camera in cameras {
             let [a, b] = [towards.direction, camera.direction.direction];
-            // The margin is far above the rounding of angles.
+            // The margin is far above the rounding error of angles.
             let angle = a.dot(b).clamp(-1.0, 1.0).acos() + towards.spread + camera.direction.spread + 1e-6;
             let is_near = angle < std::f64::consts::PI && angle.cos() > self.near_cosine;
             if is_near || self.near_cosine == f64::NEG_INFINITY {
@@ -253,7 +253,7 @@ impl<'a> State<'a> {
         }
     }
 
-    /// Largest suitability of the cameras that make a position redundant for a surfel.
+    /// Returns the maximum suitability of the cameras that make a position redundant for a surfel.
     fn covered(&self, position: DVec3, surfel: usize) -> f64 {
         if self.around.is_empty() {
             return self.best[surfel];
@@ -341,7 +341,7 @@ mod tests {
         assert_eq!(gain(44.0), (1.0, 0.0, 0.0));
         assert_eq!(gain(46.0), (0.0, 0.0, 0.0));
         assert_eq!(gain(180.0), (0.0, 0.0, 0.0));
-        // Nothing is redundant, but two cameras never stand at one place.
+        // No camera is redundant, but two cameras are never at the same position.
         assert_eq!(gain(0.0), (1.0, 1.0, 0.0));
     }
 
@@ -359,7 +359,8 @@ mod tests {
 
         proptest! {
             #![proptest_config(ProptestConfig::with_cases(400))]
-            /// Surfels in clusters of any size, so that cameras lie inside the boxes of groups too; near the origin and far off.
+            /// Uses surfels in clusters of any size, so that cameras also lie inside the boxes of groups; near the origin and far
+            /// from it.
             #[test]
             fn a_bound_is_never_below_the_gain(
                 count in 1usize..128,

@@ -11,7 +11,7 @@ use crate::scene::Sphere;
 
 #[derive(Debug, Clone)]
 pub enum Volume {
-    /// Along the axes; may be flat.
+    /// Axis-aligned; may be flat.
     Box(AxisBox),
     Ball(Sphere),
     Mesh(Box<ClosedMesh>),
@@ -65,7 +65,7 @@ impl Volume {
         }
     }
 
-    /// Whether a point is inside or on the border.
+    /// Returns true if a point is inside or on the border.
     pub fn contains(&self, point: DVec3) -> bool {
         match self {
             Volume::Box(solid) => solid.contains(point),
@@ -74,7 +74,7 @@ impl Volume {
         }
     }
 
-    /// Metres from a point to the volume, 0 inside.
+    /// Returns the distance from a point to the volume in metres, 0 inside.
     pub fn distance_m(&self, point: DVec3) -> f64 {
         match self {
             Volume::Box(solid) => solid.distance_m(point),
@@ -86,7 +86,7 @@ impl Volume {
 }
 
 impl Region {
-    /// Fails without a volume, and where the diagonal exceeds 1e100 m.
+    /// Parses the volumes of a region. Fails if there is no volume, or if the diagonal exceeds 1e100 m.
     pub fn parse(texts: &[impl AsRef<str>]) -> Result<Region> {
         let volumes = texts.iter().map(|text| Volume::parse(text.as_ref()));
         let region = Region { volumes: volumes.collect::<Result<_>>()? };
@@ -103,7 +103,7 @@ impl Region {
         self.volumes.iter().any(|volume| volume.contains(point))
     }
 
-    /// Metres from a point to the nearest volume.
+    /// Returns the distance from a point to the nearest volume, in metres.
     pub fn distance_m(&self, point: DVec3) -> f64 {
         self.volumes.iter().map(|volume| volume.distance_m(point)).fold(f64::INFINITY, f64::min)
     }
@@ -113,7 +113,7 @@ impl Region {
         bounds.unwrap_or(AxisBox { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY })
     }
 
-    /// Diagonal of the box around the region, metres.
+    /// Returns the diagonal of the box around the region, in metres.
     pub fn diagonal_m(&self) -> f64 {
         let bounds = self.bounds();
         (bounds.max - bounds.min).length()

@@ -89,7 +89,7 @@ pub struct DecayPlacement {
 }
 
 impl<'a> PlacementReport<'a> {
-    /// Of the placement that is written as `set`.
+    /// Creates the report of the placement that is written as `set`.
     pub fn new(search: &Search<'_>, placement: &Placement, set: &CameraSet, frames: [u32; 2]) -> PlacementReport<'a> {
         let last = placement.cameras.last().map_or(Figures::default(), |placed| placed.figures);
         let cameras = placement.cameras.iter().enumerate().map(|(at, placed)| CameraReport {
@@ -124,7 +124,7 @@ impl<'a> PlacementReport<'a> {
         }
     }
 
-    /// Adds placements to compare, if any.
+    /// Adds placements for comparison, if there are any.
     #[must_use]
     pub fn compared(mut self, lightings: &[&Placement], decays: &[DecayPlacement]) -> PlacementReport<'a> {
         self.convergence =
@@ -164,7 +164,7 @@ impl Placement {
         self.cameras.iter().map(|placed| value(&placed.figures)).collect()
     }
 
-    /// Rows of CSV, placed for the rate of decay `k_per_m`.
+    /// Returns the rows of CSV; the cameras were placed for the rate of decay `k_per_m`.
     pub fn rows(&self, k_per_m: f64) -> impl Iterator<Item = CameraRow> + '_ {
         self.cameras.iter().enumerate().map(move |(at, placed)| {
             let [x, y, z] = placed.position.to_array();

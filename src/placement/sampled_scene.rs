@@ -1,8 +1,8 @@
-//! A scene at a few time samples with points on its surfaces: visibility from candidates, and free space.
+//! A scene at several time samples, with points on its surfaces: visibility from candidates, and free space.
 //!
-//! A mesh does not tell which sides of its surfaces are meant: a sheet is seen from both, and some files are inside
-//! out. So the candidates decide: each side of a point that any of them sees is a surfel, and the front of a point
-//! that none sees. The inside of a solid is none.
+//! A mesh does not specify which sides of its surfaces are visible: a sheet is seen from both sides, and some files are inside
+//! out. The candidates therefore decide. Each side of a point that any candidate sees becomes a surfel; of a point that no
+//! candidate sees, the front does. The inside of a solid does not become a surfel.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -16,15 +16,15 @@ use crate::mesh::{AxisBox, Ray};
 use crate::monitor::Monitor;
 use crate::scene::{FirstHit, HitSurface, SceneAtTime, Shape};
 
-/// Directions tested to find out whether a position is inside a solid.
+/// Number of directions tested to determine whether a position is inside a solid.
 const DIRECTIONS: usize = 26;
-/// Points of a parallel job, a multiple of 64.
+/// Number of points of a parallel job, a multiple of 64.
 const JOB: usize = 512;
 
 #[derive(Debug)]
 pub struct SampledScene {
     times: Vec<SceneAtTime>,
-    /// Points of all time samples, one after the other.
+    /// Points of all time samples, one time sample after the other.
     points: Vec<SamplePoint>,
 }
 
@@ -36,17 +36,17 @@ struct SamplePoint {
     weight: f64,
 }
 
-/// The sides of points that are meant.
+/// Surfels: the visible sides of points.
 #[derive(Debug, Default)]
 pub struct Surfels {
-    /// Those that a candidate sees come first.
+    /// Surfels that a candidate sees come first.
     pub surfels: Vec<Surfel>,
     /// Index of the point of each surfel.
     points: Vec<usize>,
 }
 
 impl SampledScene {
-    /// Distributes `points` points over all time samples, the same number for each. Fails without a surface.
+    /// Distributes `points` points evenly over all time samples. Fails if there is no surface.
     pub fn new(times: Vec<SceneAtTime>, points: usize) -> Result<SampledScene> {
         let each = points.div_ceil(times.len().max(1)).max(1);
         let mut points = Vec::new();
@@ -72,10 +72,10 @@ impl SampledScene {
         bounds.unwrap_or(AxisBox { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY })
     }
 
-    /// Whether a position is outside of solids at each time sample, and at least `clearance_m` from surfaces in all
+    /// Returns true if a position is outside of solids at each time sample, and at least `clearance_m` from surfaces in all
     /// tested directions.
     ///
-    /// It is inside where more than half of the rays first hit a back face. A winding number would need closed meshes.
+    /// A position is inside if more than half of the rays first hit a back face. (A winding number would require closed meshes.)
     pub fn is_free(&self, position: DVec3, clearance_m: f64) -> bool {
         self.times.iter().all(|scene| {
             let mut backs = 0;
@@ -93,7 +93,7 @@ impl SampledScene {
         })
     }
 
-    /// The points that each position sees from either side, a bit each.
+    /// Returns the points that each position sees from either side, one bit each.
     pub fn visibility(&self, positions: &[DVec3], monitor: &dyn Monitor) -> Result<Vec<Vec<u64>>> {
         let all = |position: &DVec3| {
             monitor.advance(1);
@@ -108,8 +108,8 @@ impl SampledScene {
         self.times[*time].sees(position, on.point)
     }
 
-    /// The surfels that candidates decide on, given the points that each of them sees. `Z(x)` (CALF 4.1) is the
-    /// distance from a point to the region, and at least `least_m`.
+    /// Returns the surfels, given the points that each candidate sees. `Z(x)` (CALF 4.1) is the distance from a point to the
+    /// region, and at least `least_m`.
     pub fn surfels(&self, candidates: &[DVec3], visibility: &[Vec<u64>], region: &Region, least_m: f64) -> Surfels {
         let sides = |(at, SamplePoint { on, weight, .. }): (usize, &SamplePoint)| {
             let who = candidates.iter().zip(visibility).filter(|(_, seen)| seen[at / 64] >> (at % 64) & 1 == 1);
@@ -126,7 +126,7 @@ impl SampledScene {
         };
         let sides: Vec<[Option<(bool, Surfel)>; 2]> = self.points.par_iter().enumerate().map(sides).collect();
         let mut found = Surfels::default();
-        // Visible ones lie together: their groups are small, and bounds of gains tight.
+        // Visible surfels are kept together, so that their groups are small and bounds of gains are tight.
         for of_visible in [true, false] {
             for (point, side) in sides.iter().enumerate().flat_map(|(point, both)| both.map(|side| (point, side))) {
                 if let Some((_, surfel)) = side.filter(|(is_seen, _)| *is_seen == of_visible) {
@@ -135,13 +135,13 @@ impl SampledScene {
                 }
             }
         }
-        // Sheets with two sides have more surface than the points have area.
+        // Sheets with two sides have more surface than the area of the points.
         let all: f64 = found.surfels.iter().map(|surfel| surfel.weight).sum();
         found.surfels.iter_mut().for_each(|surfel| surfel.weight /= all);
         found
     }
 
-    /// The visible set of a position whose visible points are known.
+    /// Returns the visible set of a position whose visible points are known.
     pub fn visible_of_points(&self, surfels: &Surfels, position: DVec3, visibility: &[u64]) -> VisibleSet {
         let sees = |at: usize| {
             let point = surfels.points[at];
@@ -172,7 +172,7 @@ fn words(count: usize, is_set: impl Fn(usize) -> bool) -> Vec<u64> {
     (0..count).step_by(64).map(word).collect()
 }
 
-/// Whether a ray hits the back of a surface; flat rectangles have none.
+/// Returns true if a ray hits the back of a surface. Flat rectangles have no back.
 fn is_back(scene: &SceneAtTime, hit: &FirstHit, ray: &Ray) -> bool {
     let normal = match hit.surface {
         HitSurface::Object { index, .. } if matches!(scene.objects[index].shape, Shape::Quad(_)) => return false,
@@ -218,7 +218,7 @@ mod tests {
         let sampled = SampledScene::new(vec![scene(&[ball(), solid])], 100).unwrap();
         let open = |x: f64| sampled.is_free(DVec3::splat(x), 0.01);
         assert_eq!([0.0, 0.4, 0.7, 2.0, 2.999, 3.5, 5.0].map(open), [false, false, true, true, false, false, true]);
-        // A room is the inside of no solid, whichever way its walls are turned.
+        // A room is not the inside of a solid, whichever way its walls are turned.
         let wall = |corner: DVec3, u: DVec3, v: DVec3| Shape::Quad(Quad { corner, u, v });
         let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z];
         let walls = [(DVec3::ZERO, x, y), (z, x, y), (DVec3::ZERO, y, z), (x, y, z), (DVec3::ZERO, z, x), (y, z, x)];
@@ -256,7 +256,7 @@ mod tests {
         let camera = DVec3::Y * 2.0;
         let surfels = surfels_of(&sampled, &[camera, DVec3::NEG_Y * 2.0, DVec3::X * 2.5]);
         let visible = sampled.visible_set(&surfels, camera);
-        // From twice the radius, all above half the radius: a quarter of the ball.
+        // A camera at twice the radius sees everything above half the radius: a quarter of the ball.
         for (at, surfel) in surfels.surfels.iter().enumerate().filter(|(_, surfel)| (surfel.point.y - 0.5).abs() > 1e-3)
         {
             assert_eq!(visible.seen[at / 64] >> (at % 64) & 1 == 1, surfel.point.y > 0.5, "{surfel:?}");
@@ -283,7 +283,7 @@ mod tests {
             assert_eq!(surfels.surfels.len(), 300);
             assert!(surfels.surfels.iter().all(|surfel| surfel.normal.dot(surfel.point) > 0.0));
             assert!(sampled.is_free(DVec3::splat(1.5), 0.01));
-            // Turned inside out, it is a room.
+            // Turned inside out, the box is a room.
             assert_eq!(sampled.is_free(DVec3::splat(0.2), 0.01), flip);
         }
     }

@@ -15,43 +15,42 @@ use crate::scene::SceneAtTime;
 
 /// Default gain at which a search ends, as a fraction of all area and time.
 pub const DEFAULT_UNTIL: f64 = 1e-3;
-/// Default k, times the diagonal of the region: across the region, e⁻⁴ remains.
+/// Default k times the diagonal of the region: the suitability decays to e⁻⁴ across the region.
 pub const DEFAULT_RATE: f64 = 4.0;
-/// Default minimum of the viewer distance, as a fraction of the diagonal of the region.
+/// Default minimum viewer distance, as a fraction of the region's diagonal.
 pub const DEFAULT_MIN_DISTANCE: f64 = 0.05;
-/// Least tolerance of the viewer distance, as a fraction of the region's diagonal; see [`super::coverage::WITHIN`].
+/// Minimum tolerance of the viewer distance, as a fraction of the region's diagonal; see [`super::coverage::WITHIN`].
 pub const WITHIN_REGION: f64 = 0.05;
-/// Clearance of a camera, as a fraction of the smaller of the diagonals of region and scene.
+/// Clearance of a camera, as a fraction of the smaller of the diagonals of the region and the scene.
 pub const CLEARANCE: f64 = 1e-3;
-/// Default limit of new cameras.
+/// Default maximum number of new cameras.
 pub const DEFAULT_MAX_CAMERAS: usize = 1000;
-/// θ below which cameras are hardly ever redundant, degrees: gains do not fade, and a number of cameras must be
-/// given.
+/// θ in degrees below which cameras are hardly ever redundant: gains do not decrease, so a number of cameras must be given.
 pub const MIN_THETA_DEG: f64 = 1.0;
-/// Most candidates times points: their bits take half a gibibyte, and as many for each side of a point.
+/// Maximum product of candidates and points. Their bits take half a gibibyte, and the same again for each side of a point.
 pub const MAX_VISIBILITY_BITS: u64 = 1 << 32;
 
 #[derive(Debug, Clone, Copy)]
 pub struct Settings {
-    /// k per metre; `None` for [`DEFAULT_RATE`].
+    /// k in 1/m; `None` for [`DEFAULT_RATE`].
     pub rate_per_m: Option<f64>,
-    /// Minimum of the viewer distance, metres; `None` for [`DEFAULT_MIN_DISTANCE`].
+    /// Minimum viewer distance in metres; `None` for [`DEFAULT_MIN_DISTANCE`].
     pub min_distance_m: Option<f64>,
-    /// Sets what follows where that is `None`.
+    /// Search effort, which gives the values of the fields below that are `None`.
     pub effort: Effort,
     pub kind: CandidateKind,
     pub candidates: Option<usize>,
-    /// Points on surfaces, over all time samples.
+    /// Number of points on surfaces, over all time samples.
     pub surface_samples: Option<usize>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extent {
     pub candidates: usize,
-    /// Points on surfaces, over all time samples.
+    /// Number of points on surfaces, over all time samples.
     pub surface_samples: usize,
     pub time_samples: usize,
-    /// Steps of refinement.
+    /// Number of refinement steps.
     pub steps: usize,
 }
 
@@ -66,7 +65,7 @@ impl Extent {
     }
 }
 
-/// At most `most` frames of a range, evenly, in order.
+/// Returns at most `most` frames of a range, evenly spaced, in ascending order.
 pub fn sample_frames([first, last]: [u32; 2], most: usize) -> Vec<u32> {
     let count = u64::from(last.saturating_sub(first)) + 1;
     let taken = count.min(most.max(1) as u64);
@@ -74,20 +73,20 @@ pub fn sample_frames([first, last]: [u32; 2], most: usize) -> Vec<u32> {
     (0..taken).map(|at| first + ((2 * at + 1) * count / (2 * taken)) as u32).collect()
 }
 
-/// Limits of a search; the first reached ends it.
+/// Limits of a search; the first one reached ends it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stop {
-    /// New cameras.
+    /// Maximum number of new cameras.
     pub cameras: Option<usize>,
-    /// Gain of the next camera, as a fraction of all area and time.
+    /// Minimum gain of the next camera, as a fraction of all area and time.
     pub until: f64,
 }
 
-/// A camera, and the coverage with it and those before it.
+/// A camera, and the coverage by it and the cameras before it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placed {
     pub position: DVec3,
-    /// Fraction of all area and time.
+    /// Gain as a fraction of all area and time.
     pub gain: f64,
     pub figures: Figures,
 }
@@ -95,19 +94,19 @@ pub struct Placed {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placement {
     pub lighting: Lighting,
-    /// Given cameras first.
+    /// Cameras; the given ones come first.
     pub cameras: Vec<Placed>,
     /// Number of given cameras.
     pub started: usize,
-    /// Computed gains of candidates: a sum over all surfels that the candidate sees.
+    /// Number of computed gains of candidates. Each is a sum over all surfels that the candidate sees.
     pub objective_calls: u64,
-    /// Computed bounds of gains: a decay for each eight surfels.
+    /// Number of computed bounds of gains. Each computes one decay per eight surfels.
     pub bound_calls: u64,
-    /// Gains that plain greedy search computes for the same choices: all candidates in each round.
+    /// Number of gains that plain greedy search computes for the same choices: all candidates in each round.
     pub plain_objective_calls: u64,
-    /// Gains computed in refinement, the same for both searches.
+    /// Number of gains computed in refinement, which is the same for both searches.
     pub refinement_calls: u64,
-    /// Coverage by all candidates and cameras: the most that the region allows.
+    /// Coverage by all candidates and cameras together: the maximum that the region allows.
     pub reachable: Figures,
 }
 
@@ -117,7 +116,7 @@ struct ScoredSet {
     gain: f64,
 }
 
-/// Candidates and their visible sets; places cameras for any lighting.
+/// Candidates and their visible sets, from which cameras are placed for any lighting.
 #[derive(Debug)]
 pub struct Search<'a> {
     pub sampled: SampledScene,
@@ -125,16 +124,16 @@ pub struct Search<'a> {
     clearance_m: f64,
     surfels: Surfels,
     pub problem: Problem,
-    /// One for each candidate.
+    /// One visible set per candidate.
     pub visible_sets: Vec<VisibleSet>,
     steps: usize,
     effort: Effort,
-    /// Minimum of the viewer distance, metres.
+    /// Minimum viewer distance in metres.
     pub min_distance_m: f64,
 }
 
 impl<'a> Search<'a> {
-    /// Finds candidates and their visible sets. The monitor advances by one for each candidate.
+    /// Finds candidates and their visible sets. The monitor advances by one per candidate.
     pub fn new(
         times: Vec<SceneAtTime>,
         region: &'a Region,
@@ -175,8 +174,8 @@ impl<'a> Search<'a> {
         FreeSpace { sampled: &self.sampled, region: self.region, clearance_m: self.clearance_m }
     }
 
-    /// Coordinate search for a larger gain: in each step the best of six positions along the axes, at half the distance
-    /// of the step before. Adds the number of gains computed to `calls`.
+    /// Searches along the axes for a position with a larger gain. Each step moves to the best of six positions, at half the
+    /// distance of the step before. Adds the number of gains computed to `calls`.
     fn refine(&self, state: &State<'_>, from: Choice, calls: &mut u64) -> ScoredSet {
         let free_space = self.free_space();
         let mut best = ScoredSet { visible: self.visible_sets[from.candidate].clone(), gain: from.gain };
@@ -250,7 +249,7 @@ impl<'a> Search<'a> {
 }
 
 impl Settings {
-    /// Candidates and points on surfaces.
+    /// Returns the numbers of candidates and of points on surfaces.
     pub fn counts(&self) -> (usize, usize) {
         let extent = Extent::of(self.effort);
         (self.candidates.unwrap_or(extent.candidates), self.surface_samples.unwrap_or(extent.surface_samples))

@@ -1,5 +1,5 @@
-//! Low-discrepancy sequences: additive recurrences of the generalised golden ratio, Hammersley sets, spirals. Any run
-//! of consecutive indices is spread evenly.
+//! Low-discrepancy sequences: additive recurrences of the generalised golden ratio, Hammersley sets, spirals. Any run of
+//! consecutive indices is spread evenly.
 
 use std::f64::consts::TAU;
 
@@ -10,19 +10,19 @@ const CUBE_STEPS: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 
 /// Golden angle as a fraction of a full turn.
 const GOLDEN_TURN: f64 = 0.381_966_011_250_105_1;
 
-/// Point of the sequence in the unit cube; the first is its centre.
+/// Returns a point of the sequence in the unit cube; the first point is the centre.
 pub fn in_cube(index: u64) -> DVec3 {
-    // Beyond 2^40 points the fraction would become coarse.
+    // Beyond 2^40 points the fraction would lose precision.
     let along = |step: f64| (0.5 + (index % (1 << 40)) as f64 * step).fract();
     DVec3::new(along(CUBE_STEPS[0]), along(CUBE_STEPS[1]), along(CUBE_STEPS[2]))
 }
 
-/// Point of a Hammersley set: (index + ½) / count, and the radical inverses of the index in base 2 and 3.
+/// Returns a point of a Hammersley set: (index + ½) / count, and the radical inverses of the index in base 2 and 3.
 pub fn hammersley(index: u64, count: u64) -> DVec3 {
     DVec3::new((index as f64 + 0.5) / count as f64, mirrored(index, 2), mirrored(index, 3))
 }
 
-/// Radical inverse.
+/// Returns the radical inverse of a number.
 fn mirrored(mut number: u64, base: u64) -> f64 {
     let (mut value, mut digit) = (0.0, 1.0);
     while number > 0 {
@@ -33,12 +33,12 @@ fn mirrored(mut number: u64, base: u64) -> f64 {
     value
 }
 
-/// One of `count` directions spread evenly over the sphere.
+/// Returns one of `count` directions that are spread evenly over the sphere.
 pub fn on_sphere(index: usize, count: usize) -> DVec3 {
     spiral(index, 1.0 - 2.0 * (index as f64 + 0.5) / count as f64)
 }
 
-/// One of `count` directions spread evenly over the hemisphere of y > 0.
+/// Returns one of `count` directions that are spread evenly over the hemisphere of y > 0.
 pub fn on_hemisphere(index: usize, count: usize) -> DVec3 {
     spiral(index, 1.0 - (index as f64 + 0.5) / count as f64)
 }
@@ -47,7 +47,7 @@ fn spiral(index: usize, y: f64) -> DVec3 {
     around((index as f64 * GOLDEN_TURN).fract(), y)
 }
 
-/// The direction of height y at a fraction of a turn around the vertical.
+/// Returns the unit direction of height y at a fraction of a turn around the vertical axis.
 pub fn around(turn: f64, y: f64) -> DVec3 {
     let (sin, cos) = (TAU * turn).sin_cos();
     let across = (1.0 - y * y).max(0.0).sqrt();

@@ -1,5 +1,5 @@
-//! Points on the surfaces of a scene, uniform by area: samples for the integrals of CALF 4. Neighbours in the list
-//! are neighbours in space.
+//! Points on the surfaces of a scene, uniform by area: samples for the integrals of CALF 4. Points that are adjacent in the list
+//! are close in space.
 
 use std::f64::consts::TAU;
 
@@ -12,14 +12,14 @@ use crate::scene::{Quad, SceneAtTime, Shape, Sphere, TurnedBox};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
     pub point: DVec3,
-    /// Length 1, out of the solid or to the front of the triangle.
+    /// Unit normal, which points out of the solid or to the front of the triangle.
     pub normal: DVec3,
 }
 
 #[derive(Debug, Clone, Default)]
 pub struct SurfacePoints {
     pub points: Vec<SurfacePoint>,
-    /// Square metres.
+    /// Area that each point represents, in square metres.
     pub area_of_each: f64,
 }
 
@@ -27,15 +27,15 @@ pub struct SurfacePoints {
 enum Patch {
     Flat(Quad),
     Ball(Sphere),
-    /// Indices.
+    /// Indices of a mesh and of its triangle.
     Triangle {
         mesh: usize,
         triangle: usize,
     },
 }
 
-/// `count` points, one in each of as many strips of equal area; `first` is the index in [`sequence::in_cube`] of the
-/// first. Points in holes of textures are left out.
+/// Samples `count` points, one in each of `count` strips of equal area. `first` is the index in [`sequence::in_cube`] of the
+/// first point. Points in holes of textures are left out.
 pub fn sample(scene: &SceneAtTime, count: usize, first: u64) -> SurfacePoints {
     let (patches, ends) = patches(scene);
     let area = ends.last().copied().unwrap_or(0.0);
@@ -43,7 +43,7 @@ pub fn sample(scene: &SceneAtTime, count: usize, first: u64) -> SurfacePoints {
         return SurfacePoints::default();
     }
     let place = |at: usize| {
-        // Point 0 is the centre, which is on the edge of a triangle.
+        // Point 0 is the centre of the cube, which lies on the edge of a triangle.
         let within = sequence::in_cube(first + at as u64 + 1);
         let patch = ends.partition_point(|end| *end <= (at as f64 + within.x) / count as f64 * area);
         on_patch(scene, &patches[patch.min(patches.len() - 1)], within.y, within.z)
@@ -53,7 +53,7 @@ pub fn sample(scene: &SceneAtTime, count: usize, first: u64) -> SurfacePoints {
     SurfacePoints { points, area_of_each: area / count as f64 }
 }
 
-/// All patches with an area, and their cumulative areas.
+/// Returns all patches whose area is above 0, and their cumulative areas.
 fn patches(scene: &SceneAtTime) -> (Vec<Patch>, Vec<f64>) {
     let mut patches = Vec::new();
     let mut ends = Vec::new();
@@ -72,7 +72,7 @@ fn patches(scene: &SceneAtTime) -> (Vec<Patch>, Vec<f64>) {
             Shape::Quad(quad) => flats.push(*quad),
             Shape::AxisBox(solid) => flats.extend(sides(solid)),
             Shape::TurnedBox(solid) => flats.extend(turned_sides(solid)),
-            // Parts of a fence inside each other are never seen.
+            // Parts of a fence that are inside each other are never visible.
             Shape::Fence(fence) => {
                 let solids = fence.rails.into_iter().map(|rail| fence.rail(rail));
                 flats.extend(
@@ -93,7 +93,7 @@ fn patches(scene: &SceneAtTime) -> (Vec<Patch>, Vec<f64>) {
     (patches, ends)
 }
 
-/// Sides of a box, whose normals point outwards.
+/// Returns the sides of a box, whose normals point outwards.
 fn sides(solid: &AxisBox) -> [Quad; 6] {
     let size = solid.max - solid.min;
     let [x, y, z] = [DVec3::X * size.x, DVec3::Y * size.y, DVec3::Z * size.z];
@@ -117,7 +117,7 @@ fn turned_sides(solid: &TurnedBox) -> [Quad; 6] {
     })
 }
 
-/// Point of a patch at two coordinates in 0..1, uniform by area; `None` in a hole.
+/// Returns the point of a patch at two coordinates in 0..1, uniform by area; `None` in a hole.
 fn on_patch(scene: &SceneAtTime, patch: &Patch, s: f64, t: f64) -> Option<SurfacePoint> {
     match *patch {
         Patch::Flat(Quad { corner, u, v }) => {
@@ -130,7 +130,7 @@ fn on_patch(scene: &SceneAtTime, patch: &Patch, s: f64, t: f64) -> Option<Surfac
         Patch::Triangle { mesh, triangle } => {
             let mesh = scene.meshes.get(mesh)?;
             let [a, b, c] = mesh.mesh.corners(triangle);
-            // The half of the square beyond the diagonal is mirrored.
+            // Mirrors the half of the square beyond the diagonal into the triangle.
             let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
             let is_hole = mesh.is_hole(triangle, glam::DVec2::new(s, t));
             let normal = (b - a).cross(c - a).try_normalize()?;
@@ -149,7 +149,7 @@ fn sort_in_space(points: &mut [SurfacePoint]) {
             code | (0..3).fold(0, |cell, axis| cell | (cells[axis] >> bit & 1) << (3 * bit + axis))
         })
     };
-    // A stable sort: points of one cell stay in the order of strips.
+    // The sort is stable: points of one cell stay in the order of strips.
     points.sort_by_cached_key(code);
 }
 
@@ -176,7 +176,7 @@ mod tests {
         assert!((on_ball / 4000.0 - 2.0 * TAU / (2.0 * TAU + 22.0)).abs() < 0.001, "{on_ball}");
         for at in &found.points {
             assert!((at.normal.length() - 1.0).abs() < 1e-12);
-            // Outwards: above a surface point there is nothing.
+            // The normal points outwards: the space above a surface point is empty.
             let outside = at.point + 1e-6 * at.normal;
             let in_box = (outside - solid.min).min(solid.max - outside).min_element() > 0.0;
             assert!(!in_box && outside.distance(ball.center) > 1.0, "{at:?}");
@@ -194,7 +194,7 @@ mod tests {
                 let ray = Ray::new(at.point + 0.01 * at.normal, -at.normal).unwrap();
                 let Some(hit) = object.shape.intersect(&ray, 0.0) else { continue };
                 met += 1;
-                // Posts and rails of a fence reach into each other.
+                // Posts and rails of a fence intersect each other.
                 let fits = (hit.distance - 0.01).abs() < 1e-9 || matches!(object.shape, Shape::Fence(_));
                 assert!(fits, "{:?} {at:?} {hit:?}", object.shape);
             }

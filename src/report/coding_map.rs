@@ -1,6 +1,6 @@
-//! Pictures of how streams are coded (GDC figure 1): (b) the nodes, boxes or blocks of a frame, tinted by their coding; the
-//! keyframes or bytes of each cell of colour; and (c) the error of the decoded image. A picture is a PNG file of at most about 2048
-//! pixels on a side, whose bytes do not depend on the number of threads.
+//! Pictures of how streams are coded (GDC figure 1): (b) the nodes, boxes or blocks of a frame, tinted by coding mode;
+//! the number of keyframes or bytes of each colour cell; and (c) the error of the decoded image. Each picture is a PNG
+//! file of at most about 2048 pixels on a side. Its bytes do not depend on the number of threads.
 
 mod errors;
 mod frames;
@@ -38,11 +38,12 @@ pub struct Plot<'a> {
 pub struct Request<'a> {
     pub decoder: &'a Decoder,
     pub streams: &'a [&'a StreamInfo],
-    /// The frame. None: of depth and material the first one, which shows whole pictures, and the one that changes most
-    /// besides keyframes; of colour the one with most pixels between keyframes, or where none is, with most keyframes after
-    /// the first ones.
+    /// Frame to draw. `None` selects frames by content. Depth and material: the first frame, which is coded as a whole
+    /// picture, and the frame that changes the most pixels outside keyframes. Colour: the frame with the most pixels
+    /// coded between keyframes or, if there is none, the frame with the most keyframe pixels after the first frames of
+    /// chunks.
     pub frame: Option<u32>,
-    /// The container and its source, and which of their streams belong together, for pictures of errors.
+    /// The container, its source and the pairing of their streams. Needed for error pictures.
     pub source: Option<(&'a [Side; 2], &'a Pairing<'a>)>,
 }
 
@@ -50,7 +51,7 @@ pub fn steps(request: &Request<'_>) -> u64 {
     request.streams.iter().map(|stream| inspect::steps(request.decoder, &[stream]) + 1).sum()
 }
 
-/// Draws and writes all pictures into a folder that exists, streams in parallel.
+/// Draws all pictures and writes them into an existing folder. Streams are processed in parallel.
 pub fn plot<'a>(request: &Request<'a>, folder: &Path, monitor: &dyn Monitor) -> Result<Vec<Plot<'a>>> {
     let each = if request.source.is_some() { 4 } else { 2 };
     if request.streams.len() * each > MAX_PLOTS {

@@ -1,4 +1,4 @@
-//! Rows of results as CSV, under the names that JSON has for them.
+//! Results as CSV. Columns have the names of the JSON keys.
 
 use serde::Serialize;
 use serde_json::Value;
@@ -6,7 +6,7 @@ use serde_json::Value;
 use crate::error::{Error, Result};
 use crate::json;
 
-/// Rows of flat structures; the columns are their fields.
+/// Writes one row per flat structure. The columns are the fields.
 pub fn of_rows<T: Serialize>(rows: &[T]) -> Result<String> {
     text(|writer| rows.iter().try_for_each(|row| writer.serialize(row)))
 }
@@ -15,10 +15,10 @@ pub fn of_records(records: impl IntoIterator<Item = Vec<String>>) -> Result<Stri
     text(|writer| records.into_iter().try_for_each(|record| writer.write_record(record)))
 }
 
-/// One row for each JSON object.
+/// Writes one row per JSON object.
 ///
-/// A column is named by the key that it shows, `outer.inner` for a key of an object inside; the heading is then
-/// `outer_inner`. A key that an object does not have leaves its cell empty.
+/// A column is named by its JSON key, or `outer.inner` for a key of a nested object; its heading is then `outer_inner`.
+/// The cell is empty if the object lacks the key.
 pub fn of_objects(columns: &[&str], objects: &[impl Serialize]) -> Result<String> {
     let mut records = vec![columns.iter().map(|column| column.replace('.', "_")).collect()];
     for object in objects {

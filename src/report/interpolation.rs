@@ -1,5 +1,6 @@
-//! Figures of interpolated views against ray casting, view by view: PSNR, SSIM, PSNR-HVS-M and MSE with holes filled and without, as a table
-//! and as means with ranges; error maps (figures 4.19 to 4.35 and tables 4.4 to 4.6 of de Quilletes).
+//! Quality of interpolated views compared with ray casting, view by view: PSNR, SSIM, PSNR-HVS-M and MSE, with and
+//! without hole filling, as a table and as means with ranges; and error maps (figures 4.19 to 4.35 and tables 4.4 to
+//! 4.6 of de Quilletes).
 
 use std::path::Path;
 
@@ -15,11 +16,11 @@ use crate::files::OutputFolder;
 use crate::image::{Plane, ToneMap, png};
 use crate::json::Number;
 
-/// By view.
+/// Quality figures of all compared views.
 #[derive(Debug, Default)]
 pub struct Quality {
     rows: Vec<Row>,
-    /// Pictures of what is wrong.
+    /// Folder of error maps, if requested.
     maps: Option<OutputFolder>,
 }
 
@@ -51,7 +52,7 @@ impl Figures {
     }
 }
 
-/// Of a figure over all views; exact pictures have a PSNR of infinity, and a mean without them.
+/// Mean and range of a figure over all views. The PSNR of an exact picture is infinite and does not enter the mean.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Spread {
     mean: Number,
@@ -82,7 +83,7 @@ pub struct QualityReport {
 }
 
 impl Quality {
-    /// Error maps, too, if a folder is named.
+    /// Creates an empty table. If a folder is named, error maps are written, too.
     pub fn new(maps: Option<&Path>) -> Result<Quality> {
         Ok(Quality { rows: Vec::new(), maps: maps.map(OutputFolder::create).transpose()? })
     }
@@ -109,12 +110,12 @@ impl Quality {
         Ok(())
     }
 
-    /// The folder of error maps appears.
+    /// Moves the finished folder of error maps into place.
     pub fn commit(&mut self) -> Result<()> {
         self.maps.take().map_or(Ok(()), OutputFolder::commit)
     }
 
-    /// With holes filled, and without; none where nothing was compared.
+    /// Returns the figures with hole filling, then those without. `None` if no view was compared.
     pub fn reports(&self) -> Option<[QualityReport; 2]> {
         let report = |of: fn(&Row) -> Figures| {
             let spread = |figure: fn(Figures) -> f64| Spread::of(self.rows.iter().map(move |row| figure(of(row))));
@@ -128,7 +129,7 @@ impl Quality {
         (!self.rows.is_empty()).then(|| [report(|row| row.filled), report(|row| row.unfilled)])
     }
 
-    /// A row for each view.
+    /// Returns the table as CSV with one row per view.
     pub fn csv(&self) -> String {
         let mut text = String::from(
             "frame,view,psnr_db,ssim,psnr_hvs_m_db,mse,holes_percent,psnr_db_without_fill,ssim_without_fill\n",

@@ -1,19 +1,21 @@
-//! The machine that figures were taken on, and the memory that a process took, as far as the system tells.
+//! Description of the machine that figures were measured on, and the memory use of this process. Values that the
+//! operating system does not provide are omitted.
 
 use crate::error::counted;
 use std::fs;
 
-/// The largest resident memory of this process so far, in bytes; none where the system does not tell.
+/// Returns the peak resident memory of this process in bytes. `None` if the system does not provide it.
 pub fn peak_memory_bytes() -> Option<u64> {
     kibibytes(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
-/// The resident memory of this process now, in bytes; none where the system does not tell.
+/// Returns the current resident memory of this process in bytes. `None` if the system does not provide it.
 pub fn memory_bytes() -> Option<u64> {
     kibibytes(&fs::read_to_string("/proc/self/status").ok()?, "VmRSS:")
 }
 
-/// One line about the machine: processor, threads, memory, system. It is the same on every run.
+/// Returns a one-line description of the machine: processor, threads, memory, operating system. It does not change
+/// between runs.
 pub fn describe() -> String {
     let read = |path: &str| fs::read_to_string(path).unwrap_or_default();
     let memory = kibibytes(&read("/proc/meminfo"), "MemTotal:")
@@ -36,7 +38,7 @@ fn field(text: &str, name: &str) -> Option<String> {
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
-/// The number of a line such as `VmHWM:  1234 kB`, in bytes.
+/// Parses a line such as `VmHWM:  1234 kB` and returns its value in bytes.
 fn kibibytes(text: &str, name: &str) -> Option<u64> {
     let line = text.lines().find(|line| line.starts_with(name))?;
     line.split_whitespace().nth(1)?.parse::<u64>().ok()?.checked_mul(1024)

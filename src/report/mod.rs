@@ -1,4 +1,4 @@
-//! Tables, CSV, charts and pictures for all commands; sweeps.
+//! Tables, CSV, charts and pictures of all commands, and parameter sweeps.
 
 pub mod coding_map;
 pub mod csv;

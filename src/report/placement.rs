@@ -1,6 +1,6 @@
-//! Charts of placed cameras, as CALF's figures 3 and 4 have them.
+//! Charts of camera placement, like CALF's figures 3 and 4.
 //!
-//! Enters: what each camera added to coverage. Leaves: drawings.
+//! Input: coverage after each placed camera. Output: drawings.
 
 use super::plot::Drawing;
 use super::plot::axis::Axis;
@@ -27,8 +27,8 @@ pub struct Figure {
     pub drawing: Drawing,
 }
 
-/// Coverage within and beyond the viewer distance for the first curve, how all of them converge, and the curves of several k
-/// where there are any.
+/// Returns the chart of coverage within and beyond the viewer distance for the first curve, the convergence chart of
+/// all curves and, if there are curves of several k, their chart.
 pub fn all(curves: &[Curve], decays: &[Curve]) -> Vec<Figure> {
     let first = curves.first().map(|curve| Figure { name: "coverage", drawing: coverage(curve) });
     let all = Figure { name: "convergence", drawing: convergence(curves) };
@@ -43,20 +43,21 @@ fn words(lighting: Lighting) -> String {
     }
 }
 
-/// A share of surfaces or directions in percent of what any candidate sees, which the region limits.
+/// Converts a share of surfaces or directions to percent of what all candidates together see. The region limits the
+/// latter.
 fn percent(share: f64, reachable: f64) -> f64 {
     if reachable > 0.0 { 100.0 * share / reachable } else { 0.0 }
 }
 
 fn series(name: String, number: usize, figures: &[Figures], value: impl Fn(&Figures) -> f64) -> Series {
     let mark = |(at, figures): (usize, &Figures)| Mark { x: (at + 1) as f64, y: value(figures), ..Mark::default() };
-    // From no camera, which covers nothing.
+    // The curve starts at (0, 0): no camera, no coverage.
     let marks = std::iter::once(Mark::default()).chain(figures.iter().enumerate().map(mark)).collect();
     let kind = if figures.len() <= MAX_MARKERS { Kind::Line } else { Kind::Curve };
     Series { name, kind, look: Look::of(number), marks }
 }
 
-/// What is reachable, in the colour of the series of a number.
+/// Horizontal dashed line at the reachable share, in the colour of series `number`.
 fn level(name: String, number: usize, percent: f64, cameras: usize) -> Series {
     let mark = |x: f64| Mark { x, y: percent, ..Mark::default() };
     let look = Look::of(number).dashed([6.0, 4.0]);
@@ -67,13 +68,13 @@ fn most_cameras(curves: &[Curve]) -> usize {
     curves.iter().map(|curve| curve.figures.len()).max().unwrap_or(0).max(1)
 }
 
-/// A chart of shares over cameras.
+/// Returns a chart of shares in percent over the number of cameras.
 fn chart(title: String, legend: String, up: &str, curves: &[Curve], series: Vec<Series>) -> Drawing {
     let x = Axis::linear("cameras", [0.0, most_cameras(curves) as f64]);
     Chart { series, legend, ..Chart::new(title, x, Axis::linear(up, [0.0, 100.0])) }.draw(SIZE[0], SIZE[1])
 }
 
-/// Figure 3. Coverage of specular surfaces is of directions, which have no viewer distance.
+/// Returns CALF figure 3. For specular surfaces coverage counts directions, which have no viewer distance.
 fn coverage(curve: &Curve) -> Drawing {
     let Curve { figures, reachable, .. } = curve;
     let of_surface = |share: f64| percent(share, reachable.seen);
@@ -97,7 +98,7 @@ fn coverage(curve: &Curve) -> Drawing {
     chart(title, legend, up, std::slice::from_ref(curve), series)
 }
 
-/// Figure 4.
+/// Returns CALF figure 4.
 fn convergence(curves: &[Curve]) -> Drawing {
     let scene = curves.first().map_or("", |curve| curve.scene.as_str());
     let line = |(number, curve): (usize, &Curve)| {
@@ -109,7 +110,8 @@ fn convergence(curves: &[Curve]) -> Drawing {
     chart(format!("Convergence in {scene}"), "Lighting".to_owned(), "% of reachable coverage", curves, series)
 }
 
-/// Figure 3 for several k: what is seen at all, and from within the viewer distance.
+/// Returns CALF figure 3 for several k: the share of the surface that is seen, and that is seen from within the viewer
+/// distance.
 fn decay(curves: &[Curve]) -> Drawing {
     let scene = curves.first().map_or("", |curve| curve.scene.as_str());
     let each = || curves.iter().enumerate();
@@ -196,7 +198,7 @@ mod tests {
         few.reachable = few.figures[1];
         let mut many = curve(Lighting::Specular { theta_deg: 50.0 }, &[0.45, 0.9]);
         many.reachable = many.figures[1];
-        // Four hundredths are all that a camera in the region can see.
+        // Cameras in the region can see at most 4% of the surface.
         let [few, many] = [few, many].map(|curve| all(&[curve], &[]));
         assert_eq!(highest(&few[1].drawing, 3), highest(&many[1].drawing, 3));
         assert!(texts(&few[0].drawing).contains(&"directions") && texts(&few[0].drawing).contains(&"100"));

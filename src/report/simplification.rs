@@ -1,5 +1,5 @@
-//! Charts of a simplified scene: how the selection of tiles converged, what the stages took, and how often pixels are drawn over
-//! (Seurat figures 9 to 11 and 13, table 2).
+//! Charts of a simplified scene: convergence of the tile selection, durations of the stages, and overdraw (Seurat
+//! figures 9 to 11 and 13, table 2).
 
 use super::picture::error_picture;
 use super::picture::raster::{self, HALF_SIDE, Scale};
@@ -21,9 +21,9 @@ use crate::simplify::samples::Background;
 use crate::simplify::selection::Bounds;
 
 const SIZE: [u32; 2] = [860, 420];
-/// Triangles over a pixel that have the last colour.
+/// Number of triangles over a pixel at which the colour scale ends.
 const MAX_LAYERS: u32 = 16;
-/// Images with an error map.
+/// Number of images for which an error map is drawn.
 const ERROR_MAPS: usize = 4;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +32,7 @@ pub struct Figure {
     pub drawing: Drawing,
 }
 
-/// The charts of a run.
+/// Returns the charts of a run.
 pub fn charts(convergence: &[Bounds], stages: &Stages) -> Vec<Figure> {
     vec![
         Figure { name: "convergence", drawing: converging(convergence) },
@@ -40,7 +40,7 @@ pub fn charts(convergence: &[Bounds], stages: &Stages) -> Vec<Figure> {
     ]
 }
 
-/// Seurat figure 13, right: the dual bound by iteration, and the energy of the best feasible selection.
+/// Seurat figure 13, right: dual bound by iteration, and energy of the best feasible selection.
 fn converging(convergence: &[Bounds]) -> Drawing {
     let series = |number: usize, name: &str, value: fn(&Bounds) -> f64| {
         let mark = |(at, bounds): (usize, &Bounds)| Mark { x: at as f64, y: value(bounds), ..Mark::default() };
@@ -59,7 +59,7 @@ fn converging(convergence: &[Bounds]) -> Drawing {
     Chart { series, legend: "Energy".to_owned(), ..chart }.draw(SIZE[0], SIZE[1])
 }
 
-/// Seurat table 2; files are written after this.
+/// Seurat table 2. Writing the output files is not included: it happens later.
 fn durations(stages: &Stages) -> Drawing {
     let Stages { merge, candidates, selection, silhouettes, shading, atlas, gaps, export: _, evaluate } = *stages;
     let all = [
@@ -79,7 +79,7 @@ fn durations(stages: &Stages) -> Drawing {
     };
     let marks: Vec<Mark> = all.iter().enumerate().map(mark).collect();
     let total: f64 = marks.iter().map(|mark| mark.y).sum();
-    // Bars are as wide as the distance of two words.
+    // The axis has an empty word at each end, because a bar is as wide as the distance between two words.
     let names = all.iter().map(|(name, _)| *name);
     let words: Vec<String> = std::iter::once("").chain(names).chain([""]).map(str::to_owned).collect();
     let y = Axis::linear("seconds", marks.iter().map(|mark| mark.y));
@@ -91,19 +91,20 @@ fn durations(stages: &Stages) -> Drawing {
 /// A PNG file about one view.
 #[derive(Debug, Clone)]
 pub struct ViewPicture {
-    /// Without an ending.
+    /// File name without extension.
     pub name: String,
     pub picture: Plane<Rgb>,
 }
 
-/// What a capture's image is compared by.
+/// Result of comparing one image of a capture with the simplified scene.
 struct ImageScore {
     image: usize,
     psnr_db: f64,
     overdraw: f64,
 }
 
-/// Error maps of the images of a capture that the scene shows worst, and the overdraw of the view that has the most.
+/// Returns error maps of the captured images with the lowest PSNR, and the overdraw picture of the view with the
+/// highest overdraw.
 pub fn pictures(scene: &QuadMesh, capture: &mut Capture, background: Background) -> Result<Vec<ViewPicture>> {
     let compared = |capture: &mut Capture, image: usize| {
         let rays = capture.rays(image)?;
@@ -130,7 +131,7 @@ pub fn pictures(scene: &QuadMesh, capture: &mut Capture, background: Background)
     Ok(pictures)
 }
 
-/// A picture of the triangles over each pixel.
+/// Draws the number of triangles over each pixel.
 fn overdraw_picture(title: &str, layers: &Plane<u32>) -> Result<Plane<Rgb>> {
     let size = [layers.width(), layers.height()];
     let share = |count: u32| f64::from(count.min(MAX_LAYERS)) / f64::from(MAX_LAYERS);
@@ -165,7 +166,7 @@ mod tests {
     use crate::mesh::{Bvh, ImageTexture, Mesh, Ray, Wrap};
     use crate::simplify::raster::draw;
 
-    /// Triangles that the ray of each pixel meets.
+    /// Counts the triangles that the ray of each pixel hits.
     fn rays(scene: &QuadMesh, camera: &Camera, [width, height]: [u32; 2]) -> Plane<u32> {
         let bvh = Bvh::new((0..scene.mesh.triangles.len()).map(|triangle| scene.mesh.corners(triangle)));
         Plane::from_fn(width, height, |column, row| {
@@ -178,7 +179,7 @@ mod tests {
 
     #[test]
     fn layers_of_rays_are_the_fragments_of_the_rasteriser() {
-        // Slanted triangles at random places, one behind the eye.
+        // Slanted triangles at pseudo-random positions; one is behind the eye.
         let mut mesh = Mesh::default();
         for at in 0..9u32 {
             let far = if at == 8 { 1.0 } else { -1.0 - 0.3 * f64::from(at) };

@@ -1,17 +1,17 @@
-//! Plain tables: words to the left, numbers to the right, two spaces between, no lines and no colours.
+//! Plain-text tables: text left-aligned, numbers right-aligned, two spaces between columns, no lines and no colours.
 
 use std::fmt;
 
 use comfy_table::{CellAlignment, ContentArrangement, presets};
 
-/// A table in the making; its `Display` has a line for the headings and one for each row.
+/// Table under construction. Its `Display` prints one line for the headings and one per row.
 #[derive(Debug, Clone)]
 pub struct Table {
     table: comfy_table::Table,
 }
 
 impl Table {
-    /// A table without rows. Headings are separated by `|`; those of columns that keep to the right begin with `>`.
+    /// Creates a table without rows. Headings are separated by `|`; those of right-aligned columns begin with `>`.
     pub fn new(headings: &str) -> Table {
         let mut table = comfy_table::Table::new();
         table.load_style(presets::NOTHING).set_content_arrangement(ContentArrangement::Disabled);
@@ -23,14 +23,14 @@ impl Table {
         Table { table }
     }
 
-    /// Breaks words in the widest columns, so that no line is longer than `columns`; later lines of a cell stand under its
-    /// first.
+    /// Wraps the widest columns at word boundaries so that no line exceeds `columns` characters. Continuation lines of
+    /// a cell are placed below its first line.
     pub fn wrapped(mut self, columns: u16) -> Table {
         self.table.set_content_arrangement(ContentArrangement::Dynamic).set_width(columns);
         self
     }
 
-    /// Adds a row of as many cells as there are columns.
+    /// Adds a row. It must have one cell per column.
     pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
         self.table.add_row(cells.into_iter().collect::<Vec<_>>());
     }

@@ -6,7 +6,7 @@ pub struct Spread {
     pub high: f64,
 }
 
-/// The middle run, or the mean of the two in the middle.
+/// Median: the middle run, or the mean of the two middle runs. `None` without runs.
 pub fn median(runs: &[f64]) -> Option<f64> {
     let mut sorted = runs.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -23,7 +23,8 @@ pub fn spread(runs: &[f64]) -> Option<Spread> {
     Some(Spread { low: runs().min_by(f64::total_cmp)?, high: runs().max_by(f64::total_cmp)? })
 }
 
-/// How many runs points have, in words: `a single run`, `medians of 3 runs`, `medians of 1 to 3 runs`; none without runs.
+/// Describes the number of runs of points: `a single run`, `medians of 3 runs`, `medians of 1 to 3 runs`. `None`
+/// without runs.
 pub fn runs_in_words(counts: impl IntoIterator<Item = usize>) -> Option<String> {
     let counts: Vec<usize> = counts.into_iter().filter(|&count| count > 0).collect();
     let (&least, &most) = (counts.iter().min()?, counts.iter().max()?);

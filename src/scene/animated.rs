@@ -1,4 +1,4 @@
-//! A scene by its name: built in, or a file.
+//! A scene opened by name: a built-in scene, or a file.
 
 use std::path::Path;
 
@@ -14,12 +14,12 @@ pub enum Scene {
 }
 
 impl Scene {
-    /// Whether [`Self::open`] would take a text for a scene by its name alone.
+    /// True if [`Self::open`] accepts a text as a scene because of its name alone.
     pub fn is_named_by(text: &str) -> bool {
         has_ending(text) || built_in(text).is_some()
     }
 
-    /// Opens a built-in scene by its name, or a file. Notes say what was left out or replaced.
+    /// Opens a built-in scene by its name, or a file. The notes report what was ignored or replaced.
     pub fn open(text: &str, play: Play) -> Result<(Scene, Vec<String>)> {
         if let Some(kind) = built_in(text) {
             return match play {
@@ -41,7 +41,7 @@ impl Scene {
         Ok((Scene::Model(Box::new(model)), notes))
     }
 
-    /// The scene with each triangle divided in four, so many times; a built-in scene has none.
+    /// Splits each triangle into four, `times` times. Fails for built-in scenes, which have no triangles, unless `times` is 0.
     pub fn subdivided(self, times: u32) -> Result<Scene> {
         match self {
             Scene::Model(model) => Ok(Scene::Model(Box::new(model.subdivided(times)?))),
@@ -52,7 +52,7 @@ impl Scene {
         }
     }
 
-    /// The same time gives the same bits.
+    /// Returns the scene at a time; equal times give bit-identical scenes.
     pub fn at(&self, time_s: f64) -> SceneAtTime {
         match self {
             Scene::Procedural(scene) => scene.at(time_s),
@@ -60,7 +60,7 @@ impl Scene {
         }
     }
 
-    /// Length of the animation in seconds, 0 for a static scene.
+    /// Returns the length of the animation in seconds; 0 for a static scene.
     pub fn duration_s(&self) -> f64 {
         match self {
             Scene::Procedural(scene) => scene.duration_s(),
@@ -68,7 +68,7 @@ impl Scene {
         }
     }
 
-    /// Identifies the contents: the name of a built-in scene, or a digest of all files that were read.
+    /// Returns an identifier of the contents: the name of a built-in scene, or a digest of all files that were read.
     pub fn contents(&self) -> &str {
         match self {
             Scene::Procedural(scene) => scene.kind.name(),
@@ -82,7 +82,7 @@ fn has_ending(text: &str) -> bool {
     ending.is_some_and(|ending| ENDINGS.iter().any(|known| ending == *known))
 }
 
-/// An existing file precedes a built-in scene of its name; a folder does not.
+/// An existing file takes precedence over the built-in scene of its name; a folder does not.
 fn built_in(text: &str) -> Option<DemoKind> {
     let path = Path::new(text);
     DemoKind::from_name(text).filter(|_| !path.exists() || path.is_dir())

@@ -14,5 +14,5 @@ pub use samples::{MAX_SAMPLES, SamplePattern};
 pub use view::{Images, MAX_FACE_SIZE, Pass, PassSettings, capture_view};
 pub use write::{CaptureReport, CaptureSummary};
 
-/// Default samples of a pixel's colour.
+/// Default number of colour samples per pixel.
 pub const COLOR_SAMPLES: u32 = 16;

@@ -1,4 +1,4 @@
-//! Built-in scenes captured as datasets. The bytes follow from the plan alone.
+//! Captures built-in scenes as datasets. The bytes depend only on the plan.
 
 use std::path::Path;
 
@@ -27,7 +27,7 @@ pub struct FootagePlan {
 }
 
 impl FootagePlan {
-    /// Positions evenly along the diagonal of the scene's probe region, or its centre.
+    /// Returns probe positions evenly spaced along the diagonal of the scene's probe region; its centre for a single probe.
     pub fn positions(&self) -> Vec<DVec3> {
         let (middle, reach) = DemoScene::new(self.kind).probe_region();
         let last = f64::from(self.probes.saturating_sub(1));
@@ -35,7 +35,8 @@ impl FootagePlan {
         (0..self.probes).map(|probe| middle + along(probe) * reach).collect()
     }
 
-    /// Distances, and colours of [`COLOR_SAMPLES`].
+    /// Returns the capture plan: distances, and colour with [`COLOR_SAMPLES`] samples per pixel. Fails without frames or
+    /// probes.
     pub fn capture(&self) -> Result<CapturePlan> {
         let FootagePlan { kind, frames, face_size, probes } = *self;
         if frames == 0 || probes == 0 {
@@ -63,7 +64,7 @@ impl FootagePlan {
         })
     }
 
-    /// Captures everything into `folder`. The monitor advances by one for each image.
+    /// Captures everything into `folder`. The monitor advances by one per image.
     pub fn write(&self, folder: &Path, monitor: &dyn Monitor) -> Result<Manifest> {
         let plan = self.capture()?;
         plan.write(&Scene::Procedural(DemoScene::new(self.kind)), folder, monitor)?;

@@ -1,13 +1,13 @@
-//! Suns, lamps and the sky.
+//! Light sources: suns, lamps and the sky.
 
 use glam::DVec3;
 
-/// A light at infinity.
+/// A directional light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sun {
-    /// Towards the light, length 1.
+    /// Unit vector towards the light.
     pub direction: DVec3,
-    /// Radiance of a white surface that faces it.
+    /// Radiance of a white surface that faces the light.
     pub radiance: DVec3,
 }
 
@@ -15,19 +15,19 @@ pub struct Sun {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lamp {
     pub position: DVec3,
-    /// Radiance of a white surface that faces it at 1 m, without the window.
+    /// Radiance of a white surface that faces the lamp at 1 m, before the window is applied.
     pub radiance: DVec3,
-    /// Metres; may be `+inf`.
+    /// Range in metres; may be `+inf`.
     pub reach: f64,
     pub window: Window,
-    /// `None` for all directions.
+    /// `None` if the lamp emits in all directions.
     pub cone: Option<Cone>,
 }
 
-/// Factor of the inverse square law that ends the light at its range.
+/// Factor on the inverse square law that fades the light to 0 at its range r.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Window {
-    /// (1 − (d/r)²)², of slope 0 at the end: the lamps of built-in scenes.
+    /// (1 − (d/r)²)², with slope 0 at the range; used by built-in scenes.
     #[default]
     Smooth,
     /// 1 − (d/r)⁴, as `KHR_lights_punctual` recommends.
@@ -35,7 +35,7 @@ pub enum Window {
 }
 
 impl Window {
-    /// Two factors whose product is the window, given squared distances.
+    /// Returns two factors whose product is the window, given squared distances.
     pub(super) fn factors(self, squared: f64, reach_squared: f64) -> [f64; 2] {
         let share = squared / reach_squared;
         match self {
@@ -48,16 +48,16 @@ impl Window {
 /// The cone of a spot light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cone {
-    /// Length 1.
+    /// Unit vector.
     pub axis: DVec3,
-    /// Cosine of the angle from the axis of full intensity.
+    /// Cosine of the angle from the axis up to which the intensity is full.
     pub cos_inner: f64,
-    /// Cosine of the angle from the axis of no intensity, below `cos_inner`.
+    /// Cosine of the angle from the axis at which the intensity reaches 0; below `cos_inner`.
     pub cos_outer: f64,
 }
 
 impl Cone {
-    /// Share of the intensity in a direction of length 1: the square of a linear ramp between the two cosines, as
+    /// Returns the fraction of the intensity in a unit direction: the square of a linear ramp between the two cosines, as
     /// `KHR_lights_punctual` recommends.
     pub fn strength(&self, direction: DVec3) -> f64 {
         let width = (self.cos_inner - self.cos_outer).max(1e-9);
@@ -66,31 +66,31 @@ impl Cone {
     }
 }
 
-/// Background, and ambient light.
+/// Background and ambient light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sky {
-    /// Radiance up to an elevation whose sine is [`Sky::GRADIENT_START`].
+    /// Radiance up to the elevation whose sine is [`Sky::GRADIENT_START`].
     pub horizon: DVec3,
-    /// Radiance straight up.
+    /// Radiance at the zenith.
     pub zenith: DVec3,
-    /// Radiance of a white surface that faces up, without sun.
+    /// Radiance of a white surface that faces up, from ambient light alone.
     pub ambient: DVec3,
 }
 
 impl Sky {
-    /// Just above 45°: the four horizontal faces of a cube map see a constant.
+    /// Just above sin 45°: the four horizontal faces of a cube map see a constant.
     pub const GRADIENT_START: f64 = 0.71;
 
     pub const NONE: Sky = Sky { horizon: DVec3::ZERO, zenith: DVec3::ZERO, ambient: DVec3::ZERO };
 
-    /// In a direction of length 1.
+    /// Returns the radiance in a unit direction.
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
         let rise = (direction.y - Sky::GRADIENT_START) / (1.0 - Sky::GRADIENT_START);
         if rise <= 0.0 { self.horizon } else { self.horizon.lerp(self.zenith, rise.min(1.0)) }
     }
 }
 
-/// All light sources but emissive surfaces.
+/// All light sources except emissive surfaces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Light {
     pub suns: Vec<Sun>,

@@ -1,11 +1,10 @@
-//! Materials of analytic shapes, with textures that are functions of the point alone. Points are in the object's own
-//! coordinates, metres.
+//! Materials of analytic shapes. Textures are functions of the point alone, in object coordinates in metres.
 
 use glam::DVec3;
 
 use super::mesh::{Optics, Phong};
 
-/// A pattern of albedos, linear Rec. 709, 0..=1.
+/// A pattern of albedos in linear Rec. 709, 0..=1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Texture {
     Solid(DVec3),
@@ -19,11 +18,11 @@ pub enum Texture {
         /// Direction across the stripes; its length is the number of stripes per metre.
         wave: DVec3,
     },
-    /// Rows of bricks of varying brightness in mortar, along the two axes across the normal.
+    /// Rows of bricks of varying brightness in mortar, along the two axes perpendicular to the normal.
     Bricks {
         /// Mean brick colour and mortar colour.
         colors: [DVec3; 2],
-        /// Length and height of a brick with its mortar, metres.
+        /// Length and height of a brick including its mortar, metres.
         size: [f64; 2],
         /// Width of the mortar, metres.
         joint: f64,
@@ -35,7 +34,7 @@ impl Texture {
         match *self {
             Texture::Solid(color) => color,
             Texture::Checker { colors, size } => {
-                // Half a cube off, so that faces at multiples of the size do not fall on the border between two.
+                // Shifted by half a cube, so that faces at multiples of the size do not lie on the border between two cubes.
                 let cell = (point / size + 0.5).floor();
                 colors[parity(cell.x + cell.y + cell.z)]
             }
@@ -52,7 +51,8 @@ impl Texture {
     }
 }
 
-/// The two coordinates across the dominant axis of the normal: (horizontal, vertical) on walls, (x, z) on floors.
+/// Returns the two coordinates perpendicular to the dominant axis of the normal: (horizontal, vertical) on walls, (x, z) on
+/// floors.
 fn across(point: DVec3, normal: DVec3) -> (f64, f64) {
     let n = normal.abs();
     if n.y >= n.x && n.y >= n.z {
@@ -64,14 +64,14 @@ fn across(point: DVec3, normal: DVec3) -> (f64, f64) {
     }
 }
 
-/// 1 for an odd whole number, 0 for an even one. The cast saturates far beyond any scene.
+/// Returns 1 for an odd whole number, 0 for an even one. The cast saturates only far outside any scene.
 fn parity(whole: f64) -> usize {
     (whole as i64 & 1) as usize
 }
 
-/// A fixed number in 0..1 for each brick: an integer hash, the same on every machine.
+/// Returns a fixed number in 0..1 for each brick: an integer hash, the same on every machine.
 fn cell_noise(column: f64, row: f64) -> f64 {
-    // Casts saturate, far beyond any scene.
+    // The casts saturate only far outside any scene.
     let mut h = (column as i32 as u32).wrapping_mul(0x9e37_79b1) ^ (row as i32 as u32).wrapping_mul(0x85eb_ca77);
     h = (h ^ (h >> 15)).wrapping_mul(0xc2b2_ae3d);
     h ^= h >> 13;
@@ -82,7 +82,7 @@ fn cell_noise(column: f64, row: f64) -> f64 {
 pub struct Material {
     /// Diffuse albedo.
     pub texture: Texture,
-    /// Emitted radiance, linear.
+    /// Emitted linear radiance.
     pub emission: DVec3,
     pub phong: Phong,
     pub optics: Optics,

@@ -1,4 +1,4 @@
-//! A mesh with the materials that rays are shaded with, and its bounding volume hierarchy.
+//! A mesh with the materials used for shading, and its bounding volume hierarchy.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,46 +13,46 @@ pub enum Optics {
     #[default]
     Opaque,
     Mirror {
-        /// Reflectance, linear, 0..=1.
+        /// Linear reflectance, 0..=1.
         tint: DVec3,
     },
     /// Clear glass: reflection and refraction by Fresnel's equations.
     Glass {
-        /// Index of refraction, 1 or more.
+        /// Index of refraction, at least 1.
         ior: f64,
-        /// Transmittance, linear, 0..=1.
+        /// Linear transmittance, 0..=1.
         tint: DVec3,
     },
 }
 
-/// A highlight by Phong's model, normalised: `weight · (n + 2)/2 · cosⁿ` of the angle to the mirror direction.
+/// A highlight by the normalised Phong model: `weight · (n + 2)/2 · cosⁿ` of the angle to the mirror direction.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Phong {
-    /// Linear, 0..=1; zero for a matt surface.
+    /// Linear weight, 0..=1; zero for a matte surface.
     pub weight: DVec3,
     /// n, at least 1.
     pub exponent: f64,
 }
 
-/// The material of triangles, as rays are shaded with it.
+/// Material of triangles for shading.
 #[derive(Debug, Clone, Default)]
 pub struct MeshMaterial {
-    /// As in the file, but for the base colour: that of the diffuse part. Metalness, roughness, reflectance, index of
-    /// refraction and transmission are not used: the fields below stand for them.
+    /// Material as in the file, except that the base colour is that of the diffuse part. Metalness, roughness, reflectance,
+    /// index of refraction and transmission are not used; the fields below replace them.
     pub plain: PlainMaterial,
     pub phong: Phong,
-    /// Part of the weight of the highlight that is a metal's base colour: vertex colours multiply it, too.
+    /// The part of the highlight's weight that is a metal's base colour; vertex colours multiply it.
     pub metal: DVec3,
     pub optics: Optics,
 }
 
-/// A mesh that rays can be traced against. Holes of alpha are passed through.
+/// A mesh that rays can be traced against. Rays pass through alpha-tested holes.
 #[derive(Debug, Clone)]
 pub struct SceneMesh {
     pub mesh: Mesh,
     pub materials: Arc<[MeshMaterial]>,
     pub bvh: Bvh,
-    /// Whether any material has holes, and whether any is glass.
+    /// True if any material has holes, and if any is glass.
     has_holes: bool,
     has_glass: bool,
 }
@@ -65,12 +65,12 @@ impl SceneMesh {
         SceneMesh { mesh, materials, bvh, has_holes, has_glass }
     }
 
-    /// Memory that its triangles take.
+    /// Returns the bytes of its triangles.
     pub fn bytes(&self) -> u64 {
         self.mesh.bytes() + self.bvh.bytes()
     }
 
-    /// The textures of its materials.
+    /// Returns the textures of its materials, with repetitions.
     pub fn textures(&self) -> impl Iterator<Item = &Arc<ImageTexture>> {
         self.materials
             .iter()
@@ -78,27 +78,27 @@ impl SceneMesh {
             .flatten()
     }
 
-    /// The nearest triangle strictly within the range, in metres, from either side.
+    /// Returns the nearest triangle strictly within the range, in metres; both sides count.
     pub fn nearest(&self, ray: &Ray, range: Range<f64>) -> Option<TriangleHit> {
         self.bvh.nearest(ray, range, |hit| !self.is_hole(hit.triangle, hit.barycentric))
     }
 
-    /// Whether a triangle lies strictly within the range, in metres.
+    /// True if any triangle lies strictly within the range, in metres.
     pub fn occluded(&self, ray: &Ray, range: Range<f64>) -> bool {
         self.bvh.any(ray, range, |hit| !self.is_hole(hit.triangle, hit.barycentric))
     }
 
-    /// [`Self::occluded`] for light, which passes clear glass.
+    /// [`Self::occluded`] for light, which passes through clear glass.
     pub(super) fn casts_shadow(&self, ray: &Ray, range: Range<f64>) -> bool {
         self.bvh.any(ray, range, |hit| !self.is_glass(hit.triangle) && !self.is_hole(hit.triangle, hit.barycentric))
     }
 
-    /// `None` for an index that is not in the list of materials.
+    /// Returns the material of a triangle; `None` if its index is not in the list of materials.
     pub fn material(&self, triangle: usize) -> Option<&MeshMaterial> {
         self.materials.get(*self.mesh.material_of.get(triangle)? as usize)
     }
 
-    /// Whether the material has a hole at barycentric coordinates, as for [`Mesh::uv`].
+    /// True if the material has a hole at barycentric coordinates, as for [`Mesh::uv`].
     pub fn is_hole(&self, triangle: usize, at: DVec2) -> bool {
         if !self.has_holes {
             return false;

@@ -1,7 +1,7 @@
-//! Scenes that can be seen from anywhere: analytic shapes, meshes, procedural scenes, ray casting, cube-map capture.
+//! Scenes that can be rendered from any position: analytic shapes, meshes, procedural scenes, ray casting, cube-map capture.
 //!
-//! Enters: a time and a camera position. Leaves: colour and depth planes whose every value has a known reason, which
-//! is what `lightfold demo` and the tests of a codec need. Positions and lengths are in metres.
+//! Takes a time and a camera position; returns colour and depth planes. Every value follows from the scene's definition, as
+//! `lightfold demo` and the codec tests require. Positions and lengths are in metres.
 
 pub mod animated;
 pub mod capture;

@@ -18,7 +18,7 @@ pub struct Object {
     pub casts_shadow: CastsShadow,
 }
 
-/// Whether shadow rays are tested against an object.
+/// Selects whether shadow rays are tested against an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CastsShadow {
     Yes,
@@ -26,7 +26,7 @@ pub enum CastsShadow {
 }
 
 impl Object {
-    /// An object that casts shadows, textured in world coordinates.
+    /// Creates an object that casts shadows and is textured in world coordinates.
     pub fn new(shape: Shape, material: Material) -> Self {
         Object {
             shape,
@@ -38,7 +38,7 @@ impl Object {
         }
     }
 
-    /// Whether it casts shadows; glass never does.
+    /// True if it casts shadows; glass never does.
     pub(super) fn is_occluder(&self) -> bool {
         self.casts_shadow == CastsShadow::Yes && !matches!(self.material.optics, Optics::Glass { .. })
     }

@@ -1,4 +1,4 @@
-//! Analytic shapes and their intersections with rays, in f64: exact to far below a 16-bit depth code.
+//! Analytic shapes and their intersections with rays, in f64: errors are far below one 16-bit depth code.
 
 use glam::{DVec2, DVec3};
 
@@ -15,7 +15,7 @@ impl Sphere {
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         let to_center = self.center - ray.origin();
         let closest = to_center.dot(ray.direction());
-        // Computed from the offset, as b² − c cancels for small distant spheres.
+        // Computed from the offset, because b² − c cancels for small distant spheres.
         let offset = to_center - closest * ray.direction();
         let inside = self.radius * self.radius - offset.length_squared();
         if inside < 0.0 {
@@ -63,12 +63,12 @@ pub struct Quad {
     pub corner: DVec3,
     /// Edge from the corner, metres.
     pub u: DVec3,
-    /// The other edge, at a right angle to `u`.
+    /// The other edge, perpendicular to `u`.
     pub v: DVec3,
 }
 
 impl Quad {
-    /// The intersection, if it is beyond `min_distance`. A ray in the plane misses.
+    /// Returns the intersection if it is beyond `min_distance`. A ray in the plane misses.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         let across = self.u.cross(self.v);
         let slope = across.dot(ray.direction());
@@ -83,13 +83,13 @@ impl Quad {
             let along = (ray.at(distance) - self.corner).dot(edge);
             along >= 0.0 && along <= edge.length_squared()
         };
-        // Without an area there is no normal, and no hit.
+        // A rectangle without area has no normal and cannot be hit.
         let normal = across.try_normalize()?;
         (inside(self.u) && inside(self.v)).then_some(Intersection { distance, normal })
     }
 }
 
-/// A row of equal thin posts along +X, joined by rails: hard for a depth codec.
+/// A row of equal thin posts along +X, joined by rails; difficult for a depth codec.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fence {
     /// Foot of the first post's centre, metres.
@@ -115,7 +115,7 @@ impl Fence {
         }
     }
 
-    /// The rail around a height above the foot, metres.
+    /// Returns the rail centred at a height above the foot, metres.
     pub fn rail(&self, height: f64) -> AxisBox {
         let (AxisBox { min, max }, y, half) = (self.bounds(), self.foot.y + height, 0.5 * self.width);
         AxisBox { min: DVec3::new(min.x, y - half, min.z), max: DVec3::new(max.x, y + half, max.z) }
@@ -126,7 +126,7 @@ impl Fence {
         AxisBox { min: foot - DVec3::new(half, 0.0, half), max: foot + DVec3::new(half, self.height, half) }
     }
 
-    /// The nearest intersection beyond `min_distance`. Only posts near the ray are tested.
+    /// Returns the nearest intersection beyond `min_distance`. Only posts near the ray are tested.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         let slabs = self.bounds().slabs(ray);
         let (enter, leave) = (slabs.enter().max(min_distance), slabs.leave());
@@ -146,7 +146,7 @@ impl Fence {
         let ends = [ray.at(enter).x, ray.at(leave).x];
         // Half a post and a margin for rounding.
         let reach = 0.5 * self.width + 1e-9;
-        // Casts saturate, and the posts are clamped to those that exist.
+        // The casts saturate, and the indices are clamped to existing posts.
         let first = (post_at(ends[0].min(ends[1]) - reach).ceil() as u32).min(self.posts - 1);
         let last = (post_at(ends[0].max(ends[1]) + reach).floor() as u32).min(self.posts - 1);
         (first..=last).for_each(|post| offer(self.post(post)));
@@ -164,7 +164,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// The nearest intersection beyond `min_distance` metres.
+    /// Returns the nearest intersection beyond `min_distance` metres.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         match self {
             Shape::Sphere(shape) => shape.intersect(ray, min_distance),
@@ -175,7 +175,7 @@ impl Shape {
         }
     }
 
-    /// A box that contains the shape (not always the smallest).
+    /// Returns a box that contains the shape (not always the smallest).
     pub fn bounding_box(&self) -> AxisBox {
         let around = |center: DVec3, half: DVec3| AxisBox { min: center - half, max: center + half };
         match self {
@@ -211,7 +211,7 @@ mod tests {
         assert_eq!((hit.distance, hit.normal), (2.0, DVec3::Y));
         assert_eq!(ball.intersect(&ray([0.0, 2.1, 0.0], [0.0, 0.0, -1.0]), 0.0), None);
         assert_eq!(ball.intersect(&ray([0.0; 3], [0.0, 0.0, 1.0]), 0.0), None);
-        // A millimetre ball a kilometre away is still a ball.
+        // A sphere of 1 mm radius at a distance of 1 km is still hit.
         let speck = Sphere { center: DVec3::new(1000.0, 0.0, 0.0), radius: 0.001 };
         let hit = speck.intersect(&ray([0.0; 3], [1.0, 0.0, 0.0]), 0.0).unwrap();
         assert!((hit.distance - 999.999).abs() < 1e-9);
@@ -272,7 +272,7 @@ mod tests {
         let mut hits = 0;
         for i in 0..20_000_u32 {
             let (a, b) = (f64::from(i) * 0.618_034 % 1.0, f64::from(i) * 0.754_878 % 1.0);
-            // From beside, from the end and from between the posts.
+            // From the side, from the end and from between the posts.
             let origin = [[0.1, 0.5, 0.0], [-3.0, 0.4, 0.9], [0.11, 0.5, 1.0]][i as usize % 3];
             let from = ray(origin, [a * 4.0 - 2.0, b - 0.5, 1.0 - 2.0 * f64::from(i % 2)]);
             let nearest = parts

@@ -1,5 +1,5 @@
-//! Built-in scenes. The moving objects follow from the time alone and repeat after [`DemoScene::PERIOD_S`]; static
-//! ones are the same objects in the same order at every time.
+//! Built-in scenes. Moving objects depend on the time alone and repeat after [`DemoScene::PERIOD_S`]; static objects are the
+//! same and in the same order at every time.
 
 mod cornell;
 mod courtyard;
@@ -57,7 +57,7 @@ impl DemoKind {
 #[derive(Debug, Clone)]
 pub struct DemoScene {
     pub kind: DemoKind,
-    /// Static objects: the first objects at every time.
+    /// Static objects; they precede the moving objects at every time.
     fixed: Vec<Object>,
 }
 
@@ -68,21 +68,21 @@ impl DemoScene {
         DemoScene { kind, fixed: (kind.definition().fixed)() }
     }
 
-    /// Seconds after which it repeats, 0 for a static scene.
+    /// Returns the period in seconds; 0 for a static scene.
     pub fn duration_s(&self) -> f64 {
         if self.kind == DemoKind::Cornell { 0.0 } else { Self::PERIOD_S }
     }
 
-    /// Region for probes: centre and half size, metres. From anywhere within, at any time, no surface is nearer than
-    /// 0.4 m (0.9 m in the courtyard).
+    /// Returns the region for probes: centre and half size, metres. Seen from any point of the region, at any time, no surface
+    /// is nearer than 0.4 m (0.9 m in the courtyard).
     pub fn probe_region(&self) -> (DVec3, DVec3) {
         self.kind.definition().region
     }
 
-    /// A negative time is allowed; one that is not finite counts as 0.
+    /// Returns the scene at a time. A negative time is allowed; a time that is not finite counts as 0.
     pub fn at(&self, time_s: f64) -> SceneAtTime {
         let time_s = if time_s.is_finite() { time_s } else { 0.0 };
-        // 0..1 through the period.
+        // 0..1 over the period.
         let phase = (time_s / Self::PERIOD_S).rem_euclid(1.0);
         (self.kind.definition().at)(phase, self.fixed.clone())
     }
@@ -131,7 +131,7 @@ mod tests {
             }
             let all = 9 * 4 * 6 * (size * size) as usize;
             match kind {
-                // No way out of a closed room.
+                // Closed rooms have no background.
                 DemoKind::Interior | DemoKind::Mirrors => assert_eq!(seen, all, "{kind:?}"),
                 DemoKind::Object => assert!(seen > all / 100 && seen < all / 5, "{seen} of {all}"),
                 _ => assert!(seen > all / 3 && seen < all, "{kind:?}: {seen} of {all}"),

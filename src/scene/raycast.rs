@@ -1,7 +1,7 @@
-//! A scene frozen at one time: nearest hit of a ray, and visibility between two points.
+//! A scene at a fixed time: nearest hit of a ray, and visibility between two points.
 //!
-//! The same scene and ray give the same bits, so that what neither moves nor is relit is exactly static. Static objects
-//! are in meshes that all times share; moving ones get a new tree for each time.
+//! The same scene and ray give the same bits, so surfaces that neither move nor change illumination are bit-identical over
+//! time. Static objects are in meshes that all times share; moving ones get a new bounding volume hierarchy for each time.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -12,18 +12,18 @@ use super::shadow_grid::ShadowGrid;
 use super::{Light, Object, SceneMesh};
 use crate::mesh::{AxisBox, Bvh, ImageTexture, Intersection, Ray, TriangleHit};
 
-/// Offset of ray origins from the surface that they leave, in metres, for a scene that is `size` metres across: a
-/// micrometre from 1 to 100 m, a millionth of smaller scenes, a hundred-millionth of larger ones.
+/// Returns the offset of ray origins from the surface that they leave, in metres, for a scene that is `size` metres across:
+/// 1e-6 m from 1 to 100 m, 1e-6 of the size of smaller scenes, 1e-8 of the size of larger ones.
 fn lift_m(size: f64) -> f64 {
     if size < 1.0 { 1e-6 * size } else { f64::max(1e-6, 1e-8 * size) }
 }
 
-/// Which rays light costs.
+/// Selects the rays that are cast for illumination.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LightRays {
-    /// Whether suns and lamps cast shadows.
+    /// True if suns and lamps cast shadows.
     pub shadows: bool,
-    /// Rays that measure how open the surroundings of a point are to ambient light; 0 for none, where all are.
+    /// Number of ambient occlusion rays per point; 0 disables ambient occlusion.
     pub occlusion: u32,
 }
 
@@ -39,9 +39,9 @@ pub struct SceneAtTime {
     pub meshes: Vec<Arc<SceneMesh>>,
     pub light: Light,
     pub light_rays: LightRays,
-    /// One for each sun.
+    /// One per sun.
     pub(super) shadows: Vec<ShadowGrid>,
-    /// The smallest box around the boxes of all objects and meshes; `None` for an empty scene.
+    /// The smallest box around the boxes of all finite objects and meshes; `None` for an empty scene.
     pub bounds: Option<AxisBox>,
     /// Diagonal of the bounds, metres.
     size: f64,
@@ -59,7 +59,7 @@ pub struct FirstHit {
 pub enum HitSurface {
     Object {
         index: usize,
-        /// Length 1, out of the solid.
+        /// Unit normal, pointing out of the solid.
         normal: DVec3,
     },
     Mesh {
@@ -69,7 +69,7 @@ pub enum HitSurface {
 }
 
 impl SceneAtTime {
-    /// Memory that its meshes and their textures take, each texture once.
+    /// Returns the bytes of its meshes and their textures, counting each texture once.
     pub fn bytes(&self) -> u64 {
         let textures = self.meshes.iter().flat_map(|mesh| mesh.textures());
         let sizes: BTreeMap<*const ImageTexture, u64> =
@@ -77,7 +77,7 @@ impl SceneAtTime {
         self.meshes.iter().map(|mesh| mesh.bytes()).chain(sizes.into_values()).sum()
     }
 
-    /// A scene of `objects`. Of two that are equally far along a ray, the first is hit.
+    /// Creates a scene of `objects`. If two are equally far along a ray, the first is hit.
     pub fn new(objects: Vec<Object>, light: Light) -> Self {
         Self::with_meshes(objects, Vec::new(), light)
     }
@@ -85,7 +85,7 @@ impl SceneAtTime {
     pub fn with_meshes(objects: Vec<Object>, meshes: Vec<Arc<SceneMesh>>, light: Light) -> Self {
         let shadows = light.suns.iter().map(|sun| ShadowGrid::new(&objects, sun.direction)).collect();
         let boxes = objects.iter().map(|object| object.bounds).chain(meshes.iter().filter_map(|mesh| mesh.bvh.bounds));
-        // Shapes that are not finite are invisible, and must not spoil what depends on the size.
+        // Shapes that are not finite are invisible; excluding them keeps the size finite.
         let boxes = boxes.filter(|bounds| bounds.min.is_finite() && bounds.max.is_finite());
         let bounds = boxes.reduce(AxisBox::join);
         let size = bounds.map_or(0.0, |bounds| (bounds.max - bounds.min).length().min(f64::MAX));
@@ -106,8 +106,8 @@ impl SceneAtTime {
         SceneAtTime { light_rays, ..self }
     }
 
-    /// Whether no surface lies between two points, both of which may be on a surface: hits within the offset of ray
-    /// origins (`lift_m`, and at least 1e-13 of the point's largest coordinate) of either are ignored. Glass occludes,
+    /// True if no surface lies between two points, both of which may be on a surface: hits closer to either point than the
+    /// offset of ray origins (`lift_m`, and at least 1e-13 of the point's largest coordinate) are ignored. Glass occludes,
     /// holes in textures do not. Points that are not finite are not visible.
     pub fn sees(&self, from: DVec3, to: DVec3) -> bool {
         let way = to - from;
@@ -127,23 +127,25 @@ impl SceneAtTime {
         !hidden && !self.meshes.iter().any(|mesh| mesh.occluded(&ray, ends[0]..ends[1]))
     }
 
-    /// Metres within which surfaces occlude ambient light: a tenth of the scene's diagonal.
+    /// Returns the distance in metres within which surfaces occlude ambient light: a tenth of the scene's diagonal.
     pub(super) fn occlusion_reach(&self) -> f64 {
         0.1 * self.size
     }
 
-    /// Square metres around a lamp within which it becomes no brighter: 10 cm, less in scenes of less than a metre.
+    /// Returns the squared distance from a lamp, in m², below which it gets no brighter: (10 cm)², less in scenes of less than
+    /// a metre.
     pub(super) fn lamp_core(&self) -> f64 {
         0.01 * self.size.min(1.0).powi(2)
     }
 
-    /// Offset of a ray that leaves the surface at `point`, metres: larger far from the origin, where f64 resolves less.
+    /// Returns the offset of a ray that leaves the surface at `point`, metres: larger far from the origin, where f64 is less
+    /// precise.
     pub(super) fn lift(&self, point: DVec3) -> f64 {
         self.lift.max(1e-13 * point.abs().max_element())
     }
 
-    /// The nearest hit among all meshes and the `candidates` (indices of objects, rising); of equally near ones, objects
-    /// before meshes, then the lower index.
+    /// Returns the nearest hit among all meshes and the `candidates` (ascending indices of objects). If several are equally
+    /// near, objects precede meshes, then the lowest index wins.
     pub fn first_hit(&self, ray: &Ray, candidates: impl IntoIterator<Item = usize>) -> Option<FirstHit> {
         let mut first: Option<FirstHit> = None;
         for index in candidates {
@@ -162,8 +164,8 @@ impl SceneAtTime {
         first
     }
 
-    /// All hits along a ray by distance, among all meshes and the `candidates`: of equally near ones, the one that [`Self::first_hit`]
-    /// answers.
+    /// Returns all hits along a ray, by distance, among all meshes and the `candidates`. Of several equally near hits, only the
+    /// one that [`Self::first_hit`] returns is included.
     pub fn all_hits(&self, ray: &Ray, candidates: impl IntoIterator<Item = usize>) -> Vec<FirstHit> {
         let of_mesh = |(index, mesh): (usize, &Arc<SceneMesh>)| {
             let found = mesh.bvh.all(ray, 0.0..f64::INFINITY);
@@ -173,7 +175,7 @@ impl SceneAtTime {
         self.with_objects(self.meshes.iter().enumerate().flat_map(of_mesh), ray, candidates)
     }
 
-    /// Hits of triangles and those of the `candidates`, as [`Self::all_hits`].
+    /// Merges hits of triangles with those of the `candidates`, as [`Self::all_hits`] does.
     pub fn with_objects(
         &self,
         of_triangles: impl IntoIterator<Item = FirstHit>,
@@ -191,13 +193,13 @@ impl SceneAtTime {
             }
         }
         hits.extend(of_triangles);
-        // Stable: objects first, then meshes.
+        // The sort is stable: objects precede meshes.
         hits.sort_by(|a, b| a.distance.total_cmp(&b.distance));
         hits.dedup_by(|later, first| later.distance == first.distance);
         hits
     }
 
-    /// Where a ray meets a triangle, by its number among those of all meshes, and whether there is a hole.
+    /// Returns the hit of a ray on a triangle, given by its index over all meshes, and whether the triangle has a hole there.
     pub fn hit_of_triangle(&self, ray: &Ray, mut number: usize) -> Option<(FirstHit, bool)> {
         for (index, mesh) in self.meshes.iter().enumerate() {
             let count = mesh.mesh.triangles.len();
@@ -219,7 +221,7 @@ mod tests {
     use crate::mesh::Mesh;
     use crate::scene::{DemoKind, DemoScene, MeshMaterial};
 
-    /// Depth peeling (Epipolar listings 3.1 to 3.3): again and again the nearest surface behind the last one.
+    /// Depth peeling (Epipolar listings 3.1 to 3.3): repeatedly finds the nearest surface behind the last one.
     fn peeled(scene: &SceneAtTime, ray: &Ray) -> Vec<FirstHit> {
         let mut layers: Vec<FirstHit> = Vec::new();
         loop {
@@ -248,7 +250,7 @@ mod tests {
 
     #[test]
     fn all_hits_are_the_layers_of_depth_peeling() {
-        // Sheets of triangles, two of them in one plane.
+        // Sheets of triangles, two of them in the same plane.
         let corner = |x: f64, z: f64| DVec3::new(x, 0.5 * x, z);
         let sheet = |z: f64| [corner(-9.0, z), corner(9.0, z), DVec3::new(0.0, 18.0, z)];
         let sheets = [-1.0, -1.0, -2.5, -2.5f64.next_down(), -4.0].map(sheet);

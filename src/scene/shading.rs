@@ -1,9 +1,8 @@
-//! Radiance of a surface: Lambert and Phong under suns, lamps and an ambient sky, with hard shadows; mirrors and
-//! clear glass by recursive rays.
+//! Radiance of a surface: Lambert and Phong under suns, lamps and an ambient sky, with hard shadows; mirrors and clear glass by
+//! recursive rays.
 //!
-//! Reflected and refracted rays are traced only where materials call for them. Shadow rays pass clear glass, and
-//! there are no caustics: light behind glass is bent, so a straight shadow would be darker than the truth nearly
-//! everywhere.
+//! Reflected and refracted rays are traced only for mirrors and glass. Shadow rays pass clear glass, and there are no caustics:
+//! real glass refracts light, so a straight shadow would be too dark nearly everywhere.
 
 mod occlusion;
 #[cfg(test)]
@@ -17,9 +16,9 @@ use super::raycast::SceneAtTime;
 use super::surface::Surface;
 use crate::mesh::Ray;
 
-/// Reflections and refractions on one path; beyond, the ambient light is used.
+/// Maximum reflections and refractions on a path; longer paths end in the ambient light.
 pub const MAX_BOUNCES: u32 = 8;
-/// Paths of less weight end in the ambient light, too.
+/// Paths of less weight also end in the ambient light.
 const MIN_WEIGHT: f64 = 1e-4;
 
 /// Weight of reflection, weight of refraction and index of refraction of an opaque surface.
@@ -29,7 +28,7 @@ pub const OPAQUE: [f64; 3] = [0.0, 0.0, 1.0];
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Path {
     bounces: u32,
-    /// Share of the light that reaches the eye.
+    /// Fraction of the path's radiance that reaches the eye.
     weight: f64,
 }
 
@@ -39,16 +38,16 @@ impl Path {
 
 #[cfg(test)]
 thread_local! {
-    /// Reflected and refracted rays of this thread.
+    /// Number of reflected and refracted rays traced by this thread.
     pub(super) static SECONDARY_RAYS: std::cell::Cell<u64> = const { std::cell::Cell::new(0) };
 }
 
 /// Radiance of a surface towards an eye.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Radiance {
-    /// The same towards every eye: emission, and the light that a matt surface reflects.
+    /// View-independent part: emission and diffuse reflection.
     pub steady: DVec3,
-    /// Highlights; all light of mirrors and glass.
+    /// View-dependent part: highlights; all radiance of mirrors and glass.
     pub of_eye: DVec3,
 }
 
@@ -58,25 +57,25 @@ impl Radiance {
     }
 }
 
-/// The highlights of an opaque surface towards any eye on the side that it was seen from: the lights that reach it are known.
+/// Highlights of an opaque surface, for any eye on the side that it was seen from; stores the lights that reach the surface.
 #[derive(Debug, Clone)]
 pub struct Gloss {
     pub point: DVec3,
     /// Shading normal, length 1.
     pub normal: DVec3,
     phong: Phong,
-    /// Light of each sun and lamp on a white matt surface, and the direction towards it.
+    /// Radiance that each sun and lamp causes on a white matte surface, and the direction towards the light.
     lights: Box<[(DVec3, DVec3)]>,
     ambient: DVec3,
 }
 
 impl Gloss {
-    /// Memory that it takes.
+    /// Returns its size in bytes.
     pub fn bytes(&self) -> u64 {
         (size_of::<Gloss>() + size_of_val(&self.lights[..])) as u64
     }
 
-    /// Radiance of the highlights towards an eye.
+    /// Returns the radiance of the highlights towards an eye.
     pub fn towards(&self, eye: DVec3) -> DVec3 {
         let Some(direction) = (self.point - eye).try_normalize() else { return DVec3::ZERO };
         let mirrored = reflect(direction, self.normal);
@@ -84,20 +83,20 @@ impl Gloss {
         self.phong.weight * (lobes.sum::<DVec3>() + ambient(self.ambient, mirrored))
     }
 
-    /// Mirror directions of the lights, of length 1: towards an eye in one of them, its highlight is brightest.
+    /// Returns the unit mirror directions of the lights: an eye in one of them sees that light's highlight at its peak.
     pub fn mirrored(&self) -> impl Iterator<Item = DVec3> + '_ {
         self.lights.iter().map(|&(_, towards)| -reflect(towards, self.normal))
     }
 }
 
-/// Light reflected by a white matt surface, and by a Phong lobe of weight 1.
+/// Radiance reflected by a white matte surface, and by a Phong lobe of weight 1.
 struct Reflected {
     matt: DVec3,
     gloss: DVec3,
 }
 
 impl SceneAtTime {
-    /// Radiance towards the origin of a ray in `direction`.
+    /// Returns the radiance towards the origin of a ray in `direction`.
     pub(super) fn radiance(&self, surface: &Surface, direction: DVec3, path: Path) -> Radiance {
         let of_eye = match surface.optics {
             Optics::Opaque => return self.lit(surface, direction),
@@ -126,7 +125,7 @@ impl SceneAtTime {
         Radiance { steady: DVec3::ZERO, of_eye }
     }
 
-    /// The highlights of a surface, `None` where it has none, or is a mirror or glass.
+    /// Returns the highlights of a surface; `None` if it has none, or is a mirror or glass.
     pub(super) fn gloss(&self, surface: &Surface) -> Option<Gloss> {
         if surface.unlit || surface.phong.is_matt() || surface.optics != Optics::Opaque {
             return None;
@@ -138,7 +137,7 @@ impl SceneAtTime {
         Some(Gloss { point, normal, phong, lights, ambient: self.light.sky.ambient })
     }
 
-    /// Radiance that arrives from `direction` on the side of `out`.
+    /// Returns the radiance that arrives from `direction` on the side of `out`.
     fn along(&self, surface: &Surface, out: DVec3, direction: DVec3, path: Path) -> DVec3 {
         if path.bounces > MAX_BOUNCES || path.weight < MIN_WEIGHT {
             return self.light.sky.ambient;
@@ -161,7 +160,7 @@ impl SceneAtTime {
         Radiance { steady, of_eye: surface.phong.weight * light.gloss }
     }
 
-    /// Phong alone, for mirrors and glass.
+    /// Returns the Phong highlights of mirrors and glass.
     fn highlights(&self, surface: &Surface, direction: DVec3) -> DVec3 {
         if surface.phong.is_matt() {
             return DVec3::ZERO;
@@ -169,8 +168,8 @@ impl SceneAtTime {
         surface.phong.weight * self.direct_upon(surface, direction, DVec3::ZERO).gloss
     }
 
-    /// Ambient and direct light: reflected by a white matt surface, and by a Phong lobe of weight 1. The ambient
-    /// light is uniform, so a lobe reflects as much of it as a matt surface.
+    /// Returns the ambient and direct light, reflected by a white matte surface and by a Phong lobe of weight 1. The ambient
+    /// light is uniform, so a lobe reflects as much of it as a matte surface.
     fn arriving(&self, surface: &Surface, direction: DVec3) -> Reflected {
         let sky = self.light.sky.ambient;
         let open = occlusion::open_part(self, surface);
@@ -181,7 +180,7 @@ impl SceneAtTime {
         light
     }
 
-    /// Suns and lamps, added to `matt` one by one.
+    /// Adds suns and lamps to `matt` one by one.
     fn direct_upon(&self, surface: &Surface, direction: DVec3, mut matt: DVec3) -> Reflected {
         let mut gloss = DVec3::ZERO;
         let mirrored = (!surface.phong.is_matt()).then(|| reflect(direction, surface.normal));
@@ -194,7 +193,8 @@ impl SceneAtTime {
         Reflected { matt, gloss }
     }
 
-    /// Gives the light of each sun and lamp that reaches a surface, on a white matt one, and the direction towards it.
+    /// Calls `add` for each sun and lamp that reaches a surface, with the radiance on a white matte surface and the direction
+    /// towards the light.
     fn direct_lights(&self, surface: &Surface, mut add: impl FnMut(DVec3, DVec3)) {
         let above = surface.point + self.lift(surface.point) * surface.side;
         for (sun, shadows) in self.light.suns.iter().zip(&self.shadows) {
@@ -212,13 +212,13 @@ impl SceneAtTime {
         }
     }
 
-    /// A lamp's light on a white matt surface, and the direction to the lamp.
+    /// Returns the radiance that a lamp causes on a white matte surface, and the direction to the lamp.
     fn lamp_light(&self, lamp: &Lamp, point: DVec3, surface: &Surface) -> Option<(DVec3, DVec3)> {
         let to_lamp = lamp.position - point;
         let squared = to_lamp.length_squared();
         let reach = lamp.reach * lamp.reach;
         let cosine = surface.normal.dot(to_lamp);
-        // Out of range, behind the surface, or at the lamp, where there is no direction.
+        // Out of range, behind the surface, or so close to the lamp that there is no direction.
         let lift = self.lift(point);
         if squared >= reach || cosine <= 0.0 || surface.side.dot(to_lamp) <= 0.0 || squared < lift * lift {
             return None;
@@ -235,7 +235,7 @@ impl SceneAtTime {
         Some((lamp.radiance * fall_off * strength, towards))
     }
 
-    /// Whether a shadow caster is within the first `length` metres.
+    /// True if a shadow caster is within the first `length` metres of a ray.
     fn light_stopped(&self, ray: &Ray, length: f64) -> bool {
         self.objects.iter().filter(|object| object.is_occluder()).any(|object| {
             object.bounds.intersect(ray, 0.0).is_some()
@@ -261,7 +261,7 @@ impl Phong {
         self.weight == DVec3::ZERO
     }
 
-    /// Reflectance at this cosine from the mirror direction, relative to a white surface.
+    /// Returns the reflectance at this cosine from the mirror direction, relative to a white surface.
     fn lobe(&self, cosine: f64) -> f64 {
         if cosine <= 0.0 { 0.0 } else { 0.5 * (self.exponent + 2.0) * cosine.powf(self.exponent) }
     }
@@ -269,21 +269,21 @@ impl Phong {
 
 /// Reflection and refraction at the surface of glass.
 struct Fresnel {
-    /// Of unpolarised light.
+    /// Reflectance for unpolarised light.
     reflectance: f64,
-    /// Direction; none in total reflection.
+    /// Refracted direction; `None` in total internal reflection.
     refracted: Option<DVec3>,
 }
 
 impl Surface {
-    /// The shading normal, or the geometric one where the reflection would enter the surface.
+    /// Returns the shading normal, or the geometric one if the reflection would enter the surface.
     fn optical_normal(&self, direction: DVec3) -> DVec3 {
         let sound = direction.dot(self.normal) < 0.0 && reflect(direction, self.normal).dot(self.side) > 0.0;
         if sound { self.normal } else { self.side }
     }
 
     fn fresnel(&self, direction: DVec3, normal: DVec3, ior: f64) -> Fresnel {
-        // Indices of files are clamped so that the result is finite.
+        // Indices from files are clamped so that the result is finite.
         let ior = if ior > 1.0 { ior.min(1e3) } else { 1.0 };
         let ratio = if self.from_within { ior } else { ior.recip() };
         let cos_in = (-direction.dot(normal)).clamp(0.0, 1.0);
@@ -295,13 +295,13 @@ impl Surface {
         let parallel = (cos_in - ratio * cos_out) / (cos_in + ratio * cos_out);
         let across = (ratio * cos_in - cos_out) / (ratio * cos_in + cos_out);
         let refracted = ratio * direction + (ratio * cos_in - cos_out) * normal;
-        // With a shading normal, the refracted ray may leave the surface again.
+        // With a shading normal, the refracted ray could leave on the wrong side of the surface.
         let refracted = refracted.try_normalize().filter(|refracted| refracted.dot(self.side) < 0.0);
         let reflectance = 0.5 * (parallel * parallel + across * across);
         Fresnel { reflectance, refracted: refracted.or(Some(direction)) }
     }
 
-    /// Weights of reflection and refraction and the index of refraction, as in a material stream.
+    /// Returns the weights of reflection and refraction and the index of refraction, as in a material stream.
     pub(super) fn optical_weights(&self, direction: DVec3) -> [f64; 3] {
         match self.optics {
             Optics::Opaque => OPAQUE,
@@ -314,7 +314,7 @@ impl Surface {
     }
 }
 
-/// Ambient light of a sky from the side of a normal: the ground reflects 40% of it.
+/// Returns the ambient light of a sky for a normal; the ground reflects 40% of it.
 fn ambient(sky: DVec3, normal: DVec3) -> DVec3 {
     sky * (0.7 + 0.3 * normal.y)
 }

@@ -1,4 +1,4 @@
-//! Size and contents of a scene, at time 0.
+//! Size and contents of a scene at time 0.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -11,22 +11,22 @@ use crate::scene::{MeshMaterial, Scene, SceneAtTime};
 pub struct SceneSummary {
     pub bounds_m: Option<SceneBounds>,
     pub triangles: usize,
-    /// Analytic shapes.
+    /// Number of analytic shapes.
     pub objects: usize,
-    /// In use.
+    /// Number of materials in use.
     pub materials: usize,
-    /// In use.
+    /// Number of textures in use.
     pub textures: usize,
-    /// Of the scene's own.
+    /// Number of the scene's own suns.
     pub suns: usize,
-    /// Point and spot lights of the scene's own.
+    /// Number of the scene's own point and spot lights.
     pub lamps: usize,
-    /// Whether the scene has no light of its own, so that a sun and a sky are added.
+    /// True if the scene has no light of its own, so that a sun and a sky are added.
     pub is_lit_by_default: bool,
     pub animations: Vec<AnimationSummary>,
 }
 
-/// Axis-aligned, metres.
+/// Axis-aligned bounds in metres.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SceneBounds {
     pub min: [f64; 3],
@@ -35,9 +35,9 @@ pub struct SceneBounds {
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AnimationSummary {
-    /// As in the file, without control characters.
+    /// Name in the file, with control characters replaced.
     pub name: Option<String>,
-    /// `None` where the file does not state it.
+    /// `None` if the file does not state it.
     pub duration_s: Option<f64>,
 }
 
@@ -79,7 +79,7 @@ impl Scene {
     }
 }
 
-/// Materials in use, each once.
+/// Returns the materials in use, without duplicates.
 fn materials(scene: &SceneAtTime) -> Vec<&MeshMaterial> {
     let mut found = Vec::new();
     let mut known = BTreeSet::new();

@@ -1,4 +1,4 @@
-//! Surface attributes at a hit, the same for shapes and triangles. Normals are on the side of the ray's origin: the
+//! Surface attributes at a hit, the same for shapes and triangles. Normals point to the side of the ray's origin, so the
 //! visible side is lit.
 
 use std::sync::Arc;
@@ -11,11 +11,11 @@ use crate::mesh::{ImageTexture, Intersection, Ray, TriangleHit};
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Surface {
     pub point: DVec3,
-    /// Geometric normal, length 1.
+    /// Geometric unit normal.
     pub side: DVec3,
-    /// Shading normal, length 1, less than 90° from `side`.
+    /// Shading normal, unit length, less than 90° from `side`.
     pub normal: DVec3,
-    /// Whether it is seen from inside the solid.
+    /// True if the surface is seen from inside the solid.
     pub from_within: bool,
     pub albedo: DVec3,
     pub emission: DVec3,
@@ -67,7 +67,7 @@ fn of_mesh(scene_mesh: &SceneMesh, ray: &Ray, hit: &TriangleHit) -> Surface {
     let side = if from_within { -outward } else { outward };
     let [second, third] = hit.barycentric.to_array();
     let first = 1.0 - second - third;
-    // Interpolated from the corners: along a long ray, f64 resolves less.
+    // Interpolated from the corners, because f64 is less precise at the end of a long ray.
     let point = first * corners[0] + second * corners[1] + third * corners[2];
     let normal = if mesh.normals.is_empty() {
         side
@@ -111,7 +111,7 @@ impl Surface {
     }
 }
 
-/// Geometric normal of the front, length 1, for triangles of any size.
+/// Returns the geometric unit normal of the front side, for triangles of any size.
 fn outward([a, b, c]: &[DVec3; 3]) -> DVec3 {
     let (ab, ac) = (b - a, c - a);
     let size = ab.abs().max_element().max(ac.abs().max_element());

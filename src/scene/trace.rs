@@ -1,4 +1,4 @@
-//! A ray traced through a scene: distance, radiance, normal and optics of what it meets first.
+//! Traces a ray through a scene: distance, radiance, normal and optics of the first hit.
 
 #[cfg(test)]
 mod tests;
@@ -10,18 +10,18 @@ use super::raycast::{FirstHit, HitSurface, SceneAtTime};
 use super::shading::{Gloss, OPAQUE, Path, Radiance};
 use crate::mesh::Ray;
 
-/// What a ray hits, or the background.
+/// Hit of a ray, or the background.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// Metres along the ray, `+inf` for nothing.
+    /// Metres along the ray; `+inf` if nothing is hit.
     pub distance: f64,
     /// Linear Rec. 709 radiance towards the ray's origin.
     pub color: DVec3,
-    /// Shading normal on the ray's side, length 1, zero for nothing; an interpolated one may lean away from the ray.
+    /// Shading normal on the ray's side, length 1; zero if nothing is hit. An interpolated normal may lean away from the ray.
     pub normal: DVec3,
-    /// Index into [`SceneAtTime::objects`], `None` for nothing and for a mesh.
+    /// Index into [`SceneAtTime::objects`]; `None` if nothing or a mesh is hit.
     pub object: Option<usize>,
-    /// Weight of reflection, weight of refraction, index of refraction; 0, 0, 1 for opaque surfaces and for nothing.
+    /// Weight of reflection, weight of refraction, index of refraction; 0, 0, 1 for opaque surfaces and for the background.
     pub optics: [f64; 3],
 }
 
@@ -30,8 +30,8 @@ impl Hit {
         Hit { distance: f64::INFINITY, color: DVec3::ZERO, normal: DVec3::ZERO, object: None, optics: OPAQUE };
 }
 
-/// Traces a ray from `origin` along `direction`, of any length. Without a length, or not finite, it hits nothing:
-/// distance `+inf` and the colour of the horizon.
+/// Traces a ray from `origin` along `direction`, which need not be normalised. If the direction is zero or anything is not
+/// finite, returns no hit: distance `+inf` and the colour of the horizon.
 pub fn trace(scene: &SceneAtTime, origin: DVec3, direction: DVec3) -> Hit {
     let Some(ray) = Ray::new(origin, direction) else {
         return Hit { color: scene.light.sky.horizon, ..Hit::NOTHING };
@@ -39,18 +39,18 @@ pub fn trace(scene: &SceneAtTime, origin: DVec3, direction: DVec3) -> Hit {
     scene.trace(&ray, 0..scene.objects.len())
 }
 
-/// How the light of a surface changes from eye to eye.
+/// View dependence of a surface's radiance.
 #[derive(Debug, Clone)]
 pub enum EyeLight {
-    /// Not at all.
+    /// The radiance is the same for all eyes.
     None,
     Gloss(Gloss),
-    /// A mirror or glass: as only tracing tells.
+    /// A mirror or glass: the radiance must be traced for each eye.
     Traced,
 }
 
 impl SceneAtTime {
-    /// Light of a hit along a ray; of nothing, where there is none, the light of the sky.
+    /// Returns the radiance of a hit along a ray; that of the sky if there is no hit.
     pub fn shade(&self, ray: &Ray, hit: Option<&FirstHit>) -> Radiance {
         match hit {
             Some(hit) => self.radiance(&self.surface(ray, hit), ray.direction(), Path::FIRST),
@@ -66,7 +66,7 @@ impl SceneAtTime {
         }
     }
 
-    /// [`trace`] against all meshes and the `candidates` (indices of objects, rising); reflected, refracted and shadow rays
+    /// [`trace`] against all meshes and the `candidates` (ascending indices of objects); reflected, refracted and shadow rays
     /// are traced against all objects.
     pub fn trace(&self, ray: &Ray, candidates: impl IntoIterator<Item = usize>) -> Hit {
         let Some(hit) = self.first_hit(ray, candidates) else {

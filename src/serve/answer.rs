@@ -1,4 +1,4 @@
-//! What a request is answered: status, headers and body.
+//! Responses to requests: status, headers and body.
 
 use std::io;
 use std::net::IpAddr;
@@ -27,14 +27,14 @@ use crate::json;
 
 pub type Body = Either<Full<Bytes>, Channel<Bytes, io::Error>>;
 
-/// The page may load what this server has, and pictures that it makes itself; nothing of other origins, and no page may frame it.
+/// The page may load files of this server and images that it creates; nothing from other origins. No page may frame it.
 const CONTENT_POLICY: &str = "default-src 'none'; script-src 'self'; worker-src 'self'; style-src 'self'; \
     img-src 'self' blob: data:; connect-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-/// Of what a browser asks the user about, the page may use gamepads and headsets.
+/// Of the features that need permission, the page may use gamepads and headsets.
 const PERMISSIONS: &str =
     "gamepad=(self), xr-spatial-tracking=(self), camera=(), display-capture=(), geolocation=(), microphone=(), usb=()";
 
-/// Headers of every answer.
+/// Headers of every response.
 const COMMON: [(HeaderName, &str); 8] = [
     (ACCEPT_RANGES, "bytes"),
     (CACHE_CONTROL, "no-cache"),
@@ -46,17 +46,17 @@ const COMMON: [(HeaderName, &str); 8] = [
     (HeaderName::from_static("permissions-policy"), PERMISSIONS),
 ];
 
-/// Number of times that a film is opened again where the system has no file left, and the pause between them.
+/// Maximum retries of opening a film when the system is out of file descriptors, and the delay between them.
 const OPEN_RETRIES: u32 = 20;
 const OPEN_RETRY_DELAY: Duration = Duration::from_millis(5);
 
-/// What is served, and the address that it is served at.
+/// The served film and the address of the server.
 #[derive(Debug)]
 pub struct Served {
     film: Film,
     bound: IpAddr,
     connections: Arc<Connections>,
-    /// The film that is being sent: connections share one open file.
+    /// The open film, if any response is sending it: connections share one open file.
     sent: Mutex<Weak<OpenFilm>>,
 }
 
@@ -65,7 +65,7 @@ impl Served {
         Served { film, bound, connections, sent: Mutex::default() }
     }
 
-    /// The file that has the film's name now.
+    /// Opens the file that currently has the film's name, or reuses it if it is open.
     fn open_film(&self) -> Result<Arc<OpenFilm>> {
         let now = self.film.open_now()?;
         let mut sent = self.sent.lock().unwrap_or_else(PoisonError::into_inner);
@@ -78,7 +78,7 @@ impl Served {
     }
 }
 
-/// Opens the film on a thread that may wait for the disk. Where the system has no file left, connections make room for it.
+/// Opens the film on a blocking thread. If the system is out of file descriptors, closes connections and retries.
 async fn open_film(served: &Arc<Served>) -> Result<Arc<OpenFilm>> {
     let mut tries = 0;
     loop {
@@ -96,13 +96,13 @@ async fn open_film(served: &Arc<Served>) -> Result<Arc<OpenFilm>> {
     }
 }
 
-/// ENFILE and EMFILE, or ERROR_TOO_MANY_OPEN_FILES.
+/// True for `ENFILE` and `EMFILE`, or `ERROR_TOO_MANY_OPEN_FILES`.
 pub fn is_out_of_files(error: &io::Error) -> bool {
     let codes: &[i32] = if cfg!(windows) { &[4] } else { &[23, 24] };
     error.raw_os_error().is_some_and(|code| codes.contains(&code))
 }
 
-/// A representation: its bytes, and what is said of them.
+/// A representation: its content and metadata.
 struct Found {
     content: Content,
     length: u64,
@@ -115,7 +115,7 @@ enum Content {
     Film(Arc<OpenFilm>),
 }
 
-/// Answers a request by its head; bodies of requests are not read.
+/// Responds to a request by its head; request bodies are not read.
 pub async fn answer(served: &Arc<Served>, head: &Parts) -> Response<Body> {
     let refused = match addressee(head, served.bound) {
         Addressee::Unclear => Some((StatusCode::BAD_REQUEST, "one header Host was expected")),
@@ -148,7 +148,7 @@ pub async fn answer(served: &Arc<Served>, head: &Parts) -> Response<Body> {
     response
 }
 
-/// What a path names, which is compared as it is: nothing in it is decoded.
+/// Finds the representation of a path. The path is compared as is; nothing is decoded.
 async fn find(served: &Arc<Served>, path: &str) -> Result<Option<Found>> {
     let Some(name) = path.strip_prefix('/') else { return Ok(None) };
     if let Some(file) = PlayerFile::named(name) {
@@ -200,12 +200,12 @@ impl Found {
         response
     }
 
-    /// Sends `length` bytes from `first` on, which lie in the representation.
+    /// Sends `length` bytes starting at `first`; the range must be within the representation.
     fn part(self, head: &Parts, status: StatusCode, first: u64, length: u64) -> Response<Body> {
         let mut response = empty(status);
         if head.method != Method::HEAD {
             *response.body_mut() = match self.content {
-                // Bytes in memory: their length is a usize.
+                // Content in memory: its length is a usize.
                 Content::Bytes(bytes) => {
                     Either::Left(Full::new(bytes.slice(first as usize..(first + length) as usize)))
                 }
@@ -219,7 +219,8 @@ impl Found {
     }
 }
 
-/// What of a representation is sent: a range counts in GET, once, and of the representation that `If-Range` means.
+/// Returns the part of a representation to send. A range only applies to GET, if there is exactly one, and if `If-Range` allows
+/// it.
 fn asked_of(head: &Parts, tag: &str, length: u64) -> Asked {
     let mut ranges = head.headers.get_all(RANGE).iter();
     match (ranges.next().and_then(|value| value.to_str().ok()), ranges.next()) {
@@ -234,7 +235,7 @@ fn empty(status: StatusCode) -> Response<Body> {
     response
 }
 
-/// An answer for people. The library leaves out the body where the request is HEAD.
+/// Returns a text response for people. The HTTP library drops the body for HEAD.
 fn sentence(status: StatusCode, words: &str) -> Response<Body> {
     let mut response = empty(status);
     *response.body_mut() = Either::Left(Full::from(format!("{status}: {words}\n")));
@@ -242,7 +243,7 @@ fn sentence(status: StatusCode, words: &str) -> Response<Body> {
     response
 }
 
-/// Sets a header to printable characters.
+/// Sets a header; the value must consist of printable characters.
 fn insert(headers: &mut HeaderMap, name: HeaderName, value: String) {
     if let Ok(value) = HeaderValue::try_from(value) {
         headers.insert(name, value);

@@ -1,4 +1,4 @@
-//! The body of an answer, which reports its end.
+//! Response body that records when the response ends.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -9,13 +9,13 @@ use hyper::body::{Body as HttpBody, Bytes, Frame, SizeHint};
 use super::answer::Body;
 use super::connections::Connection;
 
-/// A body that is being sent. The answer ends when it is dropped.
+/// A body that is being sent. Dropping it ends the response.
 pub struct Answering {
     pub body: Body,
     pub _mark: AnswerMark,
 }
 
-/// An answer from the head of its request on.
+/// Marks a response in progress, from the complete head of its request to its end.
 pub struct AnswerMark(Arc<Connection>);
 
 impl AnswerMark {

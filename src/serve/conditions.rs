@@ -1,16 +1,16 @@
-//! Conditional requests (RFC 9110, 13): the headers that compare entity tags. There is no `Last-Modified`, so that dates match
-//! nothing.
+//! Conditional requests (RFC 9110, 13): the headers that compare entity tags. The server sends no `Last-Modified`, so
+//! conditions on dates never match.
 
 use hyper::HeaderMap;
 use hyper::header::{HeaderName, IF_MATCH, IF_NONE_MATCH, IF_RANGE};
 
-/// What the headers of a request want of a representation.
+/// Result of evaluating a request's conditions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     Send,
-    /// The client has it: 304.
+    /// The client has the current representation: 304.
     NotModified,
-    /// The client wants another one: 412.
+    /// The precondition does not hold: 412.
     Failed,
 }
 
@@ -26,13 +26,13 @@ pub fn verdict(headers: &HeaderMap, tag: &str) -> Verdict {
     }
 }
 
-/// Whether a range is answered with a part: `If-Range` has this very tag, or is not there.
+/// True if a range request may be answered with a part: `If-Range` is absent or equals the tag.
 pub fn allows_part(headers: &HeaderMap, tag: &str) -> bool {
     headers.get_all(IF_RANGE).iter().all(|value| value.as_bytes() == tag.as_bytes())
 }
 
-/// Whether a list of tags has one that matches, or is `*`; `None` where there is no such header. Tags that have a comma are cut at it:
-/// those of this server have none.
+/// True if a header lists a matching tag or `*`; `None` if the header is absent. Tags that contain a comma are split at it;
+/// tags of this server contain none.
 fn lists(headers: &HeaderMap, name: HeaderName, matches: impl Fn(&str) -> bool) -> Option<bool> {
     let mut values = headers.get_all(name).iter().peekable();
     values.peek()?;

@@ -1,9 +1,9 @@
-//! Open connections, and which of them is closed where there are too many.
+//! Open connections, and the choice of the one to close when there are too many.
 //!
-//! A connection makes progress when the head of a request is complete, when an answer ends, and with each [`PROGRESS_BYTES`] of
-//! answers that the client takes. A byte now and then is no progress. One that waits for its client without progress is closed after
-//! [`Limits::progress_timeout`]. A new connection is always accepted: if there are [`Limits::max_connections`], the one that [`worst`]
-//! finds is closed for it.
+//! A connection makes progress when the head of a request is complete, when a response ends, and with each [`PROGRESS_BYTES`]
+//! of responses that the client takes; fewer bytes are no progress. A connection that waits for its client without progress is
+//! closed after [`Limits::progress_timeout`]. A new connection is always accepted: if there are [`Limits::max_connections`],
+//! the one that [`worst`] selects is closed for it.
 
 use std::collections::BTreeMap;
 use std::net::{IpAddr, Ipv6Addr};
@@ -12,21 +12,21 @@ use std::time::{Duration, Instant};
 
 use tokio::task::AbortHandle;
 
-/// Bytes of answers that count as progress once a client has taken them.
+/// Bytes of responses that count as progress once a client has taken them.
 const PROGRESS_BYTES: u64 = 64 << 10;
-/// Connections of one network above which it is the first to lose one. Browsers open six to a server.
+/// Number of connections of one network above which that network loses connections first. Browsers open six to a server.
 const FAIR_SHARE: usize = 32;
-/// Open files that are kept free for reading the film once the system has refused one.
+/// Open files that are kept free for reading the film, once the system has run out of file descriptors.
 const FREE_FILES: usize = 20;
-/// Time in which closed connections give their files back.
+/// Time until closed connections have released their file descriptors.
 const FILES_RETURN: Duration = Duration::from_millis(10);
 
 /// Limits of a server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Connections at a time, at least 1.
+    /// Maximum simultaneous connections, at least 1.
     pub max_connections: usize,
-    /// How long a connection may wait for its client without progress.
+    /// Maximum time that a connection may wait for its client without progress.
     pub progress_timeout: Duration,
 }
 
@@ -47,9 +47,9 @@ pub struct Connections {
 struct Table {
     next_id: u64,
     open: BTreeMap<u64, Open>,
-    /// Connections that the system has files for; at most those of the limits.
+    /// Number of connections that the system has file descriptors for; at most `max_connections`.
     capacity: usize,
-    /// When the system last had no file left.
+    /// Time at which the system last ran out of file descriptors.
     out_of_files: Option<Instant>,
 }
 
@@ -72,18 +72,18 @@ pub struct Connection {
 struct Activity {
     /// Time of the last progress, or of the beginning.
     progress: Instant,
-    /// Bytes taken since the last that counted as progress.
+    /// Bytes taken since the last progress.
     taken_bytes: u64,
-    /// True if there is an answer that has not ended.
+    /// True while a response has not ended.
     is_answering: bool,
-    /// True if the client takes no bytes at the moment.
+    /// True while the client takes no bytes.
     is_blocked: bool,
-    /// True if the server closes it, without the bytes that are not sent yet.
+    /// True if the server closes the connection and drops its unsent bytes.
     is_given_up: bool,
 }
 
 impl Activity {
-    /// True if the client has to send a head, or to take bytes.
+    /// True if the client has to send a head or take bytes.
     fn waits_for_client(&self) -> bool {
         self.is_blocked || !self.is_answering
     }
@@ -101,7 +101,7 @@ impl Connection {
         activity.progress = Instant::now();
     }
 
-    /// Records that all bytes of an answer are made, or that it was dropped.
+    /// Records that all bytes of a response have been produced, or that it was dropped.
     pub fn end_answer(&self) {
         let mut activity = self.activity();
         activity.is_answering = false;
@@ -119,7 +119,7 @@ impl Connection {
         }
     }
 
-    /// Records that the client takes none of the bytes that wait for it.
+    /// Records that the client takes none of the pending bytes.
     pub fn blocked(&self) {
         self.activity().is_blocked = true;
     }
@@ -140,7 +140,7 @@ impl Connections {
         self.table.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Adds a connection, whose task `start` starts; others make room for it.
+    /// Adds a connection, closing others if there are too many. `start` spawns its task.
     pub fn add(&self, client: IpAddr, start: impl FnOnce(Arc<Connection>) -> AbortHandle) {
         let mut table = self.table();
         let capacity = table.capacity;
@@ -159,13 +159,13 @@ impl Connections {
         table.open.insert(id, Open { connection, task });
     }
 
-    /// Forgets a connection that has ended.
+    /// Removes a connection that has ended.
     pub fn remove(&self, connection: &Connection) {
         self.table().open.remove(&connection.id);
     }
 
-    /// Closes as many connections as reading the film needs files, and allows fewer for a while: the system has no file left. Requests
-    /// that find so at the same time are answered by the same files.
+    /// Handles running out of file descriptors: closes as many connections as reading the film needs descriptors, and lowers
+    /// the capacity for a while. Further calls within `FILES_RETURN` are ignored, because they can use the same descriptors.
     pub fn out_of_files(&self) {
         let mut table = self.table();
         let now = Instant::now();
@@ -178,12 +178,12 @@ impl Connections {
         table.close_above(capacity);
     }
 
-    /// Time between calls of [`Self::sweep`].
+    /// Returns the time between calls of [`Self::sweep`].
     pub fn sweep_interval(&self) -> Duration {
         (self.limits.progress_timeout / 8).max(Duration::from_millis(1))
     }
 
-    /// Closes connections whose clients had their time.
+    /// Closes connections that have waited for their client longer than the timeout.
     pub fn sweep(&self) {
         let (now, timeout) = (Instant::now(), self.limits.progress_timeout);
         let mut table = self.table();
@@ -214,8 +214,8 @@ impl Table {
     }
 }
 
-/// The connection to close first. Those that wait for their clients go before those that the server works for; among these, those of
-/// the network with the most connections, if it has more than [`FAIR_SHARE`]; and among these, the one without progress for the longest
+/// Selects the connection to close first: one that waits for its client rather than for the server; among these, one of the
+/// network with the most connections, if it has more than [`FAIR_SHARE`]; among these, the one without progress for the longest
 /// time.
 fn worst(open: &[(&Connection, Activity)]) -> Option<u64> {
     let mut counts: BTreeMap<IpAddr, usize> = BTreeMap::new();
@@ -227,7 +227,7 @@ fn worst(open: &[(&Connection, Activity)]) -> Option<u64> {
     open.iter().max_by_key(rank).map(|(connection, _)| connection.id)
 }
 
-/// Network of a client: its address, of IPv6 the network of 64 bits, whose addresses one machine may all have.
+/// Returns the network of a client: its IPv4 address, or the /64 network of its IPv6 address, all of which one machine may use.
 fn network(address: IpAddr) -> IpAddr {
     match address.to_canonical() {
         IpAddr::V6(v6) => IpAddr::V6(Ipv6Addr::from_bits(v6.to_bits() >> 64 << 64)),
@@ -239,7 +239,7 @@ fn network(address: IpAddr) -> IpAddr {
 mod tests {
     use super::*;
 
-    /// Connections of addresses, whose last progress was so many seconds ago.
+    /// Connections of these addresses, with the seconds since their last progress.
     struct Rows(Vec<(Connection, Activity)>);
 
     impl Rows {
@@ -268,7 +268,7 @@ mod tests {
     fn least_progress_is_closed_first() {
         let mut rows = Rows::of(&[("10.0.0.1", 3), ("10.0.0.2", 9), ("10.0.0.3", 5)]);
         assert_eq!(rows.worst(), Some(1));
-        // The server is at work for it: its client is not to blame.
+        // The server is working on the response, so the client is not at fault.
         rows.0[1].1.is_answering = true;
         assert_eq!(rows.worst(), Some(2));
         rows.0[1].1.is_blocked = true;

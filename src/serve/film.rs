@@ -42,30 +42,30 @@ pub struct QuiltShape {
     aspect: f64,
 }
 
-/// The description of a film that the page reads, `film.json`.
+/// Description of a film that the page reads, `film.json`.
 #[derive(Debug, Clone, Serialize)]
 pub struct Description {
     /// `lfold`, `glb` or `quilt`.
     pub kind: &'static str,
     /// Relative to the page.
     pub url: &'static str,
-    /// The name of the file on this machine, without its folder.
+    /// File name on this machine, without its folder.
     pub name: String,
     pub bytes: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub quilt: Option<QuiltShape>,
 }
 
-/// A film that is open, and its state as it was opened.
+/// An open film, and its state when it was opened.
 #[derive(Debug)]
 pub struct OpenFilm {
     pub file: File,
     pub state: State,
-    /// CRC-32 of the last bytes: of a container those of the foot, which has the CRC-32 of the index (container.md 7).
+    /// CRC-32 of the last bytes. In a container these are the foot, which contains the CRC-32 of the index (container.md 7).
     end_crc32: u32,
 }
 
-/// What changes with the content of a file.
+/// Metadata that changes with the content of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct State {
     pub bytes: u64,
@@ -74,8 +74,8 @@ pub struct State {
 }
 
 impl Film {
-    /// Checks that a file can be played: a container that opens, a binary glTF file, or a PNG picture whose name has the layout of a
-    /// quilt.
+    /// Opens a film. Fails unless it is a container that opens, a binary glTF file, or a PNG picture whose name states the
+    /// layout of a quilt.
     pub fn open(path: &Path) -> Result<Film> {
         if path.join(MANIFEST_NAME).is_file() {
             return Err(dataset(path));
@@ -105,7 +105,7 @@ impl Film {
         self.kind == Kind::Container
     }
 
-    /// Name of the film on the site.
+    /// Returns the name of the film on the site.
     pub fn url(&self) -> &'static str {
         match self.kind {
             Kind::Container => "film.lfold",
@@ -122,7 +122,7 @@ impl Film {
         }
     }
 
-    /// The description for the page, of a file of so many bytes.
+    /// Returns the description for the page, of a file of `bytes` bytes.
     pub fn description(&self, bytes: u64) -> Description {
         let (kind, quilt) = match self.kind {
             Kind::Container => ("lfold", None),
@@ -133,12 +133,12 @@ impl Film {
         Description { kind, url: self.url(), name, bytes, quilt }
     }
 
-    /// The error of a file that another program wrote to meanwhile.
+    /// Returns the error for a file that another program has modified meanwhile.
     pub fn changed(&self) -> Error {
         Error::busy(&self.path, "the file changed while it was copied; copy it again once it is written")
     }
 
-    /// Opens the file that has the film's name now.
+    /// Opens the file that currently has the film's name.
     pub fn open_now(&self) -> Result<OpenFilm> {
         let io = |error| Error::io(&self.path, error);
         let mut file = open_regular(&self.path)?;
@@ -152,7 +152,7 @@ impl Film {
 }
 
 impl OpenFilm {
-    /// A strong entity tag: another one wherever the bytes may be others.
+    /// Returns a strong entity tag: it differs whenever the bytes may differ.
     pub fn tag(&self) -> String {
         let State { bytes, modified, inode } = self.state;
         let since = modified.and_then(|time| time.duration_since(UNIX_EPOCH).ok()).unwrap_or_default();
@@ -181,9 +181,9 @@ fn dataset(path: &Path) -> Error {
     Error::Usage(format!("{}: {message}", path.display()))
 }
 
-/// The error of a file whose first bytes are of no film.
+/// Returns the error for a file whose first bytes are not those of a film.
 fn not_a_film(mut file: File, path: &Path) -> Error {
-    /// What every manifest has.
+    /// The field that every manifest has.
     #[derive(Deserialize)]
     struct ManifestHead {
         #[serde(rename = "lightfield")]
@@ -212,7 +212,7 @@ fn not_a_film(mut file: File, path: &Path) -> Error {
     Error::invalid(message).in_file(path)
 }
 
-/// Checks the chunks of a PNG file by the CRC-32 of each, up to the last one.
+/// Checks the CRC-32 of each chunk of a PNG file, up to the last one.
 fn check_png(file: File, path: &Path) -> Result<()> {
     let mut file = BufReader::new(file);
     match png_is_whole(&mut file) {
@@ -271,12 +271,12 @@ fn check_glb(head: &[u8], path: &Path) -> Result<()> {
     }
 }
 
-/// What the page takes of a quilt (viewer/src/ui/film_file.ts, viewer/src/quilt.ts).
+/// Limits of the page for quilts (viewer/src/ui/film_file.ts, viewer/src/quilt.ts).
 const MAX_TILES: u32 = 4096;
 const MAX_QUILT_PIXELS: u64 = 1 << 28;
 const ASPECTS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 
-/// The layout that the name of a picture says, checked against its size.
+/// Parses the layout in the name of a picture, and checks it against the picture's size.
 fn quilt_shape(path: &Path) -> Result<QuiltShape> {
     let Some(QuiltName { columns, rows, aspect }) = parse_quilt_name(path) else {
         let message = "a picture whose name says no layout of a quilt; name it as in film_qs8x6a0.75.png: 8 columns, 6 rows, views of \

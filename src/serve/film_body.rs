@@ -1,4 +1,4 @@
-//! The bytes of a film on their way to a client, piece by piece.
+//! Sends the bytes of a film to a client, piece by piece.
 
 use std::io::{self, ErrorKind};
 use std::sync::Arc;
@@ -9,11 +9,11 @@ use hyper::body::Bytes;
 use super::film::{OpenFilm, State};
 use crate::container::ByteSource;
 
-/// Bytes that are read at once. A connection holds a few pieces at most, however slowly its client reads.
+/// Bytes that are read at once. A connection holds at most a few pieces, however slowly its client reads.
 const PIECE_BYTES: u64 = 64 << 10;
 
-/// Sends `length` bytes from `first` on. Where the file ends before, or has changed meanwhile, the body ends with an error, and with it
-/// the connection, before its last byte is sent.
+/// Sends `length` bytes starting at `first`. If the file ends early or has changed meanwhile, the body fails before its last
+/// byte is sent, which closes the connection.
 pub fn send(film: Arc<OpenFilm>, first: u64, length: u64) -> Channel<Bytes, io::Error> {
     let (mut sender, body) = Channel::new(1);
     tokio::spawn(async move {
@@ -39,7 +39,7 @@ async fn send_pieces(
         let bytes = read.await.map_err(io::Error::other)??;
         at += piece;
         if sender.send_data(bytes.into()).await.is_err() {
-            // The client has gone.
+            // The client has disconnected.
             return Ok(());
         }
     }
@@ -47,7 +47,7 @@ async fn send_pieces(
 }
 
 impl OpenFilm {
-    /// Reads a piece; fails where the file ends before, or with the last piece where it is another one meanwhile.
+    /// Reads a piece. Fails if the file ends early or, for the last piece, if the file has changed meanwhile.
     fn read(&self, at: u64, count: u64, is_last: bool) -> io::Result<Vec<u8>> {
         let mut bytes = vec![0; count as usize];
         self.file.read_at(at, &mut bytes)?;

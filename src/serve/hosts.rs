@@ -1,5 +1,6 @@
-//! Which names of this machine a request may be for. A page of another site can give its own name the address of this machine, and
-//! then read what a server here answers to that name (DNS rebinding): so a server answers to addresses and to `localhost` only.
+//! Checks the host that a request names, against DNS rebinding: a page of another site can map its own name to the address of
+//! this machine and then read the responses of a local server to that name. So the server only responds to addresses and to
+//! `localhost`.
 
 use std::net::IpAddr;
 
@@ -7,17 +8,17 @@ use hyper::header::HOST;
 use hyper::http::request::Parts;
 use hyper::http::uri::Authority;
 
-/// Whether a request is for a server at `bound`.
+/// Result of comparing a request's host with a server at `bound`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Addressee {
     Ours,
-    /// A name that the server does not have.
+    /// A name that is not one of the server's.
     Another,
     /// `Host` is missing, repeated or malformed.
     Unclear,
 }
 
-/// Reads `Host`, and the request's target where that is absolute. Any port will do: it may be forwarded.
+/// Checks `Host`, and the request target if it is absolute. The port is ignored, because it may be forwarded.
 pub fn addressee(head: &Parts, bound: IpAddr) -> Addressee {
     let mut hosts = head.headers.get_all(HOST).iter();
     let (Some(host), None) = (hosts.next(), hosts.next()) else { return Addressee::Unclear };
@@ -28,7 +29,7 @@ pub fn addressee(head: &Parts, bound: IpAddr) -> Addressee {
     if are_ours { Addressee::Ours } else { Addressee::Another }
 }
 
-/// Whether a name is `localhost`, a loopback address, or the bound address; any address where the server listens on all.
+/// True if a name is `localhost`, a loopback address, or the bound address; any address if the server listens on all.
 fn is_ours(name: &Authority, bound: IpAddr) -> bool {
     let host = name.host();
     if name.as_str().contains('@') {

@@ -1,14 +1,14 @@
-//! Serves the player, a page with its scripts, and one film to browsers, over HTTP/1.1; or writes both as a static site.
+//! Serves the player (a page with its scripts) and one film to browsers over HTTP/1.1, or writes both as a static site.
 //!
-//! A server answers GET and HEAD of a fixed list of paths, which are compared with names that it knows: no path of a request
-//! reaches the file system. What it says of the film it reads from the file anew for each request, so that a file that is replaced
-//! gets another entity tag.
+//! A server responds to GET and HEAD for a fixed list of paths, which are compared with known names: no path of a request
+//! reaches the file system. The film's metadata is read from the file again for each request, so a file that is replaced gets
+//! another entity tag.
 //!
 //! | path | content |
 //! | --- | --- |
 //! | `/` | the page: `index.html` of the player |
 //! | `/viewer.js` and so on | the other files of the player, in the folder `viewer/dist` when the program was built |
-//! | `/film.json` | what is played: kind, path, name and bytes |
+//! | `/film.json` | description of the film: kind, path, name and bytes |
 //! | `/film.lfold`, `/film.glb` or `/film.png` | the film |
 
 mod answer;

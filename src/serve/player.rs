@@ -1,19 +1,19 @@
-//! The player's files, which travel inside the program. The build script lists them.
+//! The player's files, which are embedded in the program. The build script lists them.
 
 /// A file of the player.
 pub struct PlayerFile {
-    /// Relative to the page, with `/` between folders.
+    /// Path relative to the page, with `/` between folders.
     pub name: &'static str,
     pub bytes: &'static [u8],
 }
 
-/// The page.
+/// Name of the page.
 pub const PAGE: &str = "index.html";
 
 include!(concat!(env!("OUT_DIR"), "/player.rs"));
 
 impl PlayerFile {
-    /// The file of that name; the page for the empty one.
+    /// Returns the file of this name; the page for an empty name.
     pub fn named(name: &str) -> Option<&'static PlayerFile> {
         let name = if name.is_empty() { PAGE } else { name };
         FILES.iter().find(|file| file.name == name)

@@ -1,11 +1,11 @@
-//! The header `Range` (RFC 9110, 14.1.2 and 14.2): one range of bytes, from the start or of the end.
+//! The header `Range` (RFC 9110, 14.1.2 and 14.2): a single range of bytes, from a position or a suffix.
 //!
-//! Written here because parsers at hand refuse a range of the end that is longer than the file, which stands for all of it.
+//! Implemented here because available parsers reject a suffix longer than the file, which must select the whole file.
 
 /// The part of a file that a request asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asked {
-    /// All of it: there is no range, or one that a server ignores.
+    /// The whole file: there is no range, or one that a server ignores.
     Whole,
     /// At least one byte, within the length.
     Part {
@@ -15,7 +15,8 @@ pub enum Asked {
     Unsatisfiable,
 }
 
-/// Reads the value of `Range` for a representation of `length` bytes. Several ranges, other units and malformed ones are ignored.
+/// Parses the value of `Range` for a representation of `length` bytes. Ignores multiple ranges, other units and malformed
+/// values.
 pub fn asked(value: &str, length: u64) -> Asked {
     let Some((unit, range)) = value.split_once('=') else { return Asked::Whole };
     let Some((first, last)) = range.trim().split_once('-') else { return Asked::Whole };
@@ -39,7 +40,7 @@ pub fn asked(value: &str, length: u64) -> Asked {
     }
 }
 
-/// Digits as a number, the largest one where it is larger; `Some(None)` for no digits; `None` for anything else.
+/// Parses digits, saturating at the maximum; returns `Some(None)` for an empty text, and `None` for anything else.
 fn number(text: &str) -> Option<Option<u64>> {
     let is_number = text.bytes().all(|byte| byte.is_ascii_digit());
     is_number.then(|| (!text.is_empty()).then(|| text.parse().unwrap_or(u64::MAX)))

@@ -1,4 +1,4 @@
-//! The server: one thread for all connections, a few that read the file, and limits on both.
+//! The server: one thread for all connections, a few threads that read the file, and limits on both.
 
 use std::convert::Infallible;
 use std::io;
@@ -22,15 +22,15 @@ use super::film::Film;
 use super::watched::Watched;
 use crate::error::{Error, Result};
 
-/// Threads that read the file.
+/// Maximum number of threads that read the file.
 const MAX_READERS: usize = 16;
-/// Bytes of a request's head, at most.
+/// Maximum bytes of a request's head.
 const MAX_HEAD_BYTES: usize = 16 << 10;
-/// Bytes that the system holds for a client, which may read none of them.
+/// Send buffer of a connection in the system, which a client may leave unread.
 const SEND_BUFFER_BYTES: u32 = 256 << 10;
-/// Connections that the system keeps until the server accepts them.
+/// Maximum connections that the system queues until the server accepts them.
 const BACKLOG: u32 = 1024;
-/// Pause after a connection that could not be accepted, as where there are too many open files.
+/// Delay after a failure to accept a connection, for example when there are too many open files.
 const ACCEPT_RETRY_DELAY: Duration = Duration::from_millis(5);
 
 /// A server that is bound to its address.
@@ -43,19 +43,19 @@ pub struct Server {
     limits: Limits,
 }
 
-/// Ends a server, from any thread.
+/// Stops a server, from any thread.
 #[derive(Debug, Clone, Default)]
 pub struct Stop(Arc<Notify>);
 
 impl Stop {
-    /// Ends the server now, or as soon as it runs.
+    /// Stops the server now, or as soon as it runs.
     pub fn stop(&self) {
         self.0.notify_one();
     }
 }
 
 impl Server {
-    /// Binds an address; port 0 stands for a free one. Connections wait until [`Self::run`].
+    /// Binds an address; port 0 selects a free one. Connections are queued until [`Self::run`].
     pub fn bind(film: Film, address: SocketAddr, limits: Limits) -> Result<Server> {
         let io = |error| Error::io(address.to_string(), error);
         let runtime = Builder::new_current_thread()
@@ -76,7 +76,7 @@ impl Server {
         self.address
     }
 
-    /// The page's address for a browser on this machine.
+    /// Returns the page's address for a browser on this machine.
     pub fn page(&self) -> String {
         let ip = match self.address.ip() {
             IpAddr::V4(ip) if ip.is_unspecified() => Ipv4Addr::LOCALHOST.into(),
@@ -86,7 +86,7 @@ impl Server {
         format!("http://{}/", SocketAddr::new(ip, self.address.port()))
     }
 
-    /// Serves until it is stopped, which ends all connections.
+    /// Serves until stopped, which closes all connections.
     pub fn run(self, stop: &Stop) {
         let connections = Arc::new(Connections::new(self.limits));
         let served = Arc::new(Served::new(self.film, self.address.ip(), Arc::clone(&connections)));
@@ -95,23 +95,23 @@ impl Server {
             tokio::spawn(sweep(connections));
             stop.0.notified().await;
         });
-        // Without waiting for a file that cannot be read.
+        // Does not wait for blocking reads.
         self.runtime.shutdown_background();
     }
 }
 
 fn listen(address: SocketAddr) -> io::Result<TcpListener> {
     let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
-    // A server that has just ended keeps the port else. Windows means something else by the option.
+    // Without this option a server that has just exited blocks the port. On Windows the option has a different meaning.
     #[cfg(unix)]
     socket.set_reuseaddr(true)?;
-    // Connections inherit it where the system lets them; where it does not, they hold what it gives them.
+    // Accepted connections inherit the buffer size if the system allows; otherwise they use its default.
     let _ = socket.set_send_buffer_size(SEND_BUFFER_BYTES);
     socket.bind(address)?;
     socket.listen(BACKLOG)
 }
 
-/// Accepts every connection at once, so that none waits for another.
+/// Accepts every connection immediately, so that none waits for another.
 async fn accept(listener: TcpListener, served: Arc<Served>, connections: Arc<Connections>) {
     loop {
         match listener.accept().await {
@@ -123,7 +123,7 @@ async fn accept(listener: TcpListener, served: Arc<Served>, connections: Arc<Con
                 });
                 task.abort_handle()
             }),
-            // The client went away before.
+            // The client disconnected before the connection was accepted.
             Err(error) if error.kind() == io::ErrorKind::ConnectionAborted => {}
             Err(error) => {
                 if is_out_of_files(&error) {
@@ -143,7 +143,7 @@ async fn sweep(connections: Arc<Connections>) {
 }
 
 async fn serve(stream: TcpStream, served: Arc<Served>, connection: Arc<Connection>) {
-    // Without it the last bytes of an answer may wait for an acknowledgement of those before: slower, not wrong.
+    // Without it the last bytes of a response may wait for an acknowledgement of the previous ones: slower, but still correct.
     let _ = stream.set_nodelay(true);
     let stream = Watched { stream, connection: Arc::clone(&connection) };
     let service = service_fn(|request: Request<Incoming>| {
@@ -154,10 +154,10 @@ async fn serve(stream: TcpStream, served: Arc<Served>, connection: Arc<Connectio
         }
     });
     let connection = http1::Builder::new()
-        // A client that has sent its request may close its side.
+        // A client may close its sending side after its request.
         .half_close(true)
         .max_buf_size(MAX_HEAD_BYTES)
         .serve_connection(TokioIo::new(stream), service);
-    // A client that goes, or breaks the protocol, is its own affair.
+    // A client that disconnects or breaks the protocol is not an error of the server.
     let _ = connection.await;
 }

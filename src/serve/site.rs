@@ -1,4 +1,4 @@
-//! The player and a film as a static site, for any web server that answers requests for ranges.
+//! Writes the player and a film as a static site, for any web server that supports range requests.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read, Write};
@@ -13,13 +13,13 @@ use crate::files::{self, DiskFile, OutputFolder, create_folders, parent_of};
 use crate::json;
 use crate::monitor::Monitor;
 
-/// Bytes between looks at the monitor.
+/// Bytes copied between checks of the monitor.
 const PIECE_BYTES: u64 = 16 << 20;
-/// The description of the film for the page.
+/// Name of the film's description.
 const DESCRIPTION: &str = "film.json";
-/// Bytes of it, at most.
+/// Maximum bytes of the description.
 const MAX_DESCRIPTION_BYTES: u64 = 64 << 10;
-/// Names that a film has on a site.
+/// Names that a film can have on a site.
 const FILMS: [&str; 3] = ["film.lfold", "film.glb", "film.png"];
 
 /// A site that was written.
@@ -27,12 +27,12 @@ const FILMS: [&str; 3] = ["film.lfold", "film.glb", "film.png"];
 pub struct Site {
     pub film: Description,
     pub files: u64,
-    /// Of all files.
+    /// Total bytes of all files.
     pub bytes: u64,
 }
 
-/// Writes a site into a folder, which is new, empty, or holds an earlier site; that one is replaced. The monitor gets the bytes of the
-/// film as steps.
+/// Writes a site into a folder, which must be new, empty, or hold an earlier site, which is replaced. The monitor advances by
+/// the bytes of the film.
 pub fn export(film: &Film, path: &Path, monitor: &dyn Monitor) -> Result<Site> {
     let earlier = match earlier_site(path)? {
         Earlier::Nothing => None,
@@ -52,20 +52,20 @@ pub fn export(film: &Film, path: &Path, monitor: &dyn Monitor) -> Result<Site> {
     Ok(site)
 }
 
-/// What a folder holds.
+/// Contents of a folder.
 enum Earlier {
     Nothing,
     /// A site, with a film of this name.
     Film(&'static str),
-    /// A file of this name, which is of no site.
+    /// A file of this name, which belongs to no site.
     Other(String),
 }
 
-/// Whether a folder is new, empty, or a site: files of a player and one film, each a regular file.
+/// Determines whether a folder is new, empty, or a site: only files of a player and one film, all of them regular files.
 fn earlier_site(folder: &Path) -> Result<Earlier> {
     let io = |error| Error::io(folder, error);
     let entries = match fs::read_dir(folder) {
-        // Another error comes when the folder is written.
+        // A path that is not a folder fails later, when the folder is written.
         Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
             return Ok(Earlier::Nothing);
         }
@@ -87,7 +87,7 @@ fn earlier_site(folder: &Path) -> Result<Earlier> {
     Ok(film.map_or(Earlier::Nothing, Earlier::Film))
 }
 
-/// The film that a description names; none where it is no description.
+/// Returns the film that a description names; `None` if the file is no description.
 fn described_film(path: &Path) -> Result<Option<&'static str>> {
     if !fs::symlink_metadata(path).is_ok_and(|metadata| metadata.is_file()) {
         return Ok(None);
@@ -107,7 +107,7 @@ fn write(film: &Film, folder: &Path, monitor: &dyn Monitor) -> Result<Site> {
     let mut put = |name: &str, content: &[u8]| {
         let path = folder.join(name);
         bytes += content.len() as u64;
-        // The folder is new, and names of the player's files may have folders of their own.
+        // Names of the player's files may include folders, which do not exist yet.
         let made = create_folders(parent_of(&path)).and_then(|_| DiskFile::create(&path));
         made.and_then(|mut file| file.write_all(content)).map_err(|error| Error::io(&path, error))
     };
@@ -119,7 +119,7 @@ fn write(film: &Film, folder: &Path, monitor: &dyn Monitor) -> Result<Site> {
     Ok(Site { bytes: bytes + description.bytes, files: player::FILES.len() as u64 + 2, film: description })
 }
 
-/// Copies the film; answers its bytes.
+/// Copies the film; returns its size in bytes.
 fn copy(film: &Film, to: &Path, monitor: &dyn Monitor) -> Result<u64> {
     let io = |error| Error::io(to, error);
     let opened = film.open_now()?;

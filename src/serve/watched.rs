@@ -1,4 +1,4 @@
-//! A socket that reports what its client takes.
+//! A socket that records the bytes that its client takes.
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;
@@ -30,7 +30,8 @@ impl Watched {
 impl Drop for Watched {
     fn drop(&mut self) {
         if self.connection.is_given_up() {
-            // Else the system keeps the bytes that this client does not read. If it cannot, it does.
+            // Discards unsent bytes, which the system would otherwise keep for a client that does not read them. On failure the
+            // system keeps them.
             let _ = self.stream.set_zero_linger();
         }
     }

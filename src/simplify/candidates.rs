@@ -1,10 +1,11 @@
 //! Candidate tilings of all tree cells (Seurat 4.2).
 //!
-//! Enters: the merged points. Leaves: for each cell of the trees that has points its tilings of one, two … K tiles.
+//! Takes the merged points, and returns for each tree cell with points its tilings of one, two … K tiles.
 //!
-//! Points of a cell are clustered as k-means does: each goes to the tile with the least energy, tiles are fitted to their
-//! points. One tile comes first; then the tile of most energy is split in two by a tile across the line of sight through the
-//! point of most energy. Each number of tiles is kept as a tiling.
+//! The points of a cell are clustered as in k-means: each point is assigned to the tile with the lowest energy, and tiles are
+//! fitted to their points. The first tiling has one tile. Then the tile with the largest energy is split by adding a tile that is
+//! perpendicular to the line of sight, through the point with the largest energy. Each number of tiles gives a tiling, which is
+//! kept if its energy is at least 2% lower.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -18,22 +19,22 @@ use crate::error::Result;
 use crate::math::random::Random;
 use crate::monitor::Monitor;
 
-/// K of Seurat 4.2.
+/// Maximum number of tiles of a tiling: K of Seurat 4.2.
 pub const MAX_TILES: usize = 8;
 
-/// Search effort of candidates.
+/// Search effort of the fit of candidates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CandidateSettings {
-    /// Levels of cells that get tilings.
+    /// First and last level of the cells that get tilings.
     pub levels: [u32; 2],
     pub max_tiles: usize,
-    /// Rounds of assignment and refinement for each number of tiles.
+    /// Number of rounds of assignment and refinement for each number of tiles.
     pub rounds: usize,
-    /// Points that a tile is refined with before the last round.
+    /// Number of points that a tile is refined with before the last round.
     pub subset: usize,
-    /// Points that it is refined with in the last round.
+    /// Number of points that a tile is refined with in the last round.
     pub last_subset: usize,
-    /// Evaluations by parameter that Levenberg–Marquardt may take.
+    /// Maximum number of evaluations per parameter in Levenberg–Marquardt.
     pub evaluations: usize,
     /// Mean squared relative error below which no further tile is added.
     pub enough: f64,
@@ -68,45 +69,45 @@ impl CandidateSettings {
     }
 }
 
-/// One way to cover the points of a cell.
+/// Tiles that cover the points of a cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tiling {
     pub planes: Vec<TilePlane>,
-    /// Σ of equation 2 over all samples of the cell.
+    /// Sum of equation 2 over all samples of the cell.
     pub energy: f64,
 }
 
-/// Tilings of a level's cells, by cell index; none for cells without points.
+/// Tilings of all cells of a level, by cell index; empty for cells without points.
 #[derive(Debug)]
 pub struct CandidateLevel {
     pub level: u32,
     pub tilings: Vec<Vec<Tiling>>,
 }
 
-/// What candidates are fitted within.
+/// Bounds within which candidates are fitted.
 #[derive(Debug, Clone, Copy)]
 pub struct Extent {
-    /// Metres: 1% of the region's radius, and the radius of the geometry.
+    /// Minimum and maximum distance in metres: 1% of the region's radius, and the radius of the geometry.
     pub least_m: f64,
     pub most_m: f64,
-    /// What cells are dilated by on each side in the plane of their face, at most.
+    /// Maximum dilation of a cell on each side, in the plane of its face.
     pub margin: f64,
 }
 
-/// And at most this part of their side.
+/// Maximum dilation of a cell, as a fraction of its side.
 const MARGIN_SHARE: f64 = 1.0 / 32.0;
 
 impl Extent {
-    /// The square of a cell's tiles, which overlap those of the cells beside it.
+    /// Returns the dilated square of a cell's tiles, which overlap those of neighbouring cells.
     pub fn dilated(&self, cell: TreeCell) -> PlaneRect {
         cell.rect(self.margin.min(MARGIN_SHARE * cell.side()))
     }
 }
 
-/// Tilings of all cells, by level. Cells without points have none, and cost nothing.
+/// Returns the tilings of all cells, by level. Cells without points have no tilings and cost nothing.
 ///
 /// # Errors
-/// [`crate::error::Error::Interrupted`] where the monitor says so.
+/// [`crate::error::Error::Interrupted`] if the monitor is interrupted.
 pub fn candidates(
     points: &[MergedPoint],
     extent: &Extent,
@@ -158,7 +159,7 @@ pub fn candidates(
         .collect()
 }
 
-/// Number of a cell of the last level in the order of a depth-first traversal: the face, then two bits for each level.
+/// Returns the index of a cell in a depth-first traversal of its level: the face, then two bits for each level.
 fn leaf_order(cell: TreeCell) -> u32 {
     let bits = (0..cell.level).map(|at| (cell.row >> at & 1) << (2 * at + 1) | (cell.column >> at & 1) << (2 * at));
     (cell.face as u32) << (2 * cell.level) | bits.sum::<u32>()
@@ -205,7 +206,8 @@ fn tilings(cell: TreeCell, points: &[WeightedPoint], extent: &Extent, settings: 
         let is_better = found.last().is_none_or(|last| energy < 0.98 * last.energy);
         let planes = clusters.planes_with_points();
         if is_better && planes.iter().all(|&plane| bounds.admits(plane)) {
-            // Planes that lost their points leave a tiling of fewer tiles, which is better than those before it.
+            // If planes have lost all of their points, the tiling has fewer tiles than expected. It replaces tilings with as many
+            // or more tiles, since its energy is lower.
             found.retain(|tiling| tiling.planes.len() < planes.len());
             found.push(Tiling { planes, energy });
         }
@@ -219,8 +221,8 @@ fn tilings(cell: TreeCell, points: &[WeightedPoint], extent: &Extent, settings: 
     found
 }
 
-/// One tile parallel to the face of the cube, which takes two triangles however fine its texture is: the six of them are the least
-/// that covers everything.
+/// Returns a tiling of one tile parallel to the face of the cube, which takes two triangles at any texture resolution. Six of
+/// these tiles are the minimum that covers everything.
 fn face_tiling(cell: TreeCell, points: &[WeightedPoint], total: f64) -> Tiling {
     let [forward, ..] = cell.face.axes();
     let depth = points.iter().map(|point| point.weight * point.position.dot(forward)).sum::<f64>() / total;
@@ -231,7 +233,7 @@ fn face_tiling(cell: TreeCell, points: &[WeightedPoint], total: f64) -> Tiling {
 
 struct Clusters {
     planes: Vec<TilePlane>,
-    /// By point.
+    /// Index of the plane of each point.
     owner: Vec<usize>,
     energy: Vec<f64>,
 }
@@ -243,7 +245,7 @@ impl Clusters {
         self.planes.iter().zip(has_points).filter(|(_, has_points)| *has_points).map(|(plane, _)| *plane).collect()
     }
 
-    /// Gives each point to the plane with the least energy; answers whether any moved.
+    /// Assigns each point to the plane with the lowest energy. Returns true if any point changed its plane.
     fn assign(&mut self, points: &[WeightedPoint]) -> bool {
         let mut changed = false;
         for (point, (owner, energy)) in points.iter().zip(self.owner.iter_mut().zip(&mut self.energy)) {
@@ -283,7 +285,8 @@ impl Clusters {
         }
     }
 
-    /// Adds a plane across the line of sight at the point of most energy of the cluster of most energy.
+    /// Adds a plane that is perpendicular to the line of sight, through the point with the largest energy in the cluster with the
+    /// largest energy.
     fn split(&mut self, points: &[WeightedPoint]) {
         let mut sums = vec![0.0; self.planes.len()];
         for (point, (&owner, energy)) in points.iter().zip(self.owner.iter().zip(&self.energy)) {
@@ -324,14 +327,14 @@ mod tests {
         let tilings = &levels[0].tilings[TreeCell::ROOTS[0].index()];
         assert!(tilings[0].planes.len() == 1 && tilings[0].energy > 50.0, "{:?}", tilings[0]);
         assert!(tilings[1].planes.len() == 2 && tilings[1].energy < 1e-6, "{:?}", tilings[1]);
-        // Nothing is left to gain but triangles, and other faces have no points.
+        // The third tiling is the one parallel to the face. Other faces have no points.
         assert!(tilings.len() == 3 && tilings[2].planes.len() == 1, "{tilings:?}");
         assert_eq!(levels[1].tilings.iter().filter(|tilings| !tilings.is_empty()).count(), 4);
     }
 
     #[test]
     fn a_slanted_wall_gets_one_tile_along_it() {
-        // Tiles across the line of sight would need one for each point.
+        // Tiles perpendicular to the line of sight would need one tile per point.
         let wall = grid(24).map(|direction| direction / (1.0 + 0.4 * direction.y - 0.3 * direction.z));
         let points = points(wall);
         let settings = CandidateSettings { levels: [0, 0], ..CandidateSettings::of(Effort::Fast) };
@@ -356,7 +359,7 @@ mod tests {
                 assert!(tilings.is_sorted_by(|a, b| a.energy > b.energy && a.planes.len() < b.planes.len()));
             }
         }
-        // The finest cells hold one or two points each, which a tile passes through.
+        // The finest cells contain one or two points each, which a tile passes through.
         let last = levels.last().map_or(0.0, |level| level.tilings.iter().flatten().map(|tiling| tiling.energy).sum());
         assert!(last < 1.0, "{last}");
     }

@@ -1,4 +1,4 @@
-//! Captures: images with colour and depth as rays, of a dataset, a container or a Seurat manifest (Seurat 3).
+//! Captures: images with colour and depth, as rays, from a dataset, a container or a Seurat manifest (Seurat 3).
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ pub struct CaptureImage {
     pub name: String,
     pub eye: DVec3,
     pub size: [u32; 2],
-    /// None of orthographic images and of those with skew: pictures of the scene are not compared with them.
+    /// `None` for orthographic images and for images with skew, which are not compared with pictures of the scene.
     pub camera: Option<Camera>,
 }
 
@@ -27,11 +27,11 @@ impl CaptureImage {
     }
 }
 
-/// What an image shows beside colour and depth, by pixel.
+/// Surface properties of an image other than colour and depth, by pixel.
 #[derive(Debug, Default)]
 pub struct Surfaces {
     pub normal: Option<NormalPlane>,
-    /// Weights of reflection and refraction and index of refraction.
+    /// Weights of reflection and refraction, and index of refraction.
     pub material: Option<MaterialPlane>,
 }
 
@@ -44,23 +44,23 @@ enum Rays {
         frame: u32,
     },
     Manifest(SeuratCapture),
-    /// By image.
+    /// Rays of each image.
     Memory(Vec<Vec<CaptureRay>>),
 }
 
-/// All images, read one by one.
+/// All images of a capture, which are read one by one.
 #[derive(Debug)]
 pub struct Capture {
     rays: Rays,
     pub images: Vec<CaptureImage>,
-    /// Largest error of distances, as a part of them; none where it is unknown.
+    /// Maximum relative error of distances; `None` if it is unknown.
     pub relative_depth_error: Option<f64>,
-    /// Sentences about the input.
+    /// Notes on the input, as sentences.
     pub notes: Vec<String>,
 }
 
 impl Capture {
-    /// Opens a dataset, a container or a Seurat manifest. The frame is the first one unless given; manifests have one.
+    /// Opens a dataset, a container or a Seurat manifest. The default is the first frame; a manifest has only one.
     pub fn open(path: &Path, frame: Option<u32>) -> Result<Capture> {
         if !is_manifest(path) {
             return Capture::new(Reference::open(path)?, frame).map_err(|error| error.in_file(path));
@@ -90,7 +90,7 @@ impl Capture {
         Ok(Capture { rays: Rays::Manifest(capture), images, relative_depth_error: Some(0.0), notes })
     }
 
-    /// The images of a frame, the first one unless given.
+    /// Creates a capture of the images of one frame, by default the first.
     pub fn new(reference: Reference, frame: Option<u32>) -> Result<Capture> {
         let first = reference.images.iter().map(|image| image.frames.first).min().unwrap_or(0);
         let frame = frame.unwrap_or(first);
@@ -115,13 +115,13 @@ impl Capture {
         Ok(Capture { rays, images, relative_depth_error, notes: Vec::new() })
     }
 
-    /// Images in memory, with the rays of each.
+    /// Creates a capture of images in memory, with the rays of each.
     pub fn of_rays(images: impl IntoIterator<Item = (CaptureImage, Vec<CaptureRay>)>) -> Capture {
         let (images, rays) = images.into_iter().unzip();
         Capture { rays: Rays::Memory(rays), images, relative_depth_error: Some(0.0), notes: Vec::new() }
     }
 
-    /// Number of the frame that its images show.
+    /// Returns the number of the frame that the images show.
     pub fn frame(&self) -> u32 {
         match &self.rays {
             Rays::Reference { frame, .. } => *frame,
@@ -129,7 +129,7 @@ impl Capture {
         }
     }
 
-    /// The image files of its input, also of other frames.
+    /// Returns all image files of the input, including those of other frames.
     pub fn all_files(&self) -> Vec<PathBuf> {
         match &self.rays {
             Rays::Reference { reference, .. } => reference.all_files(),
@@ -137,7 +137,7 @@ impl Capture {
         }
     }
 
-    /// The files of its images, in no order.
+    /// Returns the files of the images, in no particular order.
     pub fn files(&self) -> Vec<PathBuf> {
         match &self.rays {
             Rays::Reference { reference, frame, .. } => reference.files(*frame),
@@ -149,7 +149,7 @@ impl Capture {
         }
     }
 
-    /// The rays of an image, row by row.
+    /// Reads the rays of an image, in row-major order.
     pub fn rays(&mut self, image: usize) -> Result<ImageRays> {
         Ok(ImageRays(match &mut self.rays {
             Rays::Manifest(capture) => RaysOfImage::Listed(capture.views[image].read(&ReadLimits::default())?),
@@ -158,7 +158,7 @@ impl Capture {
         }))
     }
 
-    /// The same without light, which is not read where it has an image of its own.
+    /// Reads the rays of an image without colour, which is not read if it is in an image of its own.
     pub fn rays_without_light(&mut self, image: usize) -> Result<ImageRays> {
         match &mut self.rays {
             Rays::Reference { reference, indices, frame } => {
@@ -169,7 +169,7 @@ impl Capture {
         }
     }
 
-    /// Normals and material of an image, where the capture has them.
+    /// Reads the normals and the material of an image, if the capture has them.
     pub fn surfaces(&mut self, image: usize) -> Result<Surfaces> {
         match &mut self.rays {
             Rays::Manifest(_) | Rays::Memory(_) => Ok(Surfaces::default()),
@@ -181,7 +181,7 @@ impl Capture {
         }
     }
 
-    /// Names the file of an image's depth, where it has one of its own.
+    /// Adds the name of the image's depth file to an error, if depth is in a file of its own.
     pub fn in_file(&self, image: usize, error: Error) -> Error {
         match &self.rays {
             Rays::Manifest(capture) => error.in_file(&capture.views[image].depth.path),
@@ -189,14 +189,14 @@ impl Capture {
         }
     }
 
-    /// Pixels of an image along a unit of the plane at distance 1 from its camera: the most of all images. One without a camera counts as
-    /// if it covered a face of a cube.
+    /// Returns the maximum over all images of the number of pixels per unit of the plane at distance 1 from the camera. An image
+    /// without a camera counts as a face of a cube.
     pub fn pixels_per_unit(&self) -> f64 {
         let half = |image: &CaptureImage| image.camera.map_or(1.0, |camera| camera.half()[1]);
         self.images.iter().map(|image| f64::from(image.size[1]) / (2.0 * half(image))).fold(1.0, f64::max)
     }
 
-    /// Metres to the nearest sample of all images, `+inf` where all show the sky.
+    /// Returns the distance in metres to the nearest sample of all images; `+inf` if all of them show the sky.
     pub fn nearest_m(&mut self) -> Result<f64> {
         let mut nearest = f64::INFINITY;
         for image in 0..self.images.len() {
@@ -206,18 +206,18 @@ impl Capture {
     }
 }
 
-/// Rays of one image, row by row.
+/// Rays of one image, in row-major order.
 #[derive(Debug)]
 pub struct ImageRays(RaysOfImage);
 
 #[derive(Debug)]
 enum RaysOfImage {
     Listed(Vec<CaptureRay>),
-    /// One for each pixel.
+    /// One ray per pixel.
     Planes {
         camera: Box<Camera>,
         distances_m: DepthPlane,
-        /// Empty where it was not read, which is black.
+        /// Linear RGB. Empty, which is black, if it was not read.
         light: Vec<[f32; 3]>,
     },
 }
@@ -227,7 +227,7 @@ impl ImageRays {
         self.of_pixels(|_| true)
     }
 
-    /// Rays of the pixels, column and row, that are wanted.
+    /// Returns the rays of the pixels that `is_wanted` selects by column and row.
     pub fn of_pixels(&self, is_wanted: impl Fn([u32; 2]) -> bool) -> impl Iterator<Item = CaptureRay> {
         let count = match &self.0 {
             RaysOfImage::Listed(rays) => rays.len(),

@@ -1,6 +1,6 @@
 //! Solid and free-space constraints of tiles (Seurat 5.1).
 //!
-//! Enters: a sample. Leaves: places on tiles that its surface covers, and places that its ray shows to be empty.
+//! Takes a sample, and returns the places on tiles that its surface covers, and those that its ray shows to be empty.
 
 use glam::DVec3;
 
@@ -9,16 +9,16 @@ use super::tiles::{TileHit, TileSet};
 use super::tree::project;
 use crate::mesh::Ray;
 
-/// A place on a tile, 0 to 1 along each side of its texture.
+/// A constraint at a place on a tile, 0 to 1 along each side of the tile's texture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constraint {
     pub tile: u32,
     pub at: [f32; 2],
-    /// Index of the sample whose colour it has; none for free space.
+    /// Index of the sample that gives the colour; `None` for free space.
     pub sample: Option<u32>,
 }
 
-/// What a constraint says of its place.
+/// Kind of a constraint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ConstraintKind {
     Solid,
@@ -30,7 +30,7 @@ impl Constraint {
         if self.sample.is_some() { ConstraintKind::Solid } else { ConstraintKind::FreeSpace }
     }
 
-    /// The place in texels of a square texture: 0 is the middle of the first one.
+    /// Returns the place in texels of a square texture; 0 is the centre of the first texel.
     pub fn texel(&self, side: usize) -> [f32; 2] {
         self.at.map(|at| at.clamp(0.0, 1.0) * (side - 1) as f32)
     }
@@ -38,17 +38,17 @@ impl Constraint {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FreeSpace {
-    /// Rays are traced.
+    /// Rays are traced through free space.
     Trace,
-    /// Solid constraints alone.
+    /// Only solid constraints are found, except for samples without a surface.
     Ignore,
 }
 
-/// Finds the constraints of samples; holds what is used again for each.
+/// Search for the constraints of samples, with buffers that are reused.
 #[derive(Debug)]
 pub struct ConstraintFinder<'a> {
     tiles: &'a TileSet,
-    /// Relative distance to a sample within which a tile counts as its surface.
+    /// Relative distance to a sample within which a tile counts as the sample's surface.
     solid_threshold: f64,
     hits: Vec<TileHit>,
     free: Vec<(u32, [f64; 2])>,
@@ -59,11 +59,12 @@ impl<'a> ConstraintFinder<'a> {
         ConstraintFinder { tiles, solid_threshold, hits: Vec::new(), free: Vec::new() }
     }
 
-    /// Adds the constraints of a sample; answers whether there is a tile along the line from the middle through its end.
+    /// Adds the constraints of a sample. Returns false if the sample has a surface, but no tile lies along the line from the
+    /// centre of the region through the sample's end.
     pub fn add(&mut self, sample: &Sample, number: u32, free_space: FreeSpace, out: &mut Vec<Constraint>) -> bool {
         self.tiles.along(sample.end, &mut self.hits);
         let beside = |hit: &TileHit| (hit.relative - 1.0).abs();
-        // Of tiles at one distance, that which is drawn last.
+        // Of several tiles at the same distance, the one that is drawn last.
         let nearest = |a: &&TileHit, b: &&TileHit| beside(a).total_cmp(&beside(b)).then(b.tile.cmp(&a.tile));
         self.free.clear();
         if !sample.is_surface {
@@ -90,8 +91,8 @@ impl<'a> ConstraintFinder<'a> {
         Constraint { tile, at, sample }
     }
 
-    /// Tiles that are drawn over the primary one, and that the sample's own ray meets elsewhere than at its end; all of them where the
-    /// ray has no surface.
+    /// Finds the tiles that are drawn over the primary tile and that the sample's own ray meets elsewhere than at its end. If the
+    /// ray has no surface, finds all tiles that it meets.
     fn trace(&mut self, sample: &Sample, primary: Option<u32>) {
         let along = sample.end - sample.origin;
         let length = along.length();

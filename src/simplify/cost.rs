@@ -1,4 +1,4 @@
-//! What a tiling costs to draw: triangles, area on the sphere, share of the overdraw of each view (Seurat 4).
+//! Drawing cost of a tiling: triangles, area on the sphere, and share of the overdraw of each view (Seurat 4).
 
 use std::f64::consts::PI;
 
@@ -10,32 +10,33 @@ use super::fit::TilePlane;
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell, direction};
 use crate::image::Face;
 
-/// F of Seurat 4: views of 90 degrees whose mean overdraw is bounded.
+/// F of Seurat 4: number of 90-degree views whose mean overdraw is bounded.
 pub const VIEWS: usize = 126;
-/// Error of affine texture coordinates along one axis, in texels: on both axes together it is half a texel.
+/// Maximum error of affine texture coordinates along one axis, in texels. On both axes together it is half a texel.
 const AXIS_ERROR_TEXELS: f64 = 0.35;
-/// Columns or rows that a tile is divided into, at most: such a tile takes so many triangles that it is not selected.
+/// Maximum number of columns or rows that a tile is divided into. A tile with as many has so many triangles that it is not
+/// selected.
 pub const MAX_PARTS: u32 = 1024;
-/// Solid angle of a view of 90 degrees: that of a cube face, a sixth of the sphere.
+/// Solid angle of a 90-degree view, in steradians: that of a cube face, a sixth of the sphere.
 const VIEW_AREA: f64 = 4.0 * PI / 6.0;
 
-/// Parts of cells that views see from the middle of the region, by level.
+/// Fractions of cells that views see from the centre of the region, by level.
 #[derive(Debug)]
 pub struct ViewShares {
     levels: Vec<SparseShares>,
 }
 
-/// The shares of a level's cells, one after the other.
+/// Shares of the cells of a level, in one list.
 #[derive(Debug, Default)]
 struct SparseShares {
-    /// Where those of each cell start.
+    /// Index of the first entry of each cell.
     starts: Vec<u32>,
-    /// View, and the part of the cell's solid angle that it sees.
+    /// View, and the fraction of the cell's solid angle that it sees.
     entries: Vec<(u8, f32)>,
 }
 
 impl ViewShares {
-    /// Shares of all cells of levels up to the last. A cell of the last level is seen whole or not at all.
+    /// Computes the shares of all cells of all levels. A cell of the last level is either visible as a whole or not at all.
     pub fn of_trees() -> ViewShares {
         let axes: Vec<[DVec3; 3]> = view_axes();
         let seen = |index: usize| -> Vec<(u8, f32)> {
@@ -69,7 +70,7 @@ impl ViewShares {
         ViewShares { levels }
     }
 
-    /// Views that see a cell, and the part of it that they see.
+    /// Returns the views that see a cell, and the fraction of the cell that each of them sees.
     pub fn of(&self, level: u32, cell: usize) -> &[(u8, f32)] {
         let SparseShares { starts, entries } = &self.levels[level as usize];
         &entries[starts[cell] as usize..starts[cell + 1] as usize]
@@ -87,7 +88,7 @@ impl SparseShares {
     }
 }
 
-/// Forward, right and down of each view: the faces of the cube, then directions of a spiral.
+/// Returns forward, right and down of each view: the faces of the cube, then directions on a spiral.
 fn view_axes() -> Vec<[DVec3; 3]> {
     let spiral = VIEWS - 6;
     let golden = PI * (3.0 - 5f64.sqrt());
@@ -105,37 +106,37 @@ fn view_axes() -> Vec<[DVec3; 3]> {
 /// Energy and costs of a tiling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TilingCost {
-    /// Σ of equation 2.
+    /// Sum of equation 2.
     pub energy: f64,
     pub triangles: f64,
-    /// In whole spheres.
+    /// Area in units of the whole sphere.
     pub area: f64,
-    /// Area seen from the worst points of the region over that of a view.
+    /// Solid angle from the worst points of the region, in units of the solid angle of a view.
     pub worst_area: f64,
 }
 
-/// How textures are mapped to tiles.
+/// Mapping of textures to tiles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TextureCoordinates {
-    /// Affine on each triangle; tiles are divided until that is within half a texel.
+    /// Affine on each triangle. Tiles are divided until the error is within half a texel.
     Affine,
-    /// Homogeneous (Seurat 5): no tile is divided.
+    /// Homogeneous (Seurat 5). Tiles are not divided.
     Projective,
 }
 
-/// What costs depend on.
+/// Inputs of the cost computation.
 #[derive(Debug, Clone)]
 pub struct CostModel {
     pub extent: Extent,
-    /// Points of the region's border, relative to its middle.
+    /// Points of the region's border, relative to the centre of the region.
     pub eyes: Vec<DVec3>,
-    /// Texels for each unit of a face's plane.
+    /// Texels per unit of a face's plane.
     pub texels_per_unit: f64,
     pub texture_coordinates: TextureCoordinates,
 }
 
 impl CostModel {
-    /// Costs of all tilings, by level and cell.
+    /// Computes the costs of all tilings, by level and cell.
     pub fn costs(&self, levels: &[CandidateLevel]) -> Vec<Vec<Vec<TilingCost>>> {
         let of_level = |level: &CandidateLevel| -> Vec<Vec<TilingCost>> {
             let of_cell = |(index, tilings): (usize, &Vec<Tiling>)| {
@@ -158,7 +159,7 @@ impl CostModel {
         levels.iter().map(of_level).collect()
     }
 
-    /// The cost of one tile; it has no energy of its own.
+    /// Computes the cost of one tile, with an energy of 0.
     pub fn of_tile(&self, face: Face, rect: PlaneRect, plane: TilePlane) -> TilingCost {
         let [columns, rows] = self.divisions(face, rect, plane);
         TilingCost {
@@ -169,8 +170,8 @@ impl CostModel {
         }
     }
 
-    /// Columns and rows that a tile is divided into, so that affine texture coordinates are within half a texel of the
-    /// projective ones.
+    /// Returns the numbers of columns and rows that a tile is divided into, so that affine texture coordinates are within half a
+    /// texel of the projective ones.
     pub fn divisions(&self, face: Face, rect: PlaneRect, plane: TilePlane) -> [u32; 2] {
         if self.texture_coordinates == TextureCoordinates::Projective {
             return [1, 1];
@@ -182,9 +183,9 @@ impl CostModel {
                 .map(|[a, b]| (corners[a] / corners[b]).max(corners[b] / corners[a]))
                 .into_iter()
                 .fold(1.0, f64::max);
-            // Along a line whose ends are at distances of ratio r, coordinates differ by (√r − 1) / (√r + 1) of its length at most. Inverse
-            // distances are linear in the plane of the face, so that the part at the far end has the largest ratio. Half of the error is
-            // left to the other axis.
+            // Along a line whose ends have distances of ratio r, the coordinates differ by at most (√r − 1) / (√r + 1) of its
+            // length. Inverse distances are linear in the plane of the face, so that the part at the far end has the largest
+            // ratio. Half of the error is left to the other axis.
             let is_off = |parts: u32| {
                 let root = (1.0 + (ratio - 1.0) / f64::from(parts)).sqrt();
                 let texels = (root - 1.0) / (root + 1.0) * texels / f64::from(parts);
@@ -200,7 +201,8 @@ impl CostModel {
         [along([[0, 1], [3, 2]]), along([[0, 3], [1, 2]])]
     }
 
-    /// The largest solid angle of a tile from any point of the region, in steradians; `+inf` where a corner is not met.
+    /// Returns the maximum solid angle of a tile from the points of the region, in steradians; `+inf` if the ray of a corner
+    /// misses the plane.
     fn worst_area(&self, face: Face, rect: PlaneRect, plane: TilePlane) -> f64 {
         let corners = rect.corners().map(|corner| {
             let direction = direction(face, corner);
@@ -217,7 +219,7 @@ impl CostModel {
     }
 }
 
-/// Solid angle of a triangle seen from the origin.
+/// Returns the solid angle of a triangle as seen from the origin.
 ///
 /// Based on: Van Oosterom and Strackee, *The solid angle of a plane triangle*, 1983.
 fn triangle_solid_angle([a, b, c]: [DVec3; 3]) -> f64 {

@@ -1,7 +1,7 @@
-//! Closes cracks: pixels through which nothing is seen, though there is a surface.
+//! Closes cracks: pixels that show nothing although the capture has a surface.
 //!
-//! Enters: the textured mesh, and pictures of it. Leaves: texels that are opaque. Places of a tile with both kinds of constraints have
-//! neither (Seurat 5.1), so that a thin surface can vanish from all tiles.
+//! Takes the textured mesh and pictures of it, and makes texels opaque. A place of a tile with both kinds of constraints counts
+//! as neither (Seurat 5.1), so that a thin surface can vanish from all tiles.
 
 use std::sync::Arc;
 
@@ -21,32 +21,32 @@ use crate::image::Face;
 use crate::math::{Camera, Lens};
 use crate::mesh::Ray;
 
-/// A pixel of less alpha is a crack.
+/// Alpha below which a pixel is a crack.
 pub const CRACK_ALPHA: f32 = 0.5;
-/// A pixel of less alpha is translucent: half a code.
+/// Alpha below which a pixel is translucent: 1 minus half a code.
 pub const OPAQUE_ALPHA: f32 = 1.0 - 0.5 / 255.0;
-/// Texels beside those around a crack that are made opaque, too, where it stays open.
+/// Maximum number of texels around those at a crack that are also made opaque if the crack stays open.
 const REACH: u32 = 2;
 
-/// Side of the pictures from eyes in the region, in pixels.
+/// Side in pixels of the pictures from eyes in the region.
 const EYE_SIDE: u32 = 256;
 
-/// The tiles of a mesh, and where their textures lie.
+/// Tiles of a mesh, and the layout of their textures.
 #[derive(Debug, Clone, Copy)]
 pub struct PlacedTiles<'a> {
     pub tiles: &'a TileSet,
     pub layout: &'a Layout,
 }
 
-/// Pixels of one image of the capture that were closed.
+/// Number of pixels of one image of the capture that were closed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Closed {
     pub cracks: u64,
-    /// Those that were more than half covered, before a background that covers everything.
+    /// Pixels that were more than half covered, in front of a background that covers everything.
     pub translucent: u64,
 }
 
-/// Pictures of all directions from an eye in the region. Pixels in directions without surfaces count as covered.
+/// Returns pictures of all directions from an eye in the region. Pixels in directions without surfaces count as covered.
 pub fn pictures(scene: &QuadMesh, region: &ViewingRegion, seen: &SeenDirections, eye: DVec3) -> Result<Vec<Coverage>> {
     let picture = |face: Face| {
         let camera = |eye: DVec3| Camera::with_axes(eye, face.axes(), Lens::new(90.0));
@@ -59,7 +59,8 @@ pub fn pictures(scene: &QuadMesh, region: &ViewingRegion, seen: &SeenDirections,
     Face::CUBE.into_iter().map(picture).collect()
 }
 
-/// Picture of an image of the capture, where it has a camera and there is a gap. Pixels whose rays meet a tile count as covered.
+/// Returns the picture of an image of the capture; `None` if the image has no camera or the picture no gap. Pixels whose rays
+/// meet a tile count as covered.
 pub fn picture(scene: &QuadMesh, region: &ViewingRegion, tiles: &TileSet, image: &CaptureImage) -> Option<Coverage> {
     let CaptureImage { camera: Some(camera), size, .. } = *image else { return None };
     let covered = covered(scene, &camera, size);
@@ -68,23 +69,23 @@ pub fn picture(scene: &QuadMesh, region: &ViewingRegion, tiles: &TileSet, image:
     Some(picture).filter(|picture| picture.gaps().next().is_some())
 }
 
-/// Pixels that are no crack, row by row.
+/// Returns true for each pixel that is not a crack, in row-major order.
 pub(super) fn covered(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Vec<bool> {
     let mut raster = AlphaRaster::new(scene, camera, size);
     raster.draw(scene, CRACK_ALPHA).iter().map(|alpha| *alpha >= CRACK_ALPHA).collect()
 }
 
-/// Which of the tiles along a ray is made opaque.
+/// Choice of the tile along a ray that is made opaque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum TileChoice {
-    /// The nearest to a surface at this distance, in metres.
+    /// The tile nearest to a surface at this distance, in metres.
     NearestTo(f64),
     Farthest,
-    /// The rearmost in drawing order.
+    /// The rearmost tile in drawing order.
     First,
 }
 
-/// A ray that is to end at a tile: the texels that it passes between become opaque, and `reach` more on each side.
+/// A ray that must end at a tile. The texels around its hit become opaque, and `reach` more on each side.
 #[derive(Debug, Clone, Copy)]
 struct Opening {
     ray: Ray,
@@ -93,7 +94,7 @@ struct Opening {
 }
 
 impl PlacedTiles<'_> {
-    /// Closes the cracks of one image of the capture, and what is translucent where the sky covers everything.
+    /// Closes the cracks of one image of the capture, and makes translucent pixels opaque if the sky covers everything.
     pub fn close_in_image(
         &self,
         capture: &mut Capture,
@@ -105,18 +106,19 @@ impl PlacedTiles<'_> {
         let CaptureImage { camera: Some(camera), size, .. } = capture.images[image] else { return Ok(closed) };
         let wanted = if rules.background == Background::Sky { OPAQUE_ALPHA } else { CRACK_ALPHA };
         let mut raster = AlphaRaster::new(scene, &camera, size);
-        // Nearly each image has such pixels: it is read meanwhile.
+        // Nearly every image has such pixels, so its rays are read in parallel.
         let (_, rays) = rayon::join(|| raster.draw(scene, wanted).len(), || capture.rays(image));
         let rays = rays?;
         let mut samples: Option<Vec<Sample>> = None;
-        // Texture coordinates of the mesh differ from those of tiles by up to half a texel.
+        // Texture coordinates of the mesh differ from those of tiles by up to half a texel, so that a crack may need a larger
+        // reach.
         for reach in 0..=REACH {
             let pixels = raster.draw(scene, wanted);
             let open: Vec<u32> = (0..).zip(pixels).filter(|(_, alpha)| **alpha < wanted).map(|(at, _)| at).collect();
             if open.is_empty() {
                 break;
             }
-            // Fewer pixels are open each time.
+            // The open pixels of later passes are a subset of those of the first.
             if samples.is_none() {
                 samples = Some(rules.of_rays(capture, image, &rays, PixelChoice::Listed(&open))?.0);
             }
@@ -134,14 +136,14 @@ impl PlacedTiles<'_> {
         Ok(closed)
     }
 
-    /// Closes cracks that pictures show; answers their number.
+    /// Closes the cracks that pictures show, and returns their number.
     pub fn close_in_pictures(&self, pictures: &[Coverage], scene: &mut QuadMesh) -> u64 {
         let rays = pictures.iter().flat_map(Coverage::gaps);
         let openings = rays.map(|ray| Opening { ray, choice: TileChoice::Farthest, reach: 0 });
         openings.filter(|opening| self.close(*opening, scene)).count() as u64
     }
 
-    /// Answers whether the ray meets a tile.
+    /// Makes texels at the hit of a ray opaque. Returns true if the ray meets a tile.
     fn close(&self, Opening { ray, choice, reach }: Opening, scene: &mut QuadMesh) -> bool {
         let rank = |&(tile, distance): &(u32, f64)| match choice {
             TileChoice::NearestTo(metres) => (distance / metres - 1.0).abs(),

@@ -1,4 +1,4 @@
-//! Pictures of the simplified scene beside those of the capture (Seurat 7).
+//! Comparison of pictures of the simplified scene with those of the capture (Seurat 7).
 
 use std::time::Duration;
 
@@ -28,13 +28,13 @@ use crate::monitor::Monitor;
 /// Decibels that the released evaluator added to the PSNR: 10 log10 255.
 const RELEASED_OFFSET_DB: f64 = 24.065_401_804_339_55;
 
-/// Pictures of random poses, and their side in pixels.
+/// Number of pictures from random poses, and their side in pixels.
 const POSES: u32 = 64;
 const POSE_SIDE: u32 = 256;
-/// Random places that are tried for each pose.
+/// Maximum number of random positions tried for each pose.
 const TRIES: u32 = 10_000;
 
-/// A scene beside its capture.
+/// Comparison of a scene with its capture.
 #[derive(Debug, Clone, Copy)]
 pub struct Evaluation {
     pub fidelity: Fidelity,
@@ -42,17 +42,17 @@ pub struct Evaluation {
     pub duration: Duration,
 }
 
-/// Figures of all pictures.
+/// Measures over all pictures.
 #[derive(Debug, Clone, Copy)]
 pub struct Fidelity {
     pub similarity: Similarity,
-    /// Error of the pixels that are opaque: the released evaluator left out the others.
+    /// Error of the opaque pixels. The released evaluator left out the others.
     opaque: SquaredError,
     pub pixels: u64,
-    /// Triangles that were drawn over pixels.
+    /// Number of triangles drawn over pixels.
     pub fragments: u64,
     pub fragments_per_pixel_max: u32,
-    /// Largest mean of triangles a pixel of a picture.
+    /// Maximum over all pictures of the mean number of triangles per pixel.
     pub peak_overdraw: f64,
     pub crack_pixels: u64,
     pub translucent_pixels: u64,
@@ -74,7 +74,7 @@ impl Default for Fidelity {
 }
 
 impl Fidelity {
-    /// Draws the scene as an image of a capture was taken, and adds what differs. Images without a camera are left out.
+    /// Draws the scene from the camera of a captured image, and adds the differences. Images without a camera are skipped.
     fn add(&mut self, scene: &QuadMesh, image: &CaptureImage, rays: &ImageRays, background: Background) -> Result<()> {
         let Some(compared) = Compared::new(scene, image, rays, background)? else { return Ok(()) };
         let Compared { similarity, shown, wanted, surfaces, drawn, overdraw } = compared;
@@ -106,7 +106,7 @@ impl Fidelity {
         Ok(())
     }
 
-    /// What the released evaluator would have printed.
+    /// Returns the PSNR that the released evaluator would have printed, in decibels.
     pub fn released_psnr_db(&self) -> f64 {
         self.opaque.psnr_db() + RELEASED_OFFSET_DB
     }
@@ -116,22 +116,22 @@ impl Fidelity {
     }
 }
 
-/// A picture of the scene beside an image of a capture.
+/// A picture of the scene, compared with an image of a capture.
 #[derive(Debug)]
 pub struct Compared {
     pub similarity: Similarity,
     /// Display codes of the picture and of the image.
     pub shown: Plane<[u8; 3]>,
     pub wanted: Plane<[u8; 3]>,
-    /// Whether each pixel of the image shows a surface.
+    /// For each pixel of the image, true if it shows a surface.
     surfaces: Vec<bool>,
     drawn: Drawn,
-    /// Triangles over a pixel, in the mean.
+    /// Mean number of triangles per pixel.
     pub overdraw: f64,
 }
 
 impl Compared {
-    /// Draws the scene as an image of a capture was taken; none where the image has no camera.
+    /// Draws the scene from the camera of a captured image; `None` if the image has no camera.
     pub fn new(
         scene: &QuadMesh,
         image: &CaptureImage,
@@ -180,7 +180,7 @@ pub fn compare(
     while !next.is_empty() {
         monitor.check()?;
         first += next.len();
-        // The next ones are read meanwhile.
+        // The next images are read in parallel.
         let compare = || next.par_iter().map(one).collect::<Result<Vec<Fidelity>>>();
         let (compared, following) = rayon::join(compare, || read(first));
         for found in compared? {
@@ -195,13 +195,13 @@ pub fn compare(
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct PoseScore {
     pub poses: u32,
-    /// Pixels in whose direction the capture has a surface, seen from the middle of the region.
+    /// Number of pixels in whose direction the capture has a surface, as seen from the centre of the region.
     pub pixels: u64,
-    /// Of those, the ones of less than half alpha.
+    /// Number of these pixels whose alpha is below one half.
     pub crack_pixels: u64,
 }
 
-/// Draws the scene from random poses in the region.
+/// Draws the scene from random poses in the region, and counts cracks.
 pub fn random_poses(scene: &QuadMesh, region: &ViewingRegion, seen: &SeenDirections) -> Result<PoseScore> {
     let mut random = Random::new(0);
     let mut unit = || f64::from(random.word()) / f64::from(u32::MAX) * 2.0 - 1.0;
@@ -209,7 +209,7 @@ pub fn random_poses(scene: &QuadMesh, region: &ViewingRegion, seen: &SeenDirecti
     let mut score = PoseScore::default();
     let size = [POSE_SIDE; 2];
     for _ in 0..POSES {
-        // Of a small part of the box around it nothing may be found.
+        // If the region is a small part of its box, no position may be found.
         let eyes = (0..TRIES).map(|_| vector() * region.half);
         let Some(eye) = eyes.into_iter().find(|&eye| region.admits(eye)) else { break };
         let eye = region.middle + eye;
@@ -217,7 +217,7 @@ pub fn random_poses(scene: &QuadMesh, region: &ViewingRegion, seen: &SeenDirecti
         while forward.length_squared() > 1.0 || forward.x == 0.0 {
             forward = vector();
         }
-        // So far away that the next float is metres off, an eye cannot look anywhere.
+        // The camera cannot be created if the eye is so far away that adjacent floats are metres apart.
         let Ok(camera) = Camera::look_at(eye, eye + forward, DVec3::Y, Lens::new(90.0)) else { break };
         score.poses += 1;
         for (at, is_covered) in (0..).zip(covered(scene, &camera, size)) {
@@ -231,7 +231,7 @@ pub fn random_poses(scene: &QuadMesh, region: &ViewingRegion, seen: &SeenDirecti
     Ok(score)
 }
 
-/// The picture of rays, black where there is none, and whether each pixel shows a surface.
+/// Returns the picture of rays, black where there is no ray, and true for each pixel that shows a surface.
 fn truth(rays: &ImageRays, [width, height]: [u32; 2], background: Background) -> (Truth, Vec<bool>) {
     let mut color = ColorPlane::filled(width, height, [f16::ZERO; 3]);
     let mut surfaces = vec![false; (width * height) as usize];

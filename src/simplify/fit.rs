@@ -1,47 +1,48 @@
-//! The plane of a quad tile, fitted to points (Seurat 4.2, equation 2).
+//! Fit of the plane of a quad tile to points (Seurat 4.2, equation 2).
 //!
-//! Enters: points with weights, a tree cell, a first plane. Leaves: the plane of least energy, by Levenberg–Marquardt over the
-//! centre and the normal of a disk.
+//! Takes weighted points, the bounds of a tile and an initial plane. Returns the plane of minimum energy, found by
+//! Levenberg–Marquardt over the centre and the normal of a disk.
 
 use glam::{DMat3, DVec3};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DVector, Dyn, OMatrix, U6, Vector6};
 
-/// A plane that does not contain the middle of the viewing region, as its normal over its distance from there: the ray of
-/// direction v meets it at v / (v · plane).
+/// A plane that does not contain the centre of the viewing region, as its normal divided by its distance from that centre: the
+/// ray of direction v meets it at v / (v · plane).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TilePlane(pub DVec3);
 
 impl TilePlane {
-    /// The plane through a point, across the line of sight to it. The point is not the middle.
+    /// Returns the plane through a point that is perpendicular to the line of sight. The point must not be the centre of the
+    /// region.
     pub fn fronto_parallel(point: DVec3) -> TilePlane {
         TilePlane(point / point.length_squared())
     }
 
-    /// Factor of a direction's length at which it meets the plane; `+inf` where it does not.
+    /// Returns the factor of a direction's length at which its ray meets the plane; `+inf` if it does not.
     pub fn hit(self, direction: DVec3) -> f64 {
         let inverse = direction.dot(self.0);
         if inverse > 0.0 { 1.0 / inverse } else { f64::INFINITY }
     }
 
-    /// Equation 2: the squared relative distance of a point to the plane, along the ray to it.
+    /// Returns the value of equation 2: the squared relative distance of a point to the plane, along the ray to the point.
     pub fn energy(self, point: DVec3) -> f64 {
         (1.0 - self.hit(point)).powi(2)
     }
 }
 
-/// A point and the weight of its energy.
+/// A point, and the weight of its energy.
 #[derive(Debug, Clone, Copy)]
 pub struct WeightedPoint {
     pub position: DVec3,
     pub weight: f64,
 }
 
-/// What a plane is fitted within.
+/// Bounds within which a plane is fitted.
 #[derive(Debug, Clone, Copy)]
 pub struct FitBounds {
-    /// Directions of length 1 to the corners of the tile.
+    /// Unit directions to the corners of the tile.
     pub corners: [DVec3; 4],
     /// Distances in metres beyond which corners are penalised: 1% of the region's radius, and the radius of the geometry.
     pub least_m: f64,
@@ -49,7 +50,8 @@ pub struct FitBounds {
 }
 
 impl FitBounds {
-    /// Whether a plane meets all four edges of the frustum in front of the middle, no nearer than `least_m`.
+    /// Returns true if a plane meets all four edges of the frustum in front of the centre, at distances from `least_m` to four
+    /// times `most_m`.
     pub fn admits(&self, plane: TilePlane) -> bool {
         self.corners.iter().all(|&corner| {
             let hit = plane.hit(corner);
@@ -58,16 +60,16 @@ impl FitBounds {
     }
 }
 
-/// Residuals of points whose plane is not met: as large as those of points 30 times too far away.
+/// Residual of points whose rays miss the plane: as large as that of points 30 times too far away.
 const MISSED: f64 = 30.0;
-/// γ of Seurat 4.2 at the start.
+/// Initial value of γ of Seurat 4.2.
 const FIRST_GAMMA: f64 = 0.1;
 
 struct Disk<'a> {
     points: &'a [WeightedPoint],
     bounds: &'a FitBounds,
     gamma: f64,
-    /// Metres to which lengths are relative, so that the normal and the centre have one scale.
+    /// Unit of length in metres, chosen so that the normal and the centre have the same scale.
     scale: f64,
     center: DVec3,
     normal: DVec3,
@@ -82,7 +84,7 @@ impl Disk<'_> {
         if self.gamma > 0.0 { 4 } else { 1 }
     }
 
-    /// The residuals, and their derivatives by centre and normal.
+    /// Calls `row` with each residual and its derivatives by centre and normal.
     fn rows(&self, mut row: impl FnMut(f64, [DVec3; 2])) {
         let (center, normal) = (self.center, self.normal);
         let offset = center.dot(normal);
@@ -168,8 +170,9 @@ impl LeastSquaresProblem<f64, Dyn, U6> for Disk<'_> {
     }
 }
 
-/// Fits a plane to points, from a first one. Fewer than three points, or points on a line, give a plane across the line of
-/// sight through their mean; so do those whose plane the bounds do not admit. The better of the result and `first` is kept.
+/// Fits a plane to points, starting from `first`. If there are fewer than three points, if they lie on a line, or if the bounds
+/// do not admit their plane, the plane is perpendicular to the line of sight through their mean. Keeps the better of the result
+/// and `first`.
 pub fn fit_plane(points: &[WeightedPoint], bounds: &FitBounds, first: TilePlane, evaluations: usize) -> TilePlane {
     let weight: f64 = points.iter().map(|point| point.weight).sum();
     let energy = |plane: TilePlane| -> f64 {
@@ -215,8 +218,8 @@ pub fn fit_plane(points: &[WeightedPoint], bounds: &FitBounds, first: TilePlane,
     best
 }
 
-/// The plane that minimises Σ w (1 − p · plane)², which is the energy to first order; none where points are on a plane through
-/// the middle, or on a line.
+/// Returns the plane that minimises Σ w (1 − p · plane)², which is the energy to first order; `None` if the points lie on a line,
+/// or on a plane through the centre of the region.
 fn inverse_distance_plane(points: &[WeightedPoint]) -> Option<TilePlane> {
     let scale = points.iter().map(|point| point.position.length()).sum::<f64>() / points.len() as f64;
     let (mut squares, mut sum, mut weights) = (DMat3::ZERO, DVec3::ZERO, 0.0);
@@ -241,7 +244,7 @@ mod tests {
         FitBounds { corners: corners.map(|[x, y]| DVec3::new(x, y, -1.0).normalize()), least_m: 0.01, most_m: 100.0 }
     }
 
-    /// Points of a plane, along rays through a grid.
+    /// Returns points of a plane, along rays through a grid.
     fn on_plane(plane: TilePlane) -> Vec<WeightedPoint> {
         let steps = || (0..6).map(|at| -0.2 + 0.08 * f64::from(at));
         let directions = steps().flat_map(|x| steps().map(move |y| DVec3::new(x, y, -1.0)));
@@ -254,7 +257,7 @@ mod tests {
 
     #[test]
     fn a_slanted_plane_is_found_where_one_across_the_view_is_far_off() {
-        // 4 m away, and twice as far at one side as at the other.
+        // A plane 4 m away, and twice as far on one side as on the other.
         let wanted = TilePlane(DVec3::new(0.4, 0.1, -0.25));
         let points = on_plane(wanted);
         for evaluations in [0, 2, 9, 30] {
@@ -277,7 +280,7 @@ mod tests {
         let [none, some] =
             [0, 30].map(|evaluations| energy(fit_plane(&points, &bounds(), first, evaluations), &points));
         assert!(some < none, "{some} {none}");
-        // No plane beside the result is better.
+        // No neighbouring plane has less energy.
         let found = fit_plane(&points, &bounds(), first, 100);
         for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
             for step in [-1e-3, 1e-3] {
@@ -290,7 +293,7 @@ mod tests {
     fn points_without_a_plane_of_their_own_get_one_across_the_view() {
         let first = TilePlane::fronto_parallel(DVec3::new(0.0, 0.0, -1.0));
         let at = |x: f64, z: f64| WeightedPoint { position: DVec3::new(x, 0.0, z), weight: 1.0 };
-        // One ray; a line; a single point; a plane through the middle of the region.
+        // Points on one ray; on a line; a single point; on a plane through the centre of the region.
         let cases = [
             vec![at(0.0, -2.0), at(0.0, -3.0), at(0.0, -4.0)],
             vec![at(0.1, -2.0), at(0.0, -2.0), at(-0.1, -2.0)],

@@ -1,8 +1,8 @@
-//! Extends tiles over gaps that eyes in the viewing region see between them.
+//! Extends tiles over the gaps that eyes in the viewing region see between them.
 //!
-//! Enters: the tiles, which leave no gap from the middle of the region. Leaves: tiles with larger rectangles, as budgets allow.
-//! Tiles of cells side by side part where their depths differ and the eye is not in the middle (Seurat 4.2 dilates all tiles by one width).
-//! The farther one is extended: it goes on behind the nearer one.
+//! Takes tiles, which leave no gap as seen from the centre of the region, and returns tiles with larger rectangles, as far as
+//! budgets allow. Tiles of neighbouring cells separate if their depths differ and the eye is not at the centre (Seurat 4.2
+//! dilates all tiles by one width). The farther tile is extended, so that it continues behind the nearer one.
 
 use std::collections::BTreeMap;
 
@@ -16,16 +16,16 @@ use super::tree::{PlaneRect, TreeCell, direction, project};
 use crate::math::Camera;
 use crate::mesh::Ray;
 
-/// Pixels beside a gap within which its border is looked for.
+/// Maximum distance in pixels at which the border of a gap is searched.
 const BORDER_PIXELS: i32 = 32;
-/// Length in the plane of a face by which a tile is extended, at most: 11 degrees.
+/// Maximum length by which a tile is extended in the plane of a face: 11 degrees.
 const MAX_LONGER: f64 = 0.2;
-/// Largest factor by which that changes the distance of a tile's farthest corner.
+/// Maximum factor by which an extension increases the distance of a tile's farthest corner.
 const MAX_FARTHER: f64 = 2.0;
-/// Squares of a cube face's side within which a capture saw something or not.
+/// Tree level of the squares for which it is stored whether the capture has a surface.
 const SEEN_LEVEL: u32 = 5;
 
-/// The directions from the middle of the region in which a capture has surfaces.
+/// Directions from the centre of the region in which a capture has surfaces.
 #[derive(Debug, Clone)]
 pub struct SeenDirections(Vec<bool>);
 
@@ -40,20 +40,20 @@ impl SeenDirections {
         self.0[TreeCell::containing(direction, SEEN_LEVEL).index()]
     }
 
-    /// As bits.
+    /// Returns the directions as bits.
     pub fn to_words(&self) -> impl Iterator<Item = u64> {
         let word = |bits: &[bool]| (0..).zip(bits).map(|(at, bit)| u64::from(*bit) << at).sum();
         self.0.chunks(64).map(word)
     }
 
-    /// Of [`Self::to_words`]; none where they are not as many.
+    /// Reads the result of [`Self::to_words`]; `None` if the number of words is wrong.
     pub fn of_words(words: &[u64]) -> Option<SeenDirections> {
         let bits: Vec<bool> = words.iter().flat_map(|word| (0..64).map(move |at| word >> at & 1 == 1)).collect();
         (bits.len() == TreeCell::count(SEEN_LEVEL)).then_some(SeenDirections(bits))
     }
 }
 
-/// The budgets that extended tiles keep.
+/// Budgets that extended tiles must keep.
 #[derive(Debug)]
 pub struct Account<'a> {
     pub model: &'a CostModel,
@@ -63,7 +63,7 @@ pub struct Account<'a> {
 }
 
 impl Account<'_> {
-    /// Replaces the rectangle of a tile of the selection where the budgets are still kept.
+    /// Replaces the rectangle of a selected tile if the budgets are still kept. Returns true if it was replaced.
     fn replace(&mut self, tile: &mut QuadTile, rect: PlaneRect) -> bool {
         let (face, plane) = (tile.cell.face, tile.plane);
         let shares = self.shares.of(tile.cell.level, tile.cell.index());
@@ -79,10 +79,10 @@ impl Account<'_> {
     }
 }
 
-/// A picture from the viewing region: whether each pixel is covered, row by row.
+/// A picture from the viewing region: for each pixel, in row-major order, whether it is covered.
 #[derive(Debug, Clone)]
 pub struct Coverage {
-    /// Its eye is relative to the middle of the region.
+    /// Camera whose eye is relative to the centre of the region.
     pub camera: Camera,
     pub size: [u32; 2],
     pub covered: Vec<bool>,
@@ -110,7 +110,7 @@ impl Coverage {
         })
     }
 
-    /// Ignores gap pixels for which the predicate holds.
+    /// Marks gap pixels as covered if the predicate is true for their ray.
     pub fn cover(&mut self, is_excused: impl Fn(&Ray) -> bool) {
         let excused: Vec<[u32; 2]> = self.gap_pixels().filter(|gap| is_excused(&gap.ray)).map(|gap| gap.at).collect();
         for [column, row] in excused {
@@ -118,12 +118,12 @@ impl Coverage {
         }
     }
 
-    /// Rays of all pixels that are not covered.
+    /// Returns the rays of all pixels that are not covered.
     pub fn gaps(&self) -> impl Iterator<Item = Ray> {
         self.gap_pixels().map(|gap| gap.ray)
     }
 
-    /// Rays to the border of a gap on the four sides of a pixel of it.
+    /// Returns the rays to the border of a gap on the four sides of one of its pixels.
     fn border(&self, [column, row]: [u32; 2]) -> impl Iterator<Item = Ray> {
         [[1, 0], [-1, 0], [0, 1], [0, -1]].into_iter().filter_map(move |[right, down]| {
             let beside = |step: i32| {
@@ -135,13 +135,13 @@ impl Coverage {
         })
     }
 
-    /// Length of a pixel in the plane at distance 1 from the eye.
+    /// Returns the size of a pixel in the plane at distance 1 from the eye.
     fn pixel_length(&self) -> f64 {
         2.0 * self.camera.half()[1] / f64::from(self.size[1])
     }
 }
 
-/// Tiles that pictures show a gap beside: the rectangle that would cover it, and the pixels of gaps.
+/// Extensions of the tiles beside gaps: the rectangle that would cover the gaps, and the number of gap pixels.
 #[derive(Debug)]
 pub struct Extensions<'a> {
     tiles: &'a TileSet,
@@ -153,7 +153,7 @@ impl<'a> Extensions<'a> {
         Extensions { tiles, wanted: BTreeMap::new() }
     }
 
-    /// Adds the gaps of a picture. The order of pictures does not matter.
+    /// Adds the gaps of a picture. The result does not depend on the order of pictures.
     pub fn add(&mut self, picture: &Coverage) {
         let tiles = self.tiles;
         let gaps: Vec<GapPixel> = picture.gap_pixels().collect();
@@ -171,10 +171,10 @@ impl<'a> Extensions<'a> {
         }
     }
 
-    /// Extends tiles as budgets allow. Answers all tiles, unless none was extended, and how many were.
+    /// Extends tiles as far as budgets allow. Returns all tiles and the number of extended ones; `None` if no tile was extended.
     pub fn extended(self, account: &mut Account<'_>) -> Option<(TileSet, u64)> {
         let mut order: Vec<(u32, (PlaneRect, u32))> = self.wanted.into_iter().collect();
-        // Those that close most come first.
+        // Tiles that close the most gap pixels come first.
         order.sort_by_key(|&(tile, (_, pixels))| (std::cmp::Reverse(pixels), tile));
         let mut changed = self.tiles.tiles.clone();
         let mut extend = |tile: u32, rect: PlaneRect| {
@@ -186,14 +186,15 @@ impl<'a> Extensions<'a> {
     }
 }
 
-/// The rectangle of a tile that reaches to a ray and a margin farther; none where the plane is not met near the tile.
+/// Returns the rectangle of a tile that is extended to a ray and `margin` beyond it; `None` if the ray does not meet the plane
+/// near the tile.
 fn reaching(tile: &QuadTile, gap: &Ray, margin: f64) -> Option<PlaneRect> {
     let normal = tile.plane.0;
     let distance = (1.0 - normal.dot(gap.origin())) / normal.dot(gap.direction());
     let hit = gap.at(distance).is_finite().then(|| gap.at(distance)).filter(|_| distance > 0.0)?;
     let at = project(tile.cell.face, hit)?;
     let around = PlaneRect { min: at.map(|at| at - margin), max: at.map(|at| at + margin) };
-    // Only the sides that the ray is beyond.
+    // Extends only the sides that the ray is beyond.
     let rect = PlaneRect {
         min: [0, 1].map(|axis| if at[axis] < tile.rect.min[axis] { around.min[axis] } else { tile.rect.min[axis] }),
         max: [0, 1].map(|axis| if at[axis] > tile.rect.max[axis] { around.max[axis] } else { tile.rect.max[axis] }),
@@ -201,7 +202,7 @@ fn reaching(tile: &QuadTile, gap: &Ray, margin: f64) -> Option<PlaneRect> {
     may_become(tile, rect).then_some(rect)
 }
 
-/// Whether a rectangle is not much larger than that of a tile, and its corners not much farther.
+/// Returns true if a rectangle is not much larger than that of a tile, and its corners are not much farther away.
 fn may_become(tile: &QuadTile, rect: PlaneRect) -> bool {
     let is_near = (0..2).all(|axis| {
         tile.rect.min[axis] - rect.min[axis] <= MAX_LONGER && rect.max[axis] - tile.rect.max[axis] <= MAX_LONGER

@@ -1,7 +1,7 @@
-//! Atlases of normals and of material, with the layout of the atlas of light (Seurat 5.2 has light alone).
+//! Atlases of normals and material, with the layout of the colour atlas (Seurat 5.2 covers only colour).
 //!
-//! Enters: the tiles, where their textures lie, and captures with normals or material. Leaves: a value for each texel, filtered and
-//! filled as light is.
+//! Takes the tiles, the layout of their textures, and a capture with normals or material. Returns a value for each texel,
+//! filtered and filled like colour.
 
 use rayon::prelude::*;
 
@@ -18,25 +18,25 @@ use crate::error::{Error, Result};
 use crate::image::{MaterialPlane, NormalPlane, Plane};
 use crate::monitor::Monitor;
 
-/// Atlases beside that of light.
+/// Atlases other than that of colour.
 #[derive(Debug, Default)]
 pub struct SurfaceAtlas {
     pub normal: Option<NormalPlane>,
-    /// Weights of reflection and refraction and index of refraction.
+    /// Weights of reflection and refraction, and index of refraction.
     pub material: Option<MaterialPlane>,
 }
 
-/// The scene whose texels get values.
+/// Tiles, the layout of their textures, and the parameters of filtering.
 #[derive(Debug, Clone, Copy)]
 pub struct TexturedTiles<'a> {
     pub tiles: &'a TileSet,
     pub layout: &'a Layout,
-    /// Relative distance within which a tile counts as a sample's surface.
+    /// Relative distance to a sample within which a tile counts as the sample's surface.
     pub solid_threshold: f64,
     pub filter: TextureFilter,
 }
 
-/// Fails where the capture has neither normals nor material.
+/// Fails if the capture has neither normals nor material.
 pub fn check(capture: &mut Capture) -> Result<()> {
     match capture.surfaces(0)? {
         Surfaces { normal: None, material: None } => {
@@ -46,11 +46,11 @@ pub fn check(capture: &mut Capture) -> Result<()> {
     }
 }
 
-/// Texels of all tiles.
+/// One buffer per tile.
 type Buffers = Vec<LightBuffer>;
 
 impl TexturedTiles<'_> {
-    /// Reads all images once more.
+    /// Builds the atlases. Reads all images once more.
     pub fn surfaces(&self, capture: &mut Capture, rules: &SampleRules, monitor: &dyn Monitor) -> Result<SurfaceAtlas> {
         let (mut normals, mut materials): (Option<Buffers>, Option<Buffers>) = (None, None);
         for image in 0..capture.images.len() {

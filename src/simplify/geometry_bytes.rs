@@ -1,20 +1,20 @@
-//! Bytes of a mesh in binary glTF, plain and by `EXT_meshopt_compression`.
+//! Size in bytes of a mesh in binary glTF, plain and with `EXT_meshopt_compression`.
 //!
-//! The extension is not written: it would save 7 to 10% of a file, most of which is the texture, and readers without a decoder could not
-//! open it. Indices are coded as a sequence, since the order of triangles is that of drawing, and attributes without filters, which
-//! would move corners.
+//! The extension is not written: it would save 7 to 10% of a file, most of which is the texture, and readers without a decoder
+//! could not open the file. Indices are coded as a sequence, because the order of triangles is the drawing order; attributes are
+//! coded without filters, which would move corners.
 
 use meshopt::{encode_index_sequence, encode_vertex_buffer_level};
 
 use super::quad_mesh::QuadMesh;
 use crate::error::{Error, Result};
 
-/// The vertex codec of the extension, which has no levels.
+/// Version of the extension's vertex codec, which has no levels.
 const VERTEX_VERSION: i32 = 0;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GeometryBytes {
-    /// Of positions, texture coordinates and indices.
+    /// Bytes of positions, texture coordinates and indices.
     pub plain: u64,
     pub meshopt: u64,
 }
@@ -62,7 +62,7 @@ mod tests {
     use crate::mesh::{ImageTexture, Mesh, Wrap};
     use crate::simplify::export::glb;
 
-    /// Quads side by side.
+    /// Returns quads side by side.
     fn quads(count: u32) -> QuadMesh {
         let mut mesh = Mesh::default();
         for at in 0..4 * count {
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn plain_bytes_are_those_of_the_file_and_coded_ones_are_fewer() {
-        // Indices of 16 and of 32 bits.
+        // Meshes with 16-bit and with 32-bit indices.
         for count in [300, 17_000] {
             let quads = quads(count);
             let found = GeometryBytes::of(&quads).unwrap();

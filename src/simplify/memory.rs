@@ -1,5 +1,5 @@
-//! Memory that the stages of simplification take at most. What images and points take is known before the work begins; what textures
-//! take, when the tiles are selected.
+//! Maximum memory of the stages of simplification. The need of images and points is known before the work begins, that of
+//! textures after the tiles are selected.
 
 use super::capture::Capture;
 use super::points::{VOXEL_BYTES, WAITING};
@@ -11,58 +11,59 @@ use super::textures::SAMPLES_AT_ONCE;
 use crate::error::Result;
 use crate::memory::{Budget, Need};
 
-/// Images that are compared at once, at most.
+/// Maximum number of images that are compared at once.
 const MAX_COMPARED: usize = 8;
-/// Bytes of a pixel of an image while it is read: depth, light and material as files hold them, and its rays.
+/// Bytes per pixel of an image while it is read: depth, colour and material as stored in files, and its rays.
 const READING_PIXEL_BYTES: u64 = 56;
-/// Bytes of the point at which the ray of a sample ends.
+/// Bytes of the end point of a sample's ray.
 const END_BYTES: u64 = 24;
-/// Bytes of a pixel of an image that is compared: its rays, and those of the one that is read meanwhile, pictures and their errors.
+/// Bytes per pixel of a compared image: its rays, those of the image that is read in parallel, pictures and their errors.
 const COMPARED_PIXEL_BYTES: u64 = 240;
-/// Bytes of a merged point while candidates are fitted: the point, its copies in their order, and the tile that it belongs to.
+/// Bytes per merged point while candidates are fitted: the point, its sorted copies, and the tile that it belongs to.
 const POINT_BYTES: u64 = 96;
-/// Bytes of the constraints of a sample, as they are found and in the order of tiles, where it lies along eight tiles.
+/// Bytes of the constraints of a sample that lies along eight tiles, as found and sorted by tile.
 const CONSTRAINED_BYTES: u64 = 8 * 2 * 24;
-/// Bytes of a texel while samples arrive: a sum of light, and 4x4 places of constraints.
+/// Bytes per texel while samples are added: a sum of colour, and 4x4 places of constraints.
 const TEXEL_BYTES: u64 = 16 + 16;
-/// Bytes of a texel of the tile that a thread finishes: distances of 4x4 places to both kinds of constraints, coverage, and light.
+/// Bytes per texel of the tile that a thread finishes: distances of 4x4 places to both kinds of constraints, coverage, and
+/// colour.
 const FINISHED_BYTES: u64 = 2 * 4 * 16 + 4 + 28;
-/// Bytes of a texel of the atlas while files are written, and with half floats or atlases of surfaces.
+/// Bytes per texel of the atlas while files are written; with half floats; with surface atlases.
 const ATLAS_BYTES: u64 = 16;
 const FLOAT_ATLAS_BYTES: u64 = 40;
 const SURFACE_ATLAS_BYTES: u64 = 80;
-/// Bytes of a pixel of a picture of alpha, and of a triangle that it is drawn of; each thread has one.
+/// Bytes per pixel of an alpha picture, and per triangle that it is drawn from. Each thread has one picture.
 const ALPHA_PIXEL_BYTES: u64 = 8;
 const TRIANGLE_BYTES: u64 = 400;
-/// Bytes of the tables of candidates and of the shares of views; and of the latter alone.
+/// Bytes of the tables of candidates and of view shares, and of view shares alone.
 const SELECTION_BYTES: u64 = 112 << 20;
 const SHARES_BYTES: u64 = 48 << 20;
-/// Bytes of tiles, of the tables by which they are found, and of directions in which there are surfaces.
+/// Bytes of tiles, of their lookup tables, and of the directions with surfaces.
 const TILES_BYTES: u64 = 16 << 20;
 
-/// Pixels of the largest image.
+/// Returns the number of pixels of the largest image.
 fn most_pixels(capture: &Capture) -> u64 {
     capture.images.iter().map(|image| image.pixels() as u64).max().unwrap_or(0)
 }
 
-/// Images that are held at once while samples are taken: one is read while that before it is worked on.
+/// Returns the number of images in memory while samples are processed: the next image is read in parallel.
 fn held_images(capture: &Capture) -> u64 {
     rayon::current_num_threads().min(capture.images.len()).min(2) as u64
 }
 
-/// Bytes of merging and selecting.
+/// Returns the bytes of merging and selection.
 fn selecting_bytes(capture: &Capture) -> u64 {
     let pixels = most_pixels(capture);
     let samples = pixels.saturating_mul(capture.images.len() as u64);
     let points = samples.min(MAX_POINTS as u64);
     let waiting = samples.min(2 * WAITING as u64);
-    // Voxels, those that wait, and both as they are merged.
+    // Voxels, those waiting to be merged, and both during the merge.
     let merging = VOXEL_BYTES * (2 * (points + waiting) + waiting / 2);
     let images = pixels.saturating_mul(READING_PIXEL_BYTES + END_BYTES * held_images(capture));
     images.saturating_add(merging).max(points * POINT_BYTES + SELECTION_BYTES)
 }
 
-/// Bytes of texturing tiles whose textures have such sides.
+/// Returns the bytes of texturing tiles whose textures have the given sides.
 fn texturing_bytes(capture: &Capture, sides: &[usize], settings: &Settings) -> u64 {
     let threads = rayon::current_num_threads();
     let pixels = most_pixels(capture);
@@ -80,19 +81,19 @@ fn texturing_bytes(capture: &Capture, sides: &[usize], settings: &Settings) -> u
         _ => ATLAS_BYTES,
     };
     let with_files = atlas_texels(texels, settings) * atlas_bytes + samples;
-    // The shares of views are still held while pictures are drawn from textures of half the size.
+    // View shares are still in memory while pictures are drawn from textures of half the size.
     let pictures = pixels.saturating_mul(ALPHA_PIXEL_BYTES * threads.min(capture.images.len()) as u64)
         + (2 * sides.len() as u64).saturating_mul(TRIANGLE_BYTES * threads as u64);
     let coarse = SHARES_BYTES + texels / 4 * TEXEL_BYTES + (samples + constraints).max(pictures);
     textures.max(with_files).max(coarse).saturating_add(TILES_BYTES)
 }
 
-/// Texels of the atlas of so many texels of tiles, some of which are left empty between them.
+/// Returns the number of texels of the atlas for a total number of tile texels; some texels between tiles stay empty.
 fn atlas_texels(texels: u64, settings: &Settings) -> u64 {
     (texels + texels / 2).min(u64::from(settings.atlas).pow(2))
 }
 
-/// Bytes of a picture of a scene beside an image.
+/// Returns the bytes of a picture of a scene and the image that it is compared with.
 fn compared_bytes(capture: &Capture) -> u64 {
     most_pixels(capture).saturating_mul(COMPARED_PIXEL_BYTES)
 }
@@ -101,7 +102,8 @@ fn need(fixed: u64, each: u64, instead: &str) -> Need<'_> {
     Need { what: "simplifying", fixed, each, instead }
 }
 
-/// Refuses captures that would not fit into a budget, whatever their tiles. Some are compared with the scene.
+/// Fails if captures do not fit into a budget, whatever their tiles. `compared` are the captures that are compared with the
+/// scene.
 pub fn check_images(captures: &[&Capture], compared: &[&Capture], budget: Budget) -> Result<()> {
     let selecting = captures.iter().map(|capture| {
         let images = most_pixels(capture).saturating_mul(READING_PIXEL_BYTES + size_of::<Sample>() as u64);
@@ -112,14 +114,14 @@ pub fn check_images(captures: &[&Capture], compared: &[&Capture], budget: Budget
     budget.at_once(&need(bytes, 0, "smaller images"), 1).map(|_| ())
 }
 
-/// Refuses textures of such sides that would not fit.
+/// Fails if textures of the given sides do not fit into the budget.
 pub fn check_textures(capture: &Capture, sides: &[usize], settings: &Settings) -> Result<()> {
     let bytes = texturing_bytes(capture, sides, settings);
     let instead = "fewer `pixels_per_degree`, a smaller `area` or a smaller `atlas`";
     settings.memory.at_once(&need(bytes, 0, instead), 1).map(|_| ())
 }
 
-/// Images that are compared at once with a scene, whose atlas has so many texels.
+/// Returns the number of images that are compared at once with a scene whose atlas has `texels` texels.
 pub fn compared_at_once(capture: &Capture, texels: u64, budget: Budget) -> Result<usize> {
     let most = rayon::current_num_threads().min(MAX_COMPARED).min(capture.images.len());
     let fixed = texels * ATLAS_BYTES + TILES_BYTES;

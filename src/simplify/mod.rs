@@ -1,21 +1,21 @@
-//! Simplifies a still scene to textured quads under hard budgets (Seurat): what is captured inside a viewing region becomes a mesh
-//! that a phone draws.
+//! Simplification of a still scene to textured quads under hard budgets (Seurat): a capture from inside a viewing region becomes
+//! a mesh that a phone can draw.
 //!
-//! Stages, each in a file that bears its name:
+//! Each stage is in a file of its own:
 //!
-//! 1. [`capture`]: images as rays; [`samples`] of them; [`region`]: where the eye may be.
-//! 2. [`points`]: samples merged into a point cloud (4.1).
-//! 3. [`candidates`]: tilings of the cells of six quadtrees ([`tree`]), planes by [`fit`] (4.2).
-//! 4. [`cost`], [`selection`]: the tilings that keep the budgets (4.3); [`selected`] runs all up to here. [`tiles`]: their quads in
-//!    drawing order; [`gaps`] between them.
-//! 5. [`constraints`], [`silhouettes`], [`shading`]: coverage and light of the tiles' [`textures`] (5.1, 5.2), by a [`texture_filter`];
-//!    [`texturing`] makes a mesh of them, [`cracks`] closes what is left open.
-//! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh; [`gbuffer`]: atlases of normals and
-//!    material; [`export`]: files; [`geometry_bytes`]: what compressing the mesh would save.
+//! 1. [`capture`]: images as rays; [`samples`] of these; [`region`]: where the eye may be.
+//! 2. [`points`]: merges samples into a point cloud (4.1).
+//! 3. [`candidates`]: tilings of the cells of six quadtrees ([`tree`]), whose planes are fitted by [`fit`] (4.2).
+//! 4. [`cost`], [`selection`]: the tilings that keep the budgets (4.3); [`selected`] runs all stages up to this one. [`tiles`]:
+//!    the selected quads in drawing order; [`gaps`] extends them over gaps.
+//! 5. [`constraints`], [`silhouettes`], [`shading`]: coverage and colour of the tiles' [`textures`] (5.1, 5.2), filtered by a
+//!    [`texture_filter`]; [`texturing`] makes a mesh from them, and [`cracks`] closes its cracks.
+//! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh; [`gbuffer`]: atlases of normals and material;
+//!    [`export`]: files; [`geometry_bytes`]: size of the compressed mesh.
 //! 7. [`raster`]: draws the mesh (6); [`read_glb`] reads it from its file.
 //!
-//! [`pipeline`] runs them all by [`settings`]; [`fidelity`] compares the result with the capture (7); [`memory`] says what
-//! it takes; [`short_cuts`]: work that is left out.
+//! [`pipeline`] runs all stages with [`settings`]; [`fidelity`] compares the result with the capture (7); [`memory`] computes the
+//! memory need; [`short_cuts`] controls the work that is skipped.
 
 pub mod candidates;
 pub mod capture;

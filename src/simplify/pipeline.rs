@@ -1,4 +1,4 @@
-//! All stages, from a capture to a textured mesh and the figures about it.
+//! Runs all stages, from a capture to a textured mesh and its statistics.
 
 use std::time::{Duration, Instant};
 
@@ -36,54 +36,54 @@ pub struct Stages {
     pub candidates: Duration,
     #[serde(serialize_with = "json::seconds")]
     pub selection: Duration,
-    /// Constraints and light are found in one pass over all samples.
+    /// Constraints, with the colour that is found in the same pass over all samples.
     #[serde(serialize_with = "json::seconds")]
     pub silhouettes: Duration,
     #[serde(serialize_with = "json::seconds")]
     pub shading: Duration,
     #[serde(serialize_with = "json::seconds")]
     pub atlas: Duration,
-    /// Tiles are extended over gaps, and cracks are closed.
+    /// Extension of tiles over gaps, and closing of cracks.
     #[serde(serialize_with = "json::seconds")]
     pub gaps: Duration,
-    /// Files, which the caller writes.
+    /// Writing of files, done by the caller.
     #[serde(serialize_with = "json::seconds")]
     pub export: Duration,
-    /// Of [`Simplified::evaluate`].
+    /// Duration of [`Simplified::evaluate`].
     #[serde(serialize_with = "json::seconds")]
     pub evaluate: Duration,
 }
 
-/// What stages did.
+/// Counts of the work that the stages did.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub struct Counters {
     pub solid_constraints: u64,
     pub free_space_constraints: u64,
-    /// Samples that no tile lies along.
+    /// Number of samples along which there is no tile.
     pub samples_without_tile: u64,
-    /// Tiles that were extended over gaps.
+    /// Number of tiles that were extended over gaps.
     pub extended_tiles: u64,
-    /// Tiles without a free-space constraint: they have no silhouette.
+    /// Number of opaque tiles, which have no silhouette.
     pub opaque_tiles: u64,
-    /// Samples in the viewing region that were left out.
+    /// Number of samples in the viewing region that were left out.
     pub dropped_samples: u64,
-    /// Tiles with one.
+    /// Number of tiles with a silhouette.
     pub silhouettes: u64,
-    /// Texels without a sample, whose light was filled, and tiles with any.
+    /// Number of texels without a sample, whose colour was filled in, and number of tiles with such texels.
     pub filled_texels: u64,
     pub filled_tiles: u64,
-    /// Tiles with a smaller texture than asked for, so that the atlas fits.
+    /// Number of tiles with a smaller texture than requested, so that the atlas fits.
     pub reduced_tiles: u64,
     pub closed_cracks: u64,
-    /// Pixels that were translucent before the sky, which covers everything.
+    /// Number of closed pixels that were translucent in front of the sky, which covers everything.
     pub closed_translucent: u64,
-    /// Texels that are kept as half floats, too.
+    /// Number of texels that are also stored as half floats.
     pub float_texels: u64,
-    /// Tree cells with samples: the others have no tiling.
+    /// Number of tree cells with samples. Other cells have no tiling.
     pub fitted_cells: u64,
-    /// Triangles that are blended: those of opaque tiles are not.
+    /// Number of blended triangles. Those of opaque tiles are not blended.
     pub blended_triangles: u64,
-    /// Of the mesh in binary glTF, and what they would be with EXT_meshopt_compression.
+    /// Bytes of the mesh in binary glTF, plain and with EXT_meshopt_compression.
     pub geometry_bytes: u64,
     pub geometry_bytes_meshopt: u64,
 }
@@ -110,7 +110,7 @@ impl Counters {
     }
 }
 
-/// The result, and figures about it.
+/// The simplified scene, and its statistics.
 #[derive(Debug)]
 pub struct Simplified {
     pub scene: QuadMesh,
@@ -118,12 +118,12 @@ pub struct Simplified {
     pub region: ViewingRegion,
     pub selection: Selection,
     pub reserve: Reserve,
-    /// Triangles, area in spheres, overdraw of the view with the most.
+    /// Triangles, area in spheres, and the overdraw of the view with the most.
     pub used: [f64; 3],
     pub counts: Counts,
     pub tiles: u64,
     pub atlas: [u32; 2],
-    /// Texels of tiles.
+    /// Number of texels that belong to tiles.
     pub used_texels: u64,
     pub stages: Stages,
     pub counters: Counters,
@@ -132,7 +132,7 @@ pub struct Simplified {
 }
 
 impl Simplified {
-    /// Compares pictures of the scene with the capture that it was made from, and looks for cracks from other places.
+    /// Compares pictures of the scene with the capture that it was made from, and counts cracks from random poses.
     pub fn evaluate(&self, capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor) -> Result<Evaluation> {
         let begun = Instant::now();
         let fidelity = fidelity::compare(&self.scene, capture, settings, monitor)?;
@@ -141,9 +141,9 @@ impl Simplified {
     }
 }
 
-/// Steps that a run reports to its monitor.
+/// Returns the number of steps that a run reports to its monitor.
 pub fn steps(images: usize) -> u64 {
-    // Merging, texturing twice, and cracks.
+    // Merging, texturing twice, and closing cracks.
     4 * images as u64
 }
 
@@ -153,7 +153,7 @@ pub fn simplify(capture: &mut Capture, settings: &Settings, monitor: &dyn Monito
     texture(selected, capture, settings, monitor)
 }
 
-/// Makes a textured mesh of the tiles that were selected for a capture, with the same settings.
+/// Makes a textured mesh from tiles that were selected for a capture with the same settings.
 pub fn texture(
     selected: SelectedTiles,
     capture: &mut Capture,
@@ -192,7 +192,7 @@ pub fn texture(
     if !is_short {
         coarse.scene.runs.clear();
     }
-    // Without a surface in all directions there is no telling a gap from what is empty.
+    // Unless there is a surface in all directions, a gap cannot be distinguished from empty space.
     let eyes = if settings.background == Background::Sky { region.eyes() } else { Vec::new() };
     let pictures = |scene: &QuadMesh| -> Result<Vec<_>> {
         let each = eyes.par_iter().map(|&eye| {
@@ -207,7 +207,7 @@ pub fn texture(
         monitor.check()?;
         Ok(cracks::picture(&coarse.scene, &region, &tiles, image))
     };
-    // Few pictures at once: each has the pixels of an image.
+    // Few pictures at once, because each has the pixels of an image.
     for images in capture.images.chunks(rayon::current_num_threads()) {
         let pictures: Vec<_> = images.par_iter().map(of_image).collect::<Result<_>>()?;
         pictures.iter().flatten().for_each(|picture| extensions.add(picture));
@@ -230,7 +230,7 @@ pub fn texture(
     let geometry = GeometryBytes::of(&scene)?;
     (counters.geometry_bytes, counters.geometry_bytes_meshopt) = (geometry.plain, geometry.meshopt);
     counters.float_texels = scene.light.as_ref().map_or(0, Vec::len) as u64;
-    // Without them all triangles are blended.
+    // Without runs, all triangles are blended.
     let runs = scene.runs.clone();
     if !is_short {
         scene.runs.clear();
@@ -273,7 +273,8 @@ pub fn texture(
     })
 }
 
-/// Tiles are as far from samples as these are wrong.
+/// Returns the relative distance within which a tile counts as a sample's surface, which is at least the depth error of the
+/// capture.
 fn solid_threshold(capture: &Capture, notes: &mut Vec<String>) -> f64 {
     match capture.relative_depth_error {
         Some(error) if error <= SOLID_THRESHOLD => SOLID_THRESHOLD,
@@ -343,11 +344,11 @@ mod tests {
         assert_eq!((fidelity.crack_pixels, fidelity.translucent_pixels, poses.poses), (0, 0, 64));
         let psnr_db = fidelity.similarity.all.psnr_db();
         assert!(psnr_db > 25.0, "{psnr_db}");
-        // One tile for each face of the cube, and some more, is worse.
+        // Little more than one tile for each face of the cube gives a worse result.
         let cube = run(|settings| settings.budgets.triangles = 40.0).unwrap();
         let cube_db = psnr_db_of(&cube);
         assert!(cube_db < psnr_db - 2.0, "{cube_db} {psnr_db}");
-        // What the released evaluator adds.
+        // The released evaluator adds a constant.
         assert!(fidelity.released_psnr_db() > psnr_db + 20.0);
     }
 
@@ -367,7 +368,7 @@ mod tests {
         let found = run(|settings| settings.texture_coordinates = TextureCoordinates::Projective).unwrap();
         assert_eq!(found.scene.mesh.triangles.len() as u64, 2 * found.tiles);
         assert_eq!(found.scene.stq.len(), found.scene.mesh.positions.len());
-        // Each corner has those of the affine coordinates.
+        // The coordinates of each corner are equal to the affine ones.
         for (stq, uv) in found.scene.stq.iter().zip(&found.scene.mesh.uvs) {
             assert!(stq.z > 0.0 && stq.z <= 1.0 && (stq.truncate() / stq.z - uv).length() < 1e-6, "{stq} {uv}");
         }
@@ -390,7 +391,7 @@ mod tests {
             for count in [0, 7, words.len() / 2, words.len() - 1] {
                 assert!(!is_read(&words[..count]), "{count}");
             }
-            // The length of a list.
+            // Replaces the length of a list.
             let mut wrong = words;
             wrong[16 + 2 * CONSTRAINTS] = u64::MAX;
             assert!(!is_read(&wrong));
@@ -421,10 +422,10 @@ mod tests {
         assert!(fitted_cells > 0 && fitted_cells < TreeCell::count(MAX_LEVEL) as u64, "{fitted_cells}");
         assert!(taken.scene.mesh == off.scene.mesh && glb_of(&taken) == glb_of(&off));
         assert_eq!(taken.counters.filled_texels, off.counters.filled_texels);
-        // Light of low range has no float atlas, unless it is forced and then left out.
+        // Without a range above 1 there is no float atlas; a forced one is removed from the result.
         assert_eq!((taken.counters.float_texels, taken.scene.light.is_none()), (0, true));
         assert!(off.counters.float_texels > 0 && off.scene.light.is_none());
-        // What draws the picture blends fewer triangles, and finds the same cracks.
+        // Drawing blends fewer triangles, and finds the same cracks.
         assert_eq!(taken.counters.closed_cracks, off.counters.closed_cracks);
         assert_eq!(taken.counters.closed_translucent, off.counters.closed_translucent);
     }

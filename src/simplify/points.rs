@@ -1,14 +1,14 @@
 //! Merging of samples into one point cloud (Seurat 4.1).
 //!
-//! Enters: samples, image by image. Leaves: one point for each voxel that has any, with the number of its samples.
+//! Takes samples image by image, and returns one point for each voxel that contains samples, with their number.
 //!
-//! Voxels are those of six grids in perspective: a face of the cube is divided into squares, and distance in steps of the same
-//! relative size, so that voxels are about as long as they are wide. Reservoir sampling picks the sample of each voxel that
-//! has the least random number; that number depends on the sample's place and its number in the input, so the order of work does not
-//! matter, and the order of images does. Where there are more voxels than the limit, all voxels grow to twice their size: which size is
-//! reached depends on the samples alone, too.
+//! Voxels belong to six perspective grids: each face of the cube is divided into squares, and distance into steps of the same
+//! relative size, so that voxels are about as long as they are wide. Reservoir sampling selects the sample of each voxel that has
+//! the smallest random number. That number depends on the sample's position and its index in the input, so the result depends on
+//! the order of images, but not on the order of work. If there are more voxels than the limit, all voxels grow to twice their
+//! size; the final size also depends on the samples alone.
 //!
-//! Samples are collected up to `WAITING`. They are then sorted by voxel, and merged with the voxels so far, which are in that order.
+//! Up to `WAITING` samples are collected, then sorted by voxel, and merged with the existing voxels, which are in the same order.
 
 use std::iter::Peekable;
 
@@ -20,25 +20,25 @@ use crate::image::cube::{FacePoint, direction_to_face};
 /// A point of the merged cloud.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MergedPoint {
-    /// Relative to the middle of the viewing region, metres.
+    /// Position relative to the centre of the viewing region, in metres.
     pub position: Vec3,
-    /// Samples that it stands for.
+    /// Number of samples that the point represents.
     pub samples: u32,
 }
 
-/// Squares of a face's side at the start: 2^FINEST.
+/// Initial number of squares along a face's side, as a power of two.
 const FINEST: u32 = 11;
-/// And where they do not grow any more.
+/// Number of squares, as a power of two, at which voxels stop growing.
 const COARSEST: u32 = 6;
-/// Samples that one job finds the voxels of.
+/// Number of samples that one job assigns to voxels.
 const SAMPLES_A_JOB: usize = 4096;
-/// Samples that wait until they are merged; fewer where fewer points are kept.
+/// Number of samples that are collected before they are merged; fewer if fewer points are kept.
 pub(super) const WAITING: usize = 1 << 19;
 pub(super) const VOXEL_BYTES: u64 = size_of::<Voxel>() as u64;
-/// Voxels whose nearest face is nearer than this, in metres, are one: logarithms of distances stay finite.
+/// Distances below this, in metres, are not distinguished, so that logarithms stay finite.
 const MIN_M: f64 = 1e-9;
 
-/// Bits of a key: its face, 21 of distance, 20 each of row and column.
+/// Layout of a key: the face, 21 bits of distance, and 20 bits each of row and column.
 const FACE_SHIFT: u32 = 61;
 const DISTANCE_SHIFT: u32 = 40;
 const ROW_SHIFT: u32 = 20;
@@ -46,14 +46,14 @@ const ROW_SHIFT: u32 = 20;
 #[derive(Debug, Clone, Copy)]
 struct Voxel {
     key: u64,
-    /// Random number of the sample that stands for it.
+    /// Random number of the sample that represents the voxel.
     random: u64,
     position: Vec3,
     samples: u32,
 }
 
 impl Voxel {
-    /// Adds the samples of the same voxel.
+    /// Merges samples of the same voxel.
     fn join(&mut self, other: Voxel) {
         let rank = |of: &Voxel| (of.random, of.position.to_array().map(f32::to_bits));
         let samples = self.samples.saturating_add(other.samples);
@@ -64,19 +64,19 @@ impl Voxel {
     }
 }
 
-/// The finaliser of SplitMix64.
+/// Applies the finaliser of SplitMix64.
 fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
 }
 
-/// The voxels while samples arrive.
+/// Voxels, to which samples are added.
 #[derive(Debug)]
 pub struct PointMerger {
-    /// One for each that has samples, by their keys.
+    /// Voxels that contain samples, sorted by key.
     voxels: Vec<Voxel>,
-    /// In no order.
+    /// Voxels that are not merged yet, in no particular order.
     waiting: Vec<Voxel>,
     level: u32,
     max_points: usize,
@@ -84,14 +84,14 @@ pub struct PointMerger {
 }
 
 impl PointMerger {
-    /// A merger that keeps at most `max_points` points, unless its coarsest voxels are more.
+    /// Creates a merger that returns at most `max_points` points, unless the coarsest grid has more.
     pub fn new(max_points: usize) -> PointMerger {
         PointMerger { voxels: Vec::new(), waiting: Vec::new(), level: FINEST, max_points, samples: 0 }
     }
 
-    /// Adds samples: ends of rays relative to the middle of the region, which none of them is at.
+    /// Adds samples, given as ends of rays relative to the centre of the region. No end may be at the centre.
     pub fn add(&mut self, ends: &[DVec3]) {
-        // In parts, so that an image takes no more memory than what waits.
+        // In parts, so that an image takes no more memory than the waiting samples.
         ends.chunks(WAITING).for_each(|ends| self.add_part(ends));
     }
 
@@ -115,7 +115,7 @@ impl PointMerger {
         }
     }
 
-    /// Merges what waits; all voxels grow until there are few enough.
+    /// Merges the waiting voxels. Then all voxels grow until there are few enough.
     fn merge(&mut self) {
         sort_and_join(&mut self.waiting);
         if self.voxels.is_empty() {
@@ -131,7 +131,7 @@ impl PointMerger {
         }
     }
 
-    /// The points in the order of faces and voxels.
+    /// Returns the points, sorted by face and voxel.
     pub fn finish(mut self) -> Vec<MergedPoint> {
         self.merge();
         let point = |&Voxel { position, samples, .. }: &Voxel| MergedPoint { position, samples };
@@ -139,7 +139,7 @@ impl PointMerger {
     }
 }
 
-/// Adds a voxel behind those before it, or to the last if it is the same.
+/// Appends a voxel, or merges it with the last one if both are the same.
 fn push(voxels: &mut Vec<Voxel>, voxel: Voxel) {
     match voxels.last_mut() {
         Some(last) if last.key == voxel.key => last.join(voxel),
@@ -158,7 +158,7 @@ fn sort_and_join(voxels: &mut Vec<Voxel>) {
     });
 }
 
-/// Two lists by their keys as one, with each voxel once.
+/// Merges two lists that are sorted by key, with each voxel once.
 fn in_order(a: Vec<Voxel>, b: &[Voxel]) -> Vec<Voxel> {
     let mut voxels = Vec::with_capacity(a.len() + b.len());
     let (mut a, mut b) = (a.into_iter().peekable(), b.iter().copied().peekable());
@@ -189,10 +189,10 @@ fn voxel_key(end: DVec3, level: u32) -> u64 {
     (face as u64) << FACE_SHIFT | distance << DISTANCE_SHIFT | row << ROW_SHIFT | column
 }
 
-/// The voxel of twice the size that holds a voxel.
+/// Returns the key of the voxel of twice the size that contains a voxel.
 fn coarser_key(key: u64) -> u64 {
     let (face, place) = (key >> FACE_SHIFT << FACE_SHIFT, key & ((1 << FACE_SHIFT) - 1));
-    // Each of the three numbers is halved.
+    // Halves each of the three numbers.
     let last_bits = 1 << DISTANCE_SHIFT | 1 << ROW_SHIFT | 1;
     face | (place & !last_bits) >> 1
 }
@@ -204,7 +204,7 @@ mod tests {
     use super::*;
     use crate::math::random::Random;
 
-    /// Points on a wall, so dense that many share a voxel.
+    /// Returns points on a wall, so dense that many share a voxel.
     fn wall(count: usize) -> Vec<DVec3> {
         let mut random = Random::new(5);
         let mut unit = || f64::from(random.word()) / f64::from(u32::MAX) - 0.5;
@@ -225,13 +225,13 @@ mod tests {
             assert!(points.len() <= most, "{}", points.len());
             assert_eq!(points.iter().map(|point| u64::from(point.samples)).sum::<u64>(), 40_000);
             assert_eq!(points, merged(&samples, most, 777));
-            // Each is one of the samples.
+            // Each point is one of the samples.
             assert!(points.iter().all(|point| samples.iter().any(|sample| sample.as_vec3() == point.position)));
         }
     }
 
-    /// By definition: every sample in the voxel of the finest size at which there are few enough, and of each voxel the sample of the
-    /// least random number.
+    /// Merges by definition: assigns each sample to its voxel at the finest size with few enough voxels, and selects the sample
+    /// with the smallest random number in each voxel.
     fn merged_plainly(samples: &[DVec3], most: usize) -> Vec<MergedPoint> {
         let of_level = |level: u32| {
             let mut voxels: BTreeMap<u64, Vec<(u64, Vec3)>> = BTreeMap::new();
@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn any_sample_of_a_voxel_may_stand_for_it() {
-        // The first sample of each voxel would lie on the near side of a voxel that is filled from there.
+        // The samples fill a voxel from its near side, where the first sample lies.
         let samples: Vec<DVec3> = (0..4000).map(|at| DVec3::new(1.0003 + f64::from(at) * 1e-8, 1e-4, 1e-4)).collect();
         let points = merged(&samples, 1000, samples.len());
         let [point] = points[..] else { panic!("one voxel, not {}", points.len()) };

@@ -1,4 +1,4 @@
-//! Tiles as a textured triangle mesh, in drawing order (Seurat 5, 6).
+//! Tiles as a textured triangle mesh in drawing order (Seurat 5, 6).
 
 use std::sync::Arc;
 
@@ -12,35 +12,35 @@ use super::tiles::{QuadTile, TileSet};
 use crate::image::{CodeSteps, ToneMap};
 use crate::mesh::{ImageTexture, Mesh, Wrap};
 
-/// A mesh whose triangles are drawn in their order, over each other, and its texture: sRGB codes, not multiplied by alpha.
-/// Triangles are counter-clockwise for an eye in the middle of the viewing region.
+/// A mesh whose triangles are drawn in order, over each other, and its texture: sRGB codes, not multiplied by alpha. Triangles
+/// are counter-clockwise for an eye at the centre of the viewing region.
 #[derive(Debug)]
 pub struct QuadMesh {
     pub mesh: Mesh,
     pub texture: Arc<ImageTexture>,
-    /// Homogeneous texture coordinates of each corner, (u q, v q, q), which are exact where those of the mesh are affine; or
-    /// empty.
+    /// Homogeneous texture coordinates of each corner, (u q, v q, q), or empty. They are exact, while those of the mesh are
+    /// affine.
     pub stq: Vec<Vec3>,
-    /// Linear light of each texel, in place of the codes of the texture, or none. Alpha is that of the texture.
+    /// Linear RGB of each texel, which replaces the codes of the texture, or `None`. Alpha is that of the texture.
     pub light: Option<Vec<[f16; 3]>>,
-    /// Lengths of runs of triangles in drawing order: of blended ones, of opaque ones, and so on in turns. Empty where it is not
-    /// known which are opaque.
+    /// Lengths of runs of triangles in drawing order, alternately blended and opaque, blended first. Empty if it is unknown which
+    /// triangles are opaque.
     pub runs: Vec<u32>,
 }
 
-/// What an atlas keeps of light.
+/// Precision of colour in an atlas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AtlasLight {
-    /// 8-bit sRGB codes: light of 0 to 1.
+    /// 8-bit sRGB codes: linear RGB from 0 to 1.
     Codes,
-    /// Half floats, beside the codes.
+    /// Half floats, in addition to the codes.
     HalfFloats,
 }
 
-/// What a mesh is made like.
+/// Parameters of a mesh.
 #[derive(Debug, Clone, Copy)]
 pub struct MeshForm {
-    /// Of the viewing region, in metres.
+    /// Centre of the viewing region, in metres.
     pub middle: DVec3,
     pub coordinates: TextureCoordinates,
     pub light: AtlasLight,
@@ -85,7 +85,8 @@ impl QuadMesh {
     fn add_triangles(&mut self, tile: &QuadTile, place: Place, atlas: [u32; 2], form: &MeshForm) {
         let [columns, rows] = tile.divisions;
         let first = self.mesh.positions.len() as u32;
-        // Texture coordinates are linear in the plane of the face, and so are their products with the depth along its axis on the tile.
+        // Texture coordinates are linear in the plane of the face; on the tile, their products with the depth along the face's
+        // axis are linear.
         let farthest = tile.corners().map(|corner| tile.depth(corner)).into_iter().fold(0.0, f64::max);
         for row in 0..=rows {
             for column in 0..=columns {
@@ -94,7 +95,7 @@ impl QuadMesh {
                     tile.rect.min[axis] + part[axis] * (tile.rect.max[axis] - tile.rect.min[axis])
                 });
                 let point = tile.point(plane);
-                // As files hold it.
+                // Rounded to the precision of files.
                 self.mesh.positions.push((form.middle + point).as_vec3().as_dvec3());
                 let uv: [f64; 2] = std::array::from_fn(|axis| {
                     let texel = f64::from(place.corner[axis]) + 0.5 + part[axis] * f64::from(place.side - 1);
@@ -117,12 +118,12 @@ impl QuadMesh {
     }
 }
 
-/// Light as a half float that is finite.
+/// Converts to a half float that is finite.
 fn finite_half(light: f32) -> f16 {
     if light.is_nan() { f16::ZERO } else { f16::from_f32(light.clamp(f16::MIN.to_f32(), f16::MAX.to_f32())) }
 }
 
-/// Adds triangles of a kind, 0 blended and 1 opaque.
+/// Adds triangles of a kind: 0 for blended, 1 for opaque.
 fn add_to_runs(runs: &mut Vec<u32>, kind: usize, count: u32) {
     while runs.len() % 2 == kind || runs.is_empty() {
         runs.push(0);

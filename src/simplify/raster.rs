@@ -1,14 +1,14 @@
-//! Draws a textured mesh on the CPU (Seurat 6): every triangle from both sides, in the order of the mesh, its texture sampled bilinearly
-//! in linear light.
+//! Rasteriser of a textured mesh on the CPU (Seurat 6). It draws every triangle from both sides, in the order of the mesh, and
+//! samples the texture bilinearly in linear RGB.
 //!
-//! [`Compositing::Painter`] blends each triangle over those before it. Here they are taken from the last to the first, each behind what is
-//! there already, which is the same picture and leaves out what an opaque triangle hides; [`draw_plainly`] blends in order. Triangles
-//! that share an edge share no sample and leave none.
+//! [`Compositing::Painter`] blends each triangle over those before it. The implementation draws triangles from the last to the
+//! first, each behind the existing ones, which gives the same picture and skips what an opaque triangle hides; [`draw_plainly`]
+//! blends in order. Triangles that share an edge cover each sample at that edge exactly once.
 //!
-//! [`alpha::AlphaRaster`] draws alpha alone: whether pixels are covered.
+//! [`alpha::AlphaRaster`] draws only alpha: whether pixels are covered.
 //!
-//! [`Compositing::ZBuffer`] shows the nearest triangle at each sample, of those whose alpha covers it (alpha to coverage): the samples of a
-//! pixel have thresholds that are spread evenly over 0..1.
+//! [`Compositing::ZBuffer`] shows the nearest triangle at each sample among those whose alpha covers the sample (alpha to
+//! coverage): the samples of a pixel have thresholds that are spread evenly over 0..1.
 
 pub mod alpha;
 mod drawn;
@@ -31,21 +31,21 @@ use texels::Texels;
 pub use texels::{light_of_codes, texture_coordinates};
 use triangle::{Pixels, Triangle};
 
-/// Rows that one job draws.
+/// Number of rows that one job draws.
 const ROWS_A_JOB: u32 = 16;
-/// Part of the light behind a pixel below which nothing of it shows: a hundredth of an 8-bit code.
+/// Transmittance of a pixel below which nothing behind it is visible: 1/257 of an 8-bit step.
 const MIN_OPEN: f32 = 1.0 / 65_536.0;
 
-/// Bits of an inverse depth in single precision that a z-buffer leaves out: 13 of the mantissa stay, 0.01%.
+/// Number of low bits of a single-precision inverse depth that a z-buffer ignores. 13 bits of the mantissa remain, 0.01%.
 pub const DEPTH_BITS_LEFT_OUT: u32 = 10;
 
-/// How triangles hide each other.
+/// Rule by which triangles hide each other.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Compositing {
-    /// Each is blended over those before it.
+    /// Each triangle is blended over those before it.
     #[default]
     Painter,
-    /// The nearest hides the others; of those that are equally near within 0.01%, the last.
+    /// The nearest triangle hides the others; of those within 0.01% of the same distance, the last.
     ZBuffer,
 }
 
@@ -54,22 +54,22 @@ pub struct DrawSettings {
     /// Width and height in pixels.
     pub size: [u32; 2],
     pub compositing: Compositing,
-    /// Samples in each row and column of a pixel, at least 1.
+    /// Number of samples in each row and column of a pixel, at least 1.
     pub samples: u32,
 }
 
-/// A sample in each pixel.
+/// One sample of each pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Its place in the pixel, 0..1 to the right and down.
+    /// Position in the pixel, 0..1 to the right and down.
     pub offset: [f64; 2],
-    /// A texel covers it whose alpha is above.
+    /// A texel covers the sample if its alpha is above this threshold.
     pub threshold: f32,
 }
 
 impl DrawSettings {
-    /// The samples of a pixel: the middles of a regular grid. Their thresholds are a permutation in which neighbours differ, as in ordered
-    /// dithering.
+    /// Returns the samples of a pixel: the centres of a regular grid. Their thresholds are a permutation in which neighbours
+    /// differ, as in ordered dithering.
     pub fn samples(&self) -> Vec<Sample> {
         let side = self.samples.max(1);
         let place = |at: u32| (f64::from(at) + 0.5) / f64::from(side);
@@ -83,14 +83,14 @@ impl DrawSettings {
     }
 }
 
-/// Draws the mesh over a transparent picture: in order, with one sample in the middle of each pixel.
+/// Draws the mesh over a transparent picture, in order, with one sample at the centre of each pixel.
 pub fn draw(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Drawn {
     let settings = DrawSettings { size, compositing: Compositing::Painter, samples: 1 };
     let (raster, texels) = (Raster::new(scene, camera, &settings), Texels::new(scene));
     Drawn::of_rows(raster.jobs().map(|job| raster.rows(job, &texels)).collect())
 }
 
-/// Triangles over the middle of each pixel.
+/// Returns the number of triangles over the centre of each pixel.
 pub fn overdraw(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Result<Plane<u32>> {
     let settings = DrawSettings { size, compositing: Compositing::Painter, samples: 1 };
     let (raster, texels) = (Raster::new(scene, camera, &settings), Texels::new(scene));
@@ -98,7 +98,7 @@ pub fn overdraw(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Result<Pla
     Plane::new(size[0], size[1], counts.concat())
 }
 
-/// Draws the mesh over a transparent picture. The monitor advances by one for each row.
+/// Draws the mesh over a transparent picture. The monitor advances by one per row.
 pub fn draw_picture(
     scene: &QuadMesh,
     camera: &Camera,
@@ -116,30 +116,31 @@ pub fn draw_picture(
     Ok(Drawn::of_rows(rows.collect::<Result<_>>()?))
 }
 
-/// Bytes that a picture takes while it is drawn.
+/// Returns the bytes of memory that drawing a picture takes.
 pub fn drawing_bytes(scene: &QuadMesh, settings: &DrawSettings) -> u64 {
     let [width, height] = settings.size.map(u64::from);
     let samples = u64::from(settings.samples).pow(2);
-    // Corners, triangles as they are seen, and their numbers in the lists of jobs: of most, two.
+    // Corners, projected triangles, and their indices in the lists of jobs: for most triangles, two.
     let of_mesh = 24 * scene.mesh.positions.len() as u64
         + scene.mesh.triangles.len() as u64 * (size_of::<Triangle>() as u64 + 16);
-    // A sum and the counts of its samples stay until the end.
+    // The sum of a pixel and the counts of its samples stay in memory until the end.
     of_mesh.saturating_add((width * height).saturating_mul(32 + 4 * samples))
 }
 
-/// What a z-buffer compares: an inverse depth above 0 without the last bits of its mantissa. Tiles overlap their neighbours along nearly the
-/// same surface, where rounding would decide, on each device otherwise; so the later one shows.
+/// Returns the value that a z-buffer compares: an inverse depth above 0 without the low bits of its mantissa. Overlapping tiles
+/// lie along nearly the same surface, where rounding would decide, differently on each device; with equal values the later tile
+/// is visible.
 fn nearness(inverse_depth: f32) -> u32 {
     inverse_depth.to_bits() >> DEPTH_BITS_LEFT_OUT
 }
 
-/// A picture in the making.
+/// Projected triangles of a picture, and the job of each.
 struct Raster {
     settings: DrawSettings,
     samples: Vec<Sample>,
-    /// Those that are seen, in order.
+    /// Visible triangles, in order.
     triangles: Vec<Triangle>,
-    /// Those of each job, by index.
+    /// Indices of the triangles of each job.
     of_job: Vec<Vec<u32>>,
 }
 
@@ -172,13 +173,13 @@ impl Raster {
         (0..self.of_job.len()).into_par_iter()
     }
 
-    /// First and end row of a job.
+    /// Returns the first and the end row of a job.
     fn rows_of(&self, job: usize) -> [u32; 2] {
         let first = job as u32 * ROWS_A_JOB;
         [first, (first + ROWS_A_JOB).min(self.settings.size[1])]
     }
 
-    /// Pixels of a job, and triangles over each sample of them.
+    /// Returns the pixels of a job, and the number of triangles over each of their samples.
     fn rows(&self, job: usize, texels: &Texels) -> (Vec<Vec4>, Vec<u32>) {
         let [first, end] = self.rows_of(job);
         let pixels = self.settings.size[0] as usize * (end - first) as usize;
@@ -199,8 +200,8 @@ impl Raster {
         (sums, counts)
     }
 
-    /// Calls `shade` for each triangle of a job and each of its rows, the last triangle first, with its pixels in the row and the place
-    /// of the first of them among those of the job.
+    /// Calls `shade` for each row of each triangle of a job, starting with the last triangle. The arguments are the triangle, the
+    /// y coordinate of the samples, the columns that the triangle covers, and the index of the first of these pixels in the job.
     fn spans(&self, job: usize, sample: &Sample, mut shade: impl FnMut(&Triangle, f64, std::ops::Range<u32>, usize)) {
         let ([first, end], width) = (self.rows_of(job), self.settings.size[0]);
         for &at in self.of_job[job].iter().rev() {
@@ -215,7 +216,7 @@ impl Raster {
         }
     }
 
-    /// Blends triangles behind each other.
+    /// Blends triangles behind the existing ones.
     fn blend(&self, job: usize, texels: &Texels, sample: &Sample, counts: &mut [u32]) -> Vec<Vec4> {
         let mut pixels = vec![Vec4::ZERO; counts.len()];
         self.spans(job, sample, |triangle, y, span, place| {
@@ -237,7 +238,7 @@ impl Raster {
         pixels
     }
 
-    /// Shows the nearest triangle that covers each sample.
+    /// Draws the nearest triangle that covers each sample.
     fn hide(&self, job: usize, texels: &Texels, sample: &Sample, counts: &mut [u32]) -> Vec<Vec4> {
         let mut pixels = vec![Vec4::ZERO; counts.len()];
         let mut nearest = vec![0u32; counts.len()];

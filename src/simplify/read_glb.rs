@@ -1,4 +1,4 @@
-//! Reads the binary glTF that [`super::export`] wrote.
+//! Reader of the binary glTF that [`super::export`] writes.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -14,17 +14,17 @@ use crate::mesh::gltf::document::{self, Parsed};
 use crate::mesh::gltf::{materials, primitives};
 use crate::mesh::{Material, Mesh};
 
-/// A simplified scene from a file.
+/// A simplified scene read from a file.
 #[derive(Debug)]
 pub struct QuadScene {
     pub quads: QuadMesh,
-    /// Frame of the dataset that it shows.
+    /// Frame of the dataset that the scene shows.
     pub frame: u32,
 }
 
-/// Reads a scene. Triangles keep the order of the file, in which they are drawn.
+/// Reads a scene. Triangles keep the order of the file, which is the drawing order.
 ///
-/// Fails for glTF that simplification did not write, and for damaged files.
+/// Fails for glTF that was not written by simplification, and for damaged files.
 pub fn read_glb(path: &Path) -> Result<QuadScene> {
     let bytes = folder::read(path)?;
     read(&bytes, Folder::of(path)).map_err(|error| error.in_file(path))
@@ -52,7 +52,7 @@ fn read(bytes: &[u8], folder: Folder) -> Result<QuadScene> {
     let (mut mesh, mut stq) = (Mesh::default(), Vec::new());
     let mut texture = None;
     for primitive in document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>()) {
-        // The list begins with the default material.
+        // The list starts with the default material.
         let number = primitive.material().index().map_or(0, |index| index + 1);
         let Some(paint) = paints.get(number) else { continue };
         let Material { base_texture: Some(own), unlit: true, .. } = &paint.material else {
@@ -82,9 +82,9 @@ fn read(bytes: &[u8], folder: Folder) -> Result<QuadScene> {
     Ok(QuadScene { quads: QuadMesh { mesh, texture, stq, light: None, runs }, frame })
 }
 
-/// Key of the lengths of runs of triangles, blended and opaque in turns.
+/// Key of the lengths of runs of triangles, alternately blended and opaque.
 const RUNS: &str = "runs_blended_opaque";
-/// Name of the attribute with homogeneous texture coordinates, without its underscore.
+/// Name of the attribute of homogeneous texture coordinates, without its underscore.
 const HOMOGENEOUS: &str = "TEXCOORD_STQ";
 const IDENTITY: [[f32; 4]; 4] =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
@@ -95,7 +95,7 @@ fn foreign(why: &str) -> Error {
     ))
 }
 
-/// Adds triangles behind those that are there.
+/// Appends triangles to a mesh.
 fn append(mesh: &mut Mesh, part: &primitives::Geometry) -> Result<()> {
     let count = part.positions.len();
     if part.uvs.len() != count {
@@ -132,7 +132,7 @@ mod tests {
             mesh.positions.push(DVec3::new(f64::from(at), 0.5 * f64::from(at % 5), -2.0));
             mesh.uvs.push(Vec2::new(at as f32 / 32.0, 0.25));
         }
-        // Not in the order of the corners.
+        // The triangles are not in the order of the corners.
         mesh.triangles = (0..8).map(|at| [0, 1, 2].map(|corner| (3 * (at * 5 % 8) + corner) as u32)).collect();
         mesh.material_of = vec![0; 8];
         let pixels = (0..12).map(|at| [at, 10 * at, 255 - at, 20 * at]).collect();
@@ -200,7 +200,7 @@ mod tests {
         for end in 0..bytes.len() {
             assert!(read(&bytes[..end]).is_err(), "{end}");
         }
-        // Every byte changed: read or refused, and drawn where it is read.
+        // Changes every byte: the file is rejected, or it is read and drawn.
         let camera =
             crate::math::Camera::look_at(DVec3::ZERO, DVec3::X, DVec3::Y, crate::math::Lens::new(90.0)).unwrap();
         let mut read_again = 0;

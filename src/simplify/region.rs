@@ -1,36 +1,36 @@
-//! The viewing region: where the eye may be (Seurat 3).
+//! The viewing region: the space in which the eye may be (Seurat 3).
 
 use glam::DVec3;
 
 use crate::placement::Region;
 
-/// Half of the sky's cube, in region radii: 200 m for a region of 0.5 m.
+/// Half of the edge of the sky's cube, in region radii: 200 m for a region of 0.5 m.
 const SKY_RADII: f64 = 400.0;
-/// Radius of a region without extent, as a part of the distance of the nearest surface.
+/// Radius of a region without extent, as a fraction of the distance of the nearest surface.
 const RADIUS_WITHOUT_EXTENT: f64 = 0.1;
 
-/// Steps in which a point of the box around a region is moved into it.
+/// Number of steps in which a point of the box around a region is moved into the region.
 const EYE_STEPS: u32 = 32;
 
 #[derive(Debug, Clone)]
 pub struct ViewingRegion {
-    /// The origin of everything that is fitted, in metres.
+    /// Centre of the region in metres, the origin of all fitted geometry.
     pub middle: DVec3,
     /// Half of the edges of the box around the region.
     pub half: DVec3,
-    /// The region itself; none for the box.
+    /// The region itself; `None` if it is the box.
     given: Option<Region>,
 }
 
 impl ViewingRegion {
-    /// A region that was given.
+    /// Creates a viewing region from a given region.
     pub fn given(region: Region) -> ViewingRegion {
         let bounds = region.bounds();
         let (middle, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
         ViewingRegion { middle, half, given: Some(region) }
     }
 
-    /// The box around cameras.
+    /// Creates a viewing region that is the box around cameras.
     pub fn around(eyes: impl Iterator<Item = DVec3>) -> ViewingRegion {
         let (min, max) =
             eyes.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), eye| (min.min(eye), max.max(eye)));
@@ -41,24 +41,25 @@ impl ViewingRegion {
         self.radius() > 0.0
     }
 
-    /// A region without extent grows to a cube whose radius is a tenth of the distance of the nearest surface.
+    /// Grows a region without extent to a cube, whose radius is a tenth of the distance of the nearest surface.
     pub fn grow(&mut self, nearest_m: f64) {
         let radius = if nearest_m.is_finite() { RADIUS_WITHOUT_EXTENT * nearest_m } else { RADIUS_WITHOUT_EXTENT };
         self.half = DVec3::splat(radius / 3f64.sqrt());
         self.given = None;
     }
 
-    /// Metres from the middle within which there is no tile: 1% of the radius (Seurat 4.2).
+    /// Returns the distance from the centre, in metres, within which there is no tile: 1% of the radius (Seurat 4.2).
     pub fn least_m(&self) -> f64 {
         0.01 * self.radius()
     }
 
-    /// Metres from the middle to the corners.
+    /// Returns the distance from the centre to the corners, in metres.
     pub fn radius(&self) -> f64 {
         self.half.length()
     }
 
-    /// Corners and middle of the box around the region, and the middles of its edges and sides, relative to its middle.
+    /// Returns the corners and the centre of the box around the region, and the centres of its edges and sides, relative to its
+    /// centre.
     pub fn border(&self) -> Vec<DVec3> {
         let steps = [-1.0, 0.0, 1.0];
         let signs =
@@ -66,7 +67,7 @@ impl ViewingRegion {
         distinct(signs.map(|sign| sign * self.half))
     }
 
-    /// The same points and those halfway to the corners, moved towards the middle into the region.
+    /// Returns the points of [`Self::border`] and those halfway to the corners, moved towards the centre into the region.
     pub fn eyes(&self) -> Vec<DVec3> {
         let into = |point: DVec3| {
             let steps = (0..=EYE_STEPS).map(|step| point * (1.0 - f64::from(step) / f64::from(EYE_STEPS)));
@@ -78,7 +79,7 @@ impl ViewingRegion {
         distinct(border.iter().copied().chain(halfway).filter_map(into))
     }
 
-    /// Whether a point, relative to the middle, is inside.
+    /// Returns true if a point, relative to the centre, is inside.
     pub fn contains(&self, from_middle: DVec3) -> bool {
         match &self.given {
             Some(region) => region.contains(self.middle + from_middle),
@@ -86,7 +87,8 @@ impl ViewingRegion {
         }
     }
 
-    /// Whether an eye, relative to the middle, may be there. A region without extent along an axis has eyes, too.
+    /// Returns true if an eye, relative to the centre, may be at this position. A region without extent along an axis admits
+    /// eyes, too.
     pub fn admits(&self, eye: DVec3) -> bool {
         match &self.given {
             Some(region) => region.contains(self.middle + eye),
@@ -94,7 +96,7 @@ impl ViewingRegion {
         }
     }
 
-    /// Metres along a ray, from a point relative to the middle, to the cube of the sky.
+    /// Returns the distance in metres along a ray, from a point relative to the centre, to the cube of the sky.
     pub fn to_sky(&self, origin: DVec3, direction: DVec3) -> f64 {
         let half = SKY_RADII * self.radius();
         let along = |axis: usize| match direction[axis] {
@@ -104,13 +106,13 @@ impl ViewingRegion {
         along(0).min(along(1)).min(along(2))
     }
 
-    /// Metres within which no ray of length 1 from a point comes to the cube of the sky.
+    /// Returns a distance in metres within which no ray of unit direction from a point reaches the cube of the sky.
     pub fn before_sky(&self, origin: DVec3) -> f64 {
         0.999 * (SKY_RADII * self.radius() - origin.abs().max_element())
     }
 }
 
-/// The points without those that occurred before: boxes without extent along an axis have equal corners.
+/// Removes duplicates: boxes without extent along an axis have equal corners.
 fn distinct(points: impl Iterator<Item = DVec3>) -> Vec<DVec3> {
     points.fold(Vec::new(), |mut all, point| {
         if !all.contains(&point) {

@@ -1,6 +1,6 @@
-//! Samples of a capture (Seurat 3): rays from inside the viewing region, with the surface that each meets and its light.
+//! Samples of a capture (Seurat 3): rays from inside the viewing region, with the surface that each ray meets and its colour.
 //!
-//! Enters: rays of the images of a capture, one image at a time. Leaves: samples relative to the middle of the region.
+//! Takes the rays of the images of a capture, one image at a time, and returns samples relative to the centre of the region.
 
 use glam::DVec3;
 
@@ -10,44 +10,44 @@ use crate::dataset::seurat::CaptureRay;
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 
-/// A ray: its origin and where it ends, relative to the middle of the region in metres, and linear light.
+/// A ray: its origin and its end, relative to the centre of the region in metres, and linear RGB.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Index of its pixel, row by row.
+    /// Index of the pixel, in row-major order.
     pub pixel: u32,
     pub origin: DVec3,
     pub end: DVec3,
     pub color: [f32; 3],
-    /// Whether there is a surface at its end. A ray to a transparent background says only what is empty.
+    /// True if there is a surface at the end. A ray to a transparent background only determines which space is empty.
     pub is_surface: bool,
 }
 
-/// What is infinitely far.
+/// Meaning of pixels at infinite distance.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Background {
-    /// A surface: it lies on a cube around the region.
+    /// A surface on a cube around the region.
     #[default]
     Sky,
-    /// Nothing.
+    /// No surface.
     Transparent,
 }
 
-/// What becomes of samples in the viewing region.
+/// Treatment of samples in the viewing region.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Inside {
     /// They are an error.
     #[default]
     Refuse,
-    /// They are left out, and counted.
+    /// They are left out and counted.
     Drop,
 }
 
-/// Pixels of an image whose samples are asked for.
+/// Choice of the pixels of an image that are sampled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PixelChoice<'a> {
-    /// Those of one of so many columns and rows.
+    /// Pixels of every n-th column and row.
     Every(u32),
-    /// Their indices, row by row, in ascending order.
+    /// Pixels with these row-major indices, in ascending order.
     Listed(&'a [u32]),
 }
 
@@ -60,7 +60,7 @@ impl PixelChoice<'_> {
     }
 }
 
-/// How rays become samples.
+/// Rules that convert rays to samples.
 #[derive(Debug, Clone, Copy)]
 pub struct SampleRules<'a> {
     pub region: &'a ViewingRegion,
@@ -69,7 +69,8 @@ pub struct SampleRules<'a> {
 }
 
 impl SampleRules<'_> {
-    /// Gives the samples of each image in turn, and the number that was left out. The next image is read meanwhile.
+    /// Passes the samples of each image in turn to `take`, with the number of samples left out. The next image is read in
+    /// parallel.
     pub fn of_all_images(
         &self,
         capture: &mut Capture,
@@ -81,7 +82,8 @@ impl SampleRules<'_> {
         overlapped(capture, monitor, read, |(samples, left_out)| take(samples, left_out))
     }
 
-    /// Gives the ends of the samples with surfaces of each image in turn, and the number of samples that was left out. Light is not read.
+    /// Passes the ends of the samples with surfaces of each image in turn to `take`, with the number of samples left out. Colour
+    /// is not read.
     pub fn ends_of_all_images(
         &self,
         capture: &mut Capture,
@@ -101,13 +103,13 @@ impl SampleRules<'_> {
         overlapped(capture, monitor, read, |(ends, left_out)| take(ends, left_out))
     }
 
-    /// The samples of pixels of one image, row by row, and the number of those that were left out.
+    /// Returns the samples of the chosen pixels of one image, in row-major order, and the number of samples left out.
     pub fn samples(&self, capture: &mut Capture, image: usize, pixels: PixelChoice<'_>) -> Result<(Vec<Sample>, u64)> {
         let rays = capture.rays(image)?;
         self.of_rays(capture, image, &rays, pixels)
     }
 
-    /// The same, of rays that were read.
+    /// Returns the samples of rays that have already been read; otherwise as [`Self::samples`].
     pub fn of_rays(
         &self,
         capture: &Capture,
@@ -126,7 +128,7 @@ impl SampleRules<'_> {
         Ok((samples, left_out))
     }
 
-    /// Calls `take` for the sample of each ray, and answers the number of those that were left out.
+    /// Calls `take` for the sample of each ray, and returns the number of samples left out.
     fn each(
         &self,
         capture: &Capture,
@@ -136,14 +138,15 @@ impl SampleRules<'_> {
     ) -> Result<u64> {
         let (width, least_m) = (capture.images[image].size[0], self.region.least_m());
         let mut left_out = 0;
-        // Of the last origin: most images have one.
+        // Values of the last origin, which is the only one in most images.
         let (mut eye, mut before_sky) = (DVec3::NAN, 0.0);
         for ray in rays {
             let origin = ray.origin - self.region.middle;
             if origin != eye {
                 (eye, before_sky) = (origin, self.region.before_sky(origin));
             }
-            // Two descriptions of one camera differ in the last bits of 64: single precision has the same samples for both.
+            // Two descriptions of one camera may differ in the last bits of 64-bit floats; single precision gives the same
+            // samples for both.
             let direction = ray.direction.as_vec3().as_dvec3();
             if before_sky <= 0.0 {
                 let error = Error::Usage(format!(
@@ -183,7 +186,7 @@ impl SampleRules<'_> {
     }
 }
 
-/// Gives what `read` makes of each image in turn. The next image is read meanwhile.
+/// Passes the result of `read` for each image in turn to `take`. The next image is read in parallel.
 fn overlapped<T: Send>(
     capture: &mut Capture,
     monitor: &dyn Monitor,

@@ -1,5 +1,5 @@
-//! The tiles of a capture (Seurat 4): samples are merged to points, tilings are fitted to these, and the best that keep the budgets are
-//! selected. As words they wait in a file for the texturing of another process.
+//! Selection of the tiles of a capture (Seurat 4): samples are merged into points, tilings are fitted to the points, and the best
+//! tilings that keep the budgets are selected. The result can be stored in a file as words, for texturing by another process.
 
 use std::time::{Duration, Instant};
 
@@ -23,33 +23,33 @@ use crate::error::{Error, Result};
 use crate::image::Face;
 use crate::monitor::Monitor;
 
-/// Points that samples are merged to, at most.
+/// Maximum number of points that samples are merged into.
 pub const MAX_POINTS: usize = 1_500_000;
 /// Level of the uniform tiling (Seurat 7, figure 13).
 const UNIFORM_LEVEL: u32 = 6;
-/// Least side of a tree cell in pixels of the capture.
+/// Minimum side of a tree cell, in pixels of the capture.
 const MIN_CELL_PIXELS: f64 = 4.0;
-/// Relative distance within which a tile counts as a sample's surface (Seurat 5.1).
+/// Relative distance to a sample within which a tile counts as the sample's surface (Seurat 5.1).
 pub(super) const SOLID_THRESHOLD: f64 = 0.01;
-/// Part of the budgets that selection leaves to gaps.
+/// Fraction of the budgets that selection reserves for gaps.
 const GAP_SHARE: f64 = 0.1;
-/// Energy with that part left, over that without, at most: beyond, errors are twice as large, which shows more than gaps do. Errors
-/// below the solid threshold do not count.
+/// Maximum ratio of the energy with that reserve to the energy without it. Beyond this ratio errors are twice as large, which is
+/// more visible than gaps. Errors below the solid threshold do not count.
 const GAP_ENERGY: f64 = 4.0;
-/// Iterations of which one finds out what the part costs.
+/// Divisor of the number of iterations that estimate the energy without the reserve.
 const GAP_ITERATIONS: usize = 8;
 
 const _: () = assert!(UNIFORM_LEVEL <= MAX_LEVEL);
 
-/// What the tiles were selected from.
+/// Counts of the input of selection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Counts {
     pub samples: u64,
-    /// Samples in the viewing region that were left out.
+    /// Number of samples in the viewing region that were left out.
     pub dropped_samples: u64,
     pub points: u64,
     pub candidates: u64,
-    /// Tree cells with samples.
+    /// Number of tree cells with samples.
     pub fitted_cells: u64,
 }
 
@@ -59,26 +59,26 @@ pub struct SelectedTiles {
     pub extent: Extent,
     /// Directions in which the capture has surfaces.
     pub seen: SeenDirections,
-    /// In drawing order.
+    /// Tiles in drawing order.
     pub tiles: Vec<QuadTile>,
     pub selection: Selection,
     pub reserve: Reserve,
     pub counts: Counts,
-    /// Of merging, candidates and selection.
+    /// Durations of merging, candidates and selection.
     pub durations: [Duration; 3],
     pub notes: Vec<String>,
 }
 
-/// Budgets that the selection leaves to tiles that are extended over gaps.
+/// Reserve of the budgets for tiles that are extended over gaps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reserve {
-    /// Part of each budget, 0 to 1.
+    /// Fraction of each budget, 0 to 1.
     pub share: f64,
-    /// No selection within the whole budgets has less energy.
+    /// Lower bound of the energy of selections within the whole budgets.
     pub dual: f64,
 }
 
-/// Radii of viewing regions, in metres.
+/// Supported radii of viewing regions, in metres.
 const RADII_M: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 
 /// Selects the tiles of a capture.
@@ -111,7 +111,7 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     let texels_per_unit = settings.texels_per_unit(capture);
     let extent = Extent { least_m: region.least_m(), most_m: farthest_m, margin: 1.0 / capture.pixels_per_unit() };
     let mut fitting = CandidateSettings::of(settings.effort);
-    // Cells of fewer pixels would have no sample here and there, and leave holes.
+    // Smaller cells would have no sample in some places, which would leave holes.
     let finest = (2.0 * capture.pixels_per_unit() / MIN_CELL_PIXELS).max(1.0).log2() as u32;
     fitting.levels[1] = finest.min(fitting.levels[1]);
     if settings.tiling == TilingKind::Uniform {
@@ -167,7 +167,7 @@ pub(super) fn cost_model(
     CostModel { extent, eyes: region.border(), texels_per_unit, texture_coordinates }
 }
 
-/// The region of a capture; notes say how it was found.
+/// Returns the viewing region of a capture. Notes state how it was determined.
 fn viewing_region(capture: &mut Capture, settings: &Settings, notes: &mut Vec<String>) -> Result<ViewingRegion> {
     let mut region = match &settings.region {
         Some(region) => ViewingRegion::given(region.clone()),
@@ -205,7 +205,7 @@ fn viewing_region(capture: &mut Capture, settings: &Settings, notes: &mut Vec<St
 }
 
 impl SelectedTiles {
-    /// All but region and notes.
+    /// Serialises all fields except the region and the notes.
     pub fn to_words(&self) -> Vec<u64> {
         let Selection { tilings, primal, dual, prices, iterations, convergence, used } = &self.selection;
         let Counts { samples, dropped_samples, points, candidates, fitted_cells } = self.counts;
@@ -234,7 +234,7 @@ impl SelectedTiles {
         words
     }
 
-    /// The tiles of [`Self::to_words`], of a capture with the same settings; none where the words are not of that kind.
+    /// Reads the result of [`Self::to_words`] for a capture with the same settings; `None` if the words are not valid.
     pub fn of_words(words: &[u64], capture: &mut Capture, settings: &Settings) -> Result<Option<SelectedTiles>> {
         let mut notes = Vec::new();
         let region = viewing_region(capture, settings, &mut notes)?;
@@ -246,7 +246,7 @@ fn words_of_cell(cell: TreeCell) -> [u64; 4] {
     [cell.face as u64, cell.level.into(), cell.column.into(), cell.row.into()]
 }
 
-/// Words that are read one by one.
+/// Reader of words.
 struct Words<'a>(std::slice::Iter<'a, u64>);
 
 impl Words<'_> {
@@ -277,7 +277,7 @@ impl Words<'_> {
         (cell.level <= MAX_LEVEL && cell.column < side && cell.row < side).then_some(cell)
     }
 
-    /// A number, and as many items.
+    /// Reads a count, and that many items.
     fn list<T>(&mut self, mut item: impl FnMut(&mut Self) -> Option<T>) -> Option<Vec<T>> {
         let count = self.word()?;
         (0..count).map(|_| item(self)).collect()

@@ -1,11 +1,11 @@
 //! Selection of tilings under budgets (Seurat 4.3).
 //!
-//! Enters: the costs of all tilings. Leaves: one tiling for each cell of a set of cells that covers all points, with the least
-//! energy found that keeps all budgets.
+//! Takes the costs of all tilings. Returns a set of cells that covers all points, and one tiling for each of them, with the
+//! lowest energy found that keeps all budgets.
 //!
-//! Lagrangian relaxation: budgets become prices, for which the best valid tiling is found by recursion over the trees. Subgradient
-//! ascent moves the prices; each feasible tiling on the way is a primal solution. At last prices are scaled, first by powers of two and then by
-//! bisection, until the tiling is feasible.
+//! The method is Lagrangian relaxation: budgets become prices, for which recursion over the trees finds the best valid tiling.
+//! Subgradient ascent updates the prices; each feasible tiling on the way is a primal solution. Finally prices are scaled, first
+//! by powers of two and then by bisection, until the tiling is feasible.
 
 use rayon::prelude::*;
 
@@ -14,32 +14,33 @@ use super::tree::{MAX_LEVEL, TreeCell};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 
-/// Budgets.
+/// Limits of the drawing cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budgets {
     pub triangles: f64,
-    /// In whole spheres.
+    /// Area in units of the whole sphere.
     pub area: f64,
-    /// Mean overdraw of each view.
+    /// Limit of the mean overdraw of each view.
     pub peak_overdraw: f64,
 }
 
-/// How messages about budgets that cannot be kept begin.
+/// Start of the messages about budgets that cannot be kept.
 const INFEASIBLE: &str = "no selection of tiles keeps";
 
-/// Whether a message, of this process or of another one, says that budgets cannot be kept.
+/// Returns true if a message, of this process or of another one, reports that budgets cannot be kept.
 pub fn says_infeasible(message: &str) -> bool {
     message.contains(INFEASIBLE)
 }
 
-/// Triangles, area, and the overdraw of each view.
+/// Number of constraints: triangles, area, and the overdraw of each view.
 pub const CONSTRAINTS: usize = 2 + VIEWS;
 pub type Use = [f64; CONSTRAINTS];
-/// Rounds in which prices are looked for at which a tiling is feasible at all.
+/// Maximum number of rounds that search for prices at which a tiling is feasible.
 const FEASIBILITY_ROUNDS: usize = 100;
-/// Part of what all budgets are worth below which one does not limit a selection: prices fall towards 0 and do not come there.
+/// Fraction of the total worth of all budgets below which a budget does not limit a selection: its price approaches 0 without
+/// reaching it.
 const MIN_WORTH: f64 = 0.01;
-/// Iterations after which the best prices so far are scaled until the selection is feasible.
+/// Number of iterations after which the best prices so far are scaled until the selection is feasible.
 const REPAIR_INTERVAL: usize = 25;
 
 impl Budgets {
@@ -54,7 +55,7 @@ impl Budgets {
     }
 }
 
-/// Adds what a tile or tiling of a cell takes, so many times.
+/// Adds `times` the cost of a tile or tiling of a cell.
 pub fn add_cost(used: &mut Use, shares: &[(u8, f32)], cost: &TilingCost, times: f64) {
     used[0] += times * cost.triangles;
     used[1] += times * cost.area;
@@ -67,7 +68,7 @@ pub fn keeps(used: &Use, capacity: &Use) -> bool {
     used.iter().zip(capacity).all(|(used, capacity)| *used <= capacity * (1.0 + 1e-12))
 }
 
-/// A tiling of a cell that was selected.
+/// Selected tiling of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SelectedTiling {
     pub cell: TreeCell,
@@ -75,11 +76,11 @@ pub struct SelectedTiling {
     pub tiling: usize,
 }
 
-/// Energies between which the best selection lies.
+/// Bounds of the energy of the best selection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
     pub dual: f64,
-    /// Of the best feasible selection so far; `+inf` without any.
+    /// Energy of the best feasible selection so far; `+inf` if there is none.
     pub primal: f64,
 }
 
@@ -88,7 +89,7 @@ pub struct Selection {
     pub tilings: Vec<SelectedTiling>,
     /// Energy of the selection.
     pub primal: f64,
-    /// No valid tiling that keeps the budgets of the problem has less energy.
+    /// Lower bound of the energy of valid tilings that keep the budgets of the problem.
     pub dual: f64,
     /// Prices of the resources at which the dual was reached.
     pub prices: Use,
@@ -99,12 +100,13 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// Relative distance of primal and dual.
+    /// Returns the relative gap between primal and dual.
     pub fn gap(&self) -> f64 {
         if self.primal > 0.0 { (self.primal - self.dual) / self.primal } else { 0.0 }
     }
 
-    /// Names of the budgets that have a price: with more of them the energy would be less. None where no valid tiling has less.
+    /// Returns the names of the budgets that have a price: if they were larger, the energy would be lower. Empty if no valid
+    /// tiling has less energy.
     pub fn limits(&self, budgets: &Budgets) -> Vec<&'static str> {
         let views: f64 = self.prices[2..].iter().sum();
         let worth = [
@@ -117,7 +119,7 @@ impl Selection {
     }
 }
 
-/// The problem: costs by level and cell; levels count from 0, and are empty below the first that has tilings.
+/// Selection problem: costs by level and cell. Levels count from 0, and those below the first with tilings are empty.
 pub struct Problem<'a> {
     costs: &'a [Vec<Vec<TilingCost>>],
     first_level: u32,
@@ -134,7 +136,7 @@ enum Choice {
 }
 
 struct Solution {
-    /// Σ of energies and prices of what is used.
+    /// Sum of the energies, and of the prices of the resources used.
     priced: f64,
     tilings: Vec<SelectedTiling>,
     energy: f64,
@@ -162,7 +164,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The valid tiling of least energy and price. Prices are for each unit of the resource.
+    /// Returns the valid tiling with the smallest sum of energy and price. Prices are per unit of a resource.
     fn best(&self, prices: &Use, energy_weight: f64) -> Solution {
         let mut choices: Vec<Vec<Choice>> = Vec::new();
         let mut below: Vec<f64> = Vec::new();
@@ -221,7 +223,7 @@ impl<'a> Problem<'a> {
         keeps(used, &self.capacity)
     }
 
-    /// The least energy that a valid tiling within the budgets can have, by the Lagrangian at any prices of at least 0.
+    /// Returns a lower bound of the energy of valid tilings within the budgets: the Lagrangian at any prices of at least 0.
     pub fn bound(&self, prices: &Use) -> f64 {
         self.bound_of(&self.best(prices, 1.0), prices)
     }
@@ -230,10 +232,10 @@ impl<'a> Problem<'a> {
         solution.priced - prices.iter().zip(&self.capacity).map(|(price, capacity)| price * capacity).sum::<f64>()
     }
 
-    /// Solves the problem in at most so many iterations, or until the gap is small enough.
+    /// Solves the problem in at most `iterations` iterations, or until the relative gap is at most `gap`.
     ///
     /// # Errors
-    /// [`Error::Usage`] for budgets that no tiling keeps; [`Error::Interrupted`] where the monitor says so.
+    /// [`Error::Usage`] if no tiling keeps the budgets; [`Error::Interrupted`] if the monitor is interrupted.
     pub fn solve(&self, iterations: usize, gap: f64, monitor: &dyn Monitor) -> Result<Selection> {
         let mut prices = [0.0; CONSTRAINTS];
         let free = self.best(&prices, 1.0);
@@ -245,7 +247,7 @@ impl<'a> Problem<'a> {
         let mut best_prices = prices;
         let mut dual = free.priced;
         let mut primal: Option<Solution> = None;
-        // A first feasible selection, which says how far the dual can rise.
+        // A first feasible selection bounds how far the dual can rise.
         let first = self.first_prices(free.energy)?;
         self.feasible_scale(&first, &mut primal).ok_or_else(|| self.infeasible())?;
         let upper = |primal: &Option<Solution>| primal.as_ref().map_or(f64::INFINITY, |primal| primal.energy);
@@ -284,7 +286,7 @@ impl<'a> Problem<'a> {
                 }
                 continue;
             }
-            // Prices of resources that are neither short nor priced do not move.
+            // Prices stay at 0 while their resources are not exceeded.
             let moves = |at: usize| excess[at] > 0.0 || prices[at] > 0.0;
             let squares: f64 = (0..CONSTRAINTS).filter(|&at| moves(at)).map(|at| excess[at] * excess[at]).sum();
             if squares <= 0.0 {
@@ -303,8 +305,8 @@ impl<'a> Problem<'a> {
         Ok(self.selection(primal, convergence, best_prices))
     }
 
-    /// Prices at which the tiling of least price is feasible, found by raising those of what is short and lowering the others by
-    /// factors (multiplicative weights); used up, all budgets together cost as much as `energy`.
+    /// Returns prices at which the tiling of lowest price is feasible. Multiplicative weights raise the prices of resources that
+    /// are exceeded, and lower the others. The prices are normalised so that all budgets together cost `energy`.
     fn first_prices(&self, energy: f64) -> Result<Use> {
         let mut weights = [1.0; CONSTRAINTS];
         for _ in 0..FEASIBILITY_ROUNDS {
@@ -325,7 +327,8 @@ impl<'a> Problem<'a> {
         Err(self.infeasible())
     }
 
-    /// The least scale of prices, found by doubling and bisection, at which the selection is feasible; keeps the best on the way.
+    /// Finds the smallest scale of prices at which the selection is feasible, by doubling and bisection. Keeps the best selection
+    /// on the way in `primal`.
     fn feasible_scale(&self, prices: &Use, primal: &mut Option<Solution>) -> Option<f64> {
         let mut try_scale = |scale: f64| {
             let solution = self.best(&prices.map(|price| scale * price), 1.0);
@@ -353,7 +356,7 @@ impl<'a> Problem<'a> {
         Some(high)
     }
 
-    /// Names a budget that cannot be kept, and the least value that would do.
+    /// Returns an error that names a budget that cannot be kept, and the smallest value that would be enough.
     fn infeasible(&self) -> Error {
         let mut worst: Option<(f64, usize, f64)> = None;
         for at in 0..CONSTRAINTS {
@@ -395,7 +398,8 @@ mod tests {
 
     const LEVELS: u32 = 3;
 
-    /// Costs of the cells below the first root: three tilings of the root, two of each child, one or none of their children.
+    /// Returns costs of the cells below the first root: three tilings of the root, two of each child, one or none of each of
+    /// their children.
     fn costs(seed: u64) -> Vec<Vec<Vec<TilingCost>>> {
         let mut random = Random::new(seed);
         let mut unit = || f64::from(random.word()) / f64::from(u32::MAX);
@@ -417,7 +421,7 @@ mod tests {
         (0..LEVELS).map(of_level).collect()
     }
 
-    /// Energy and use of every valid selection below a cell; none where it has no points.
+    /// Returns the energy and use of every valid selection below a cell; empty if the cell has no points.
     fn all(problem: &Problem<'_>, cell: TreeCell) -> Vec<(f64, Use)> {
         let mut found: Vec<(f64, Use)> = Vec::new();
         for cost in problem.of_cell(cell) {
@@ -457,7 +461,7 @@ mod tests {
                 assert!(keeps(&found.used, &budgets.capacity()));
                 assert!(found.dual <= best + 1e-9 && best <= found.primal + 1e-9, "{found:?} {best}");
                 assert!((problem.bound(&found.prices) - found.dual).abs() <= 1e-9);
-                // Prices that were found within smaller budgets bound the larger ones, too.
+                // Prices found for smaller budgets also give a bound for larger ones.
                 let larger = Problem::new(&costs, 0, &shares, &budgets.scaled(1.25));
                 let least = every.iter().filter(|(_, used)| larger.is_feasible(used)).map(|(energy, _)| *energy);
                 assert!(larger.bound(&found.prices) <= least.fold(f64::INFINITY, f64::min) + 1e-9);
@@ -465,11 +469,11 @@ mod tests {
                 exact += u32::from(found.primal <= best + 1e-9);
             }
         }
-        // The relaxation has a gap where few tilings are left to choose from.
+        // The relaxation has a gap if there are few tilings to choose from.
         assert!(exact * 10 >= cases * 7, "{exact} of {cases}");
     }
 
-    /// Costs of three levels below one root: a tiling of one tile in each cell, with these energies.
+    /// Returns costs of three levels below one root: one tiling of one tile in each cell, with these energies.
     fn of_levels(energies: [f64; 3]) -> Vec<Vec<Vec<TilingCost>>> {
         let of = |level: u32| {
             let cost = TilingCost { energy: energies[level as usize], triangles: 2.0, area: 1e-3, worst_area: 1e-3 };
@@ -481,7 +485,8 @@ mod tests {
 
     #[test]
     fn cells_are_divided_twice_though_dividing_them_once_is_worse() {
-        // 10 for one tile, 12 for 4, 0.16 for 16: who compares a cell with its children alone stops at the first.
+        // Energy 10 for one tile, 12 for 4, 0.16 for 16: a comparison of each cell with only its children would stop at the
+        // first.
         let (costs, shares) = (of_levels([10.0, 3.0, 0.01]), ViewShares::of_trees());
         let solve = |triangles: f64| {
             let budgets = Budgets { triangles, area: 1.0, peak_overdraw: 10.0 };

@@ -1,4 +1,4 @@
-//! What a scene is simplified by.
+//! Settings of simplification.
 
 use super::capture::Capture;
 use super::cost::TextureCoordinates;
@@ -12,11 +12,12 @@ use crate::effort::Effort;
 use crate::memory::Budget;
 use crate::placement::Region;
 
-/// Texels of all tiles before they are reduced, over those of the atlas.
+/// Maximum number of texels of all tiles before reduction, as a multiple of those of the atlas.
 const TEXELS_BEFORE_ATLAS: f64 = 2.0;
-/// Texels across a pixel of the capture: as many as pixels would blur once more what pixels have blurred.
+/// Number of texels per pixel of the capture along one axis. With only one, texels would blur again what pixels have already
+/// blurred.
 const TEXELS_ACROSS_PIXEL: f64 = 2.0;
-/// Spheres that tiles cover in fact, whatever the budget.
+/// Maximum area that tiles cover in practice, in spheres, whatever the budget.
 const MAX_AREA: f64 = 64.0;
 
 /// Cells that get tilings.
@@ -24,18 +25,18 @@ const MAX_AREA: f64 = 64.0;
 pub enum TilingKind {
     /// All cells of the trees.
     Quadtree,
-    /// Those of one level.
+    /// Cells of one level.
     Uniform,
 }
 
 #[derive(Debug, Clone)]
 pub struct Settings {
     pub budgets: Budgets,
-    /// Largest side of the atlas, in texels.
+    /// Maximum side of the atlas, in texels.
     pub atlas: u32,
-    /// Texels for a degree at the middle of a cube face; twice the pixels of the capture where it is not given.
+    /// Texels per degree at the centre of a cube face; `None` for twice the pixels of the capture.
     pub pixels_per_degree: Option<f64>,
-    /// The box around the cameras where it is not given.
+    /// Viewing region; `None` for the box around the cameras.
     pub region: Option<Region>,
     pub background: Background,
     pub inside: Inside,
@@ -50,17 +51,17 @@ pub struct Settings {
     pub memory: Budget,
 }
 
-/// Atlases beside that of light.
+/// Atlases other than that of colour.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum SurfaceAtlases {
     #[default]
     None,
-    /// Of normals and material, where the capture has them.
+    /// Normals and material, if the capture has them.
     GBuffer,
 }
 
 impl Default for Settings {
-    /// Those of the paper: 72,000 triangles, area 3, peak overdraw 5, an atlas of 4096.
+    /// Returns the settings of the paper: 72,000 triangles, area 3, peak overdraw 5, an atlas of 4096.
     fn default() -> Settings {
         Settings {
             budgets: Budgets { triangles: 72_000.0, area: 3.0, peak_overdraw: 5.0 },
@@ -83,8 +84,8 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Texels for each unit of the plane of a cube face: so many that all tiles together have [`TEXELS_BEFORE_ATLAS`] times those of the
-    /// atlas, at most, where they cover as much as they may.
+    /// Returns the number of texels per unit of a cube face's plane. It is limited so that all tiles together have at most
+    /// [`TEXELS_BEFORE_ATLAS`] times the texels of the atlas if they cover the whole area budget.
     pub fn texels_per_unit(&self, capture: &Capture) -> f64 {
         let wanted =
             self.pixels_per_degree.map_or_else(|| TEXELS_ACROSS_PIXEL * capture.pixels_per_unit(), f64::to_degrees);

@@ -1,17 +1,17 @@
-//! Light of tiles (Seurat 5.2).
+//! Colour of tiles (Seurat 5.2).
 //!
-//! Enters: samples at solid constraints. Leaves: linear light by texel, filtered; texels without samples are filled from those around
-//! them.
+//! Takes samples at solid constraints, and returns filtered linear RGB by texel. Texels without samples are filled from the
+//! texels around them.
 
 use super::short_cuts::ShortCuts;
 use super::texture_filter::{MAX_TEXELS, TextureFilter};
 
-/// Of any texel within the radius: one that no other sample reaches has the light of this one.
+/// Minimum weight of a sample in texels within the radius: a texel that no other sample reaches takes the colour of this one.
 const MIN_WEIGHT: f32 = 1e-20;
-/// Sweeps of Gauss–Seidel on each level of the multigrid.
+/// Number of Gauss–Seidel sweeps on each level of the multigrid.
 const SWEEPS: usize = 4;
 
-/// Weighted light of a square texture's texels, and their weights.
+/// Weighted sums of the linear RGB of a square texture's texels, and the sums of weights.
 #[derive(Debug, Clone)]
 pub struct LightBuffer {
     side: usize,
@@ -28,7 +28,7 @@ impl LightBuffer {
         self.side
     }
 
-    /// Adds light at a place in texels: 0 is the middle of the first one.
+    /// Adds linear RGB at a position in texels; 0 is the centre of the first texel.
     pub fn add(&mut self, [x, y]: [f32; 2], [r, g, b]: [f32; 3]) {
         let radius = self.filter.radius();
         let range = |at: f32| {
@@ -49,7 +49,7 @@ impl LightBuffer {
         }
     }
 
-    /// Light of all texels; and how many had no sample and were filled.
+    /// Returns the linear RGB of all texels, and the number of texels that had no sample and were filled.
     pub fn resolve(&self, short_cuts: ShortCuts) -> (Vec<[f32; 3]>, usize) {
         let known = |sum: &[f32; 4]| sum[3] > 0.0;
         let light: Vec<Option<[f32; 3]>> = (self.sums.iter())
@@ -60,13 +60,13 @@ impl LightBuffer {
     }
 }
 
-/// Light without missing texels.
+/// Returns linear RGB with missing texels filled.
 fn filled(side: usize, light: &[Option<[f32; 3]>]) -> Vec<[f32; 3]> {
     if light.iter().all(Option::is_some) { light.iter().copied().flatten().collect() } else { fill(side, light) }
 }
 
-/// Solves the discrete Laplace equation at unknown texels, with known ones around them as its border: first on textures of half
-/// the size, and then by sweeps of Gauss–Seidel.
+/// Solves the discrete Laplace equation at unknown texels, with known texels as the boundary: first on textures of half the size,
+/// and then by Gauss–Seidel sweeps.
 fn fill(side: usize, light: &[Option<[f32; 3]>]) -> Vec<[f32; 3]> {
     let mut filled: Vec<[f32; 3]> = light.iter().map(|light| light.unwrap_or_default()).collect();
     if side == 1 || light.iter().all(Option::is_none) {
@@ -117,7 +117,7 @@ mod tests {
     #[test]
     fn texels_without_samples_lie_on_the_surface_between_their_neighbours() {
         let side = 17;
-        // Known at the border alone: a linear ramp, which the Laplace equation keeps.
+        // Only the border is known: a linear ramp, which satisfies the Laplace equation.
         let ramp = |at: usize| (at % side) as f32 / 16.0;
         let is_border = |at: usize| [0, side - 1].contains(&(at % side)) || [0, side - 1].contains(&(at / side));
         let light: Vec<Option<[f32; 3]>> =
@@ -140,7 +140,7 @@ mod tests {
         let [at, beside] = [light[5], light[6]];
         assert!(at[0] > 0.8 && beside[1] > 0.8 && (at[0] + at[1] - 1.0).abs() < 1e-6, "{at:?} {beside:?}");
         assert!(missing > 0 && missing < 12, "{missing}");
-        // Each sample in a texel of its own.
+        // Each sample is in a texel of its own.
         let (light, missing) = lit(TextureFilter::Box);
         assert_eq!((light[5], light[6], missing), ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], 14));
         // Weights at the second texel: 2/3 at a distance of 0, 2/3 - 0.36 + 0.108 at 0.6.

@@ -1,10 +1,10 @@
-//! Work that is left out.
+//! Switch for skipping work whose result is known.
 
-/// Whether work is left out whose result is known.
+/// Whether work whose result is known is skipped.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ShortCuts {
     #[default]
     Taken,
-    /// The same result takes longer.
+    /// No work is skipped: the result is the same, but takes longer.
     Off,
 }

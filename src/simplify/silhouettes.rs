@@ -1,15 +1,15 @@
 //! Coverage of tiles from their constraints (Seurat 5.1).
 //!
-//! Enters: solid and free-space constraints, by tile. Leaves: alpha, by texel.
+//! Takes solid and free-space constraints by tile, and returns alpha by texel.
 
 use super::constraints::ConstraintKind;
 
-/// Places in a texel's side that constraints are quantised to, and that coverage is sampled at.
+/// Number of places along a texel's side, to which constraints are quantised and at which coverage is sampled.
 pub const SUPERSAMPLING: usize = 4;
 const SOLID: u8 = 1;
 const FREE: u8 = 2;
 
-/// The two bitmaps of a tile, as bits of one byte.
+/// The two bitmaps of a tile, as bits of one byte per place.
 #[derive(Debug, Clone)]
 pub struct ConstraintBitmap {
     side: usize,
@@ -19,13 +19,13 @@ pub struct ConstraintBitmap {
 }
 
 impl ConstraintBitmap {
-    /// Of a square texture of so many texels a side.
+    /// Creates the bitmaps of a square texture with `texels` texels a side.
     pub fn new(texels: usize) -> ConstraintBitmap {
         let side = texels * SUPERSAMPLING;
         ConstraintBitmap { side, bits: vec![0; side * side], has_solid: false, has_free: false }
     }
 
-    /// Adds a constraint at a place in texels: 0 is the middle of the first one.
+    /// Adds a constraint at a position in texels; 0 is the centre of the first texel.
     pub fn add(&mut self, at: [f32; 2], kind: ConstraintKind) {
         let place = |at: f32| (((at + 0.5) * SUPERSAMPLING as f32) as usize).min(self.side - 1);
         let (bit, has_any) = match kind {
@@ -36,12 +36,13 @@ impl ConstraintBitmap {
         *has_any = true;
     }
 
-    /// Whether a surface lies on the tile, and no ray shows any of it to be empty.
+    /// Returns true if a surface lies on the tile and no ray shows any part of it to be empty.
     pub fn is_opaque(&self) -> bool {
         self.has_solid && !self.has_free
     }
 
-    /// The part of each texel whose places are nearer to a solid constraint than to one of free space; places with both kinds have none.
+    /// Returns for each texel the fraction of its places that are nearer to a solid constraint than to a free-space constraint.
+    /// Places with both kinds are not covered.
     pub fn coverage(&self) -> Vec<f32> {
         let texels = self.side / SUPERSAMPLING;
         let to = |wanted: u8| squared_distances(self.side, |at| self.bits[at] == wanted);
@@ -57,7 +58,7 @@ impl ConstraintBitmap {
     }
 }
 
-/// Squared distance of each place to the nearest marked one; `+inf` without any.
+/// Returns the squared distance of each place to the nearest marked one; `+inf` if none is marked.
 ///
 /// Based on: Felzenszwalb and Huttenlocher, *Distance transforms of sampled functions*, 2012.
 fn squared_distances(side: usize, is_marked: impl Fn(usize) -> bool) -> Vec<f32> {
@@ -85,7 +86,7 @@ fn lower_envelope(values: &[f32], parabolas: &mut [usize], borders: &mut [f32], 
             let Some(last) = count.checked_sub(1) else { break f32::NEG_INFINITY };
             let q = parabolas[last];
             let (x, y) = (at as f32, q as f32);
-            // Not as a difference of squares, which are rounded in long lines.
+            // Not computed as a difference of squares, which would be rounded on long lines.
             let border = (value - values[q]) / (2.0 * (x - y)) + 0.5 * (x + y);
             if border > borders[last] {
                 break border;
@@ -124,7 +125,7 @@ mod tests {
             });
             assert_eq!(found, nearest.fold(f32::INFINITY, f32::min));
         }
-        // Squares of places at the end of a long line have more bits than a float.
+        // Squares of positions at the end of a long line have more bits than a float.
         let long = 1 << 15;
         let values: Vec<f32> =
             (0..long).map(|at| if at % 3 == 0 && at + 100 > long { 0.0 } else { f32::INFINITY }).collect();
@@ -139,7 +140,7 @@ mod tests {
 
     #[test]
     fn a_wire_thinner_than_a_texel_keeps_its_coverage() {
-        // A vertical wire a quarter of a texel wide, and free space on both sides, seen four times in each texel.
+        // A vertical wire a quarter of a texel wide, and free space on both sides, with 8x8 samples per texel.
         let mut bitmap = ConstraintBitmap::new(8);
         for step in 0..64 * 64 {
             let at = [step % 64, step / 64].map(|at| (at as f32 + 0.5) / 8.0 - 0.5);
@@ -158,7 +159,7 @@ mod tests {
         let mut bitmap = ConstraintBitmap::new(4);
         bitmap.add([0.0, 1.0], ConstraintKind::Solid);
         bitmap.add([3.0, 1.0], ConstraintKind::FreeSpace);
-        // Both: as if nothing were known.
+        // A place with both kinds counts as unknown.
         bitmap.add([2.0, 1.0], ConstraintKind::Solid);
         bitmap.add([2.0, 1.0], ConstraintKind::FreeSpace);
         let alpha = bitmap.coverage();

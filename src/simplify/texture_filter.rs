@@ -1,21 +1,21 @@
-//! Reconstruction filters of light (Seurat 5.2): the weight of a sample in the texels around it, by rows and columns.
+//! Reconstruction filters of colour (Seurat 5.2): weights of a sample in the texels around it, separable into columns and rows.
 
-/// Texels of a row that a sample reaches, at most.
+/// Maximum number of texels of a row that a sample reaches.
 pub const MAX_TEXELS: usize = 5;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum TextureFilter {
-    /// Radius 1.5 and standard deviation 0.3 texels.
+    /// Radius of 1.5 texels and standard deviation of 0.3 texels.
     #[default]
     Gaussian,
-    /// The mean of the samples in each texel.
+    /// Mean of the samples in each texel.
     Box,
-    /// Cubic, of radius 2 texels.
+    /// Cubic, with a radius of 2 texels.
     BSpline,
 }
 
 impl TextureFilter {
-    /// Texels beyond which weights are 0.
+    /// Returns the distance in texels beyond which weights are 0.
     pub fn radius(self) -> f32 {
         match self {
             TextureFilter::Gaussian => 1.5,
@@ -24,7 +24,7 @@ impl TextureFilter {
         }
     }
 
-    /// The weight at a distance in texels within the radius.
+    /// Returns the weight at a distance in texels, which must be within the radius.
     pub fn weight(self, distance: f32) -> f32 {
         match self {
             TextureFilter::Gaussian => {

@@ -1,8 +1,8 @@
 //! Sizes of textures for an atlas of bounded size (Seurat 5.3, equation 3).
 //!
-//! Enters: the textures of all tiles. Leaves: a size for each, such that all fit and the sum of squared differences is small: of all
-//! sizes a tile takes the one with the least distortion plus λ times its texels (Everett), and λ is the least at which
-//! the layout fits.
+//! Takes the textures of all tiles, and returns a size for each, such that all of them fit and the sum of squared differences is
+//! small. Each tile takes the size with the smallest sum of distortion and λ times its texels (Everett); λ is the smallest at
+//! which the layout fits.
 
 use rayon::prelude::*;
 
@@ -11,34 +11,34 @@ use crate::atlas::{Allocation, Atlas};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 
-/// Sides are multiples of it, so that no two tiles share a block of a compressed texture.
+/// Sides are multiples of this, so that no two tiles share a block of a compressed texture.
 pub const BLOCK: usize = 4;
-/// Bisections of λ, in octaves.
+/// Number of bisections of λ, on a scale of octaves.
 const BISECTIONS: usize = 30;
 
-/// What messages about an atlas that is too small have in them.
+/// Part of the messages about an atlas that is too small.
 const INFEASIBLE: &str = "do not fit into an atlas of";
 
-/// Whether a message, of this process or of another one, says that an atlas is too small.
+/// Returns true if a message, of this process or of another one, reports that an atlas is too small.
 pub fn says_infeasible(message: &str) -> bool {
     message.contains(INFEASIBLE)
 }
 
-/// A size and its distortion.
+/// A size, and its distortion.
 #[derive(Debug, Clone, Copy)]
 struct Representation {
     side: usize,
     distortion: f64,
 }
 
-/// Where the textures lie in the atlas.
+/// Positions of the textures in the atlas.
 #[derive(Debug)]
 pub struct Layout {
-    /// Side of the textures' squares and their top left corners, by tile.
+    /// Side and top left corner of each tile's texture.
     pub places: Vec<Place>,
-    /// Width and height of the part of the atlas that is used.
+    /// Width and height of the used part of the atlas.
     pub size: [u32; 2],
-    /// Tiles that have fewer texels than they came with.
+    /// Number of tiles that have fewer texels than their input textures.
     pub reduced: usize,
 }
 
@@ -48,16 +48,16 @@ pub struct Place {
     pub corner: [u32; 2],
 }
 
-/// How sizes are chosen where not all textures fit.
+/// Choice of sizes if not all textures fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sizing {
     /// By distortion (Seurat 5.3).
     Adaptive,
-    /// All sides by one factor.
+    /// All sides are scaled by one factor.
     Uniform,
 }
 
-/// Sizes of one texture that are compared, at most.
+/// Sets the number of sizes that are compared for large textures, which is 40 to 79.
 const MAX_SIZES: usize = 64;
 
 /// Places textures in an atlas of at most `most` texels a side.
@@ -90,7 +90,7 @@ pub fn layout(textures: &[TileTexture], most: u32, sizing: Sizing, monitor: &dyn
         }
         Sizing::Uniform => {
             let full = full.clone();
-            // From −40 to 40 octaves the factor falls from 1 to 0.
+            // From −40 to 40 octaves the factor decreases from 1 to 0.
             Box::new(move |octaves: f64| {
                 let factor = (40.0 - octaves) / 80.0;
                 full.iter().map(|&side| ((side as f64 * factor) as usize / BLOCK * BLOCK).max(BLOCK)).collect()
@@ -109,7 +109,7 @@ pub fn layout(textures: &[TileTexture], most: u32, sizing: Sizing, monitor: &dyn
     Ok(best)
 }
 
-/// The largest squares first, in levels from the top.
+/// Packs squares in shelves from the top, the largest first; `None` if they do not fit.
 fn pack(sides: &[usize], full: &[usize], most: u32) -> Option<Layout> {
     let most = most / BLOCK as u32 * BLOCK as u32;
     let area: u64 = sides.iter().map(|&side| (side * side) as u64).sum();
@@ -118,7 +118,7 @@ fn pack(sides: &[usize], full: &[usize], most: u32) -> Option<Layout> {
     }
     let mut order: Vec<usize> = (0..sides.len()).collect();
     order.sort_by_key(|&at| std::cmp::Reverse(sides[at]));
-    // No wider than a square of this area would be, with some room.
+    // No wider than a square of this area, with some slack.
     let wanted = ((area as f64).sqrt() * 1.02).ceil() as u32;
     let widest = sides.iter().copied().max().unwrap_or(BLOCK) as u32;
     let width = wanted.next_multiple_of(BLOCK as u32).max(widest).min(most);
@@ -137,7 +137,7 @@ fn pack(sides: &[usize], full: &[usize], most: u32) -> Option<Layout> {
     })
 }
 
-/// Variance of light as a display shows it, over all texels, in the sum of the three channels.
+/// Returns the variance of display values over all texels, summed over the three channels.
 fn variance(textures: &[TileTexture]) -> f64 {
     let (mut count, mut sums, mut squares) = (0.0, [0.0; 3], 0.0);
     for light in textures.iter().flat_map(|texture| &texture.light) {
@@ -150,8 +150,9 @@ fn variance(textures: &[TileTexture]) -> f64 {
     squares / count - sums.iter().map(|sum| (sum / count).powi(2)).sum::<f64>()
 }
 
-/// Sizes of a texture, and their distortions: all of up to 256 texels a side, and 64 of larger ones. Where alpha is wrong another surface shows: the mean square of what that changes is
-/// `alpha_weight`, twice the variance of light.
+/// Returns the sizes of a texture that are compared, and their distortions: all multiples of [`BLOCK`] up to 256 texels a side,
+/// 40 to 79 sizes for larger textures. Where alpha is wrong, another surface shows; the mean square of that change is
+/// `alpha_weight`, twice the variance of display values.
 fn representations(texture: &TileTexture, alpha_weight: f64, monitor: &dyn Monitor) -> Result<Vec<Representation>> {
     let full = encoded(texture);
     let step = (texture.side / MAX_SIZES).next_multiple_of(BLOCK).max(BLOCK);
@@ -172,7 +173,7 @@ fn representations(texture: &TileTexture, alpha_weight: f64, monitor: &dyn Monit
     sides.map(of).collect()
 }
 
-/// Texels as a display shows them: the root of light, multiplied by alpha, and alpha.
+/// Returns texels as display values: the square root of linear RGB, multiplied by alpha, and alpha.
 fn encoded(texture: &TileTexture) -> Vec<[f32; 4]> {
     let of = |(at, light): (usize, &[f32; 3])| {
         let alpha = texture.alpha.as_ref().map_or(1.0, |alpha| alpha[at]);
@@ -182,12 +183,12 @@ fn encoded(texture: &TileTexture) -> Vec<[f32; 4]> {
     texture.light.iter().enumerate().map(of).collect()
 }
 
-/// A texture in another size, both with light multiplied by alpha while they are filtered.
+/// Returns a texture in another size. Colour is multiplied by alpha while it is filtered.
 pub fn resized(texture: &TileTexture, side: usize) -> TileTexture {
     if side == texture.side {
         return texture.clone();
     }
-    // Light that shows nowhere has some weight, so that it is carried under transparent texels.
+    // Transparent texels have a small weight, so that their colour is kept under transparent texels of the result.
     let weight = |at: usize| texture.alpha.as_ref().map_or(1.0, |alpha| alpha[at].max(1e-3));
     let weighted: Vec<[f32; 4]> = (texture.light.iter().enumerate())
         .map(|(at, light)| {
@@ -206,13 +207,13 @@ pub fn resized(texture: &TileTexture, side: usize) -> TileTexture {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Filter {
-    /// As wide as the distance of the new texels.
+    /// As wide as the spacing of the new texels.
     Tent,
     /// Between two texels, as a texture unit does.
     Linear,
 }
 
-/// Resizes a square; the middles of texels at the corners stay where they are.
+/// Resizes a square texture. The centres of the corner texels do not move.
 fn resize(texels: &[[f32; 4]], from: usize, to: usize, filter: Filter) -> Vec<[f32; 4]> {
     let step = (from - 1) as f32 / (to - 1).max(1) as f32;
     let reach = if filter == Filter::Tent { step.max(1.0) } else { 1.0 };
@@ -252,7 +253,7 @@ mod tests {
     use crate::math::random::Random;
     use crate::monitor::Silent;
 
-    /// Textures of noise, and flat ones.
+    /// Returns textures of noise and flat textures.
     fn textures() -> Vec<TileTexture> {
         let mut random = Random::new(9);
         let mut noise = || f32::from(random.word() as u16) / 65535.0;

@@ -1,4 +1,4 @@
-//! Textures of all tiles from all samples (Seurat 5).
+//! Builds the textures of all tiles from all samples (Seurat 5).
 
 use rayon::prelude::*;
 
@@ -10,27 +10,27 @@ use super::silhouettes::ConstraintBitmap;
 use super::texture_filter::TextureFilter;
 use super::tiles::TileSet;
 
-/// Samples that one job finds the constraints of.
+/// Number of samples whose constraints one job finds.
 const SAMPLES_A_JOB: usize = 4096;
 
-/// Samples whose constraints are held at once. A multiple of all strides, by which rays are traced.
+/// Maximum number of samples whose constraints are in memory at once. A multiple of all strides at which rays are traced.
 pub(super) const SAMPLES_AT_ONCE: usize = 1 << 17;
 
 /// Textures of all tiles.
 #[derive(Debug)]
 pub struct TileTextures {
     pub textures: Vec<TileTexture>,
-    /// Texels without a sample, whose light was filled, and tiles that have any.
+    /// Number of texels without a sample, whose colour was filled in, and number of tiles with such texels.
     pub filled_texels: u64,
     pub filled_tiles: u64,
 }
 
-/// A square texture: linear light and coverage, row by row; light is not multiplied by coverage.
+/// A square texture in row-major order: linear RGB, not multiplied by coverage, and coverage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TileTexture {
     pub side: usize,
     pub light: Vec<[f32; 3]>,
-    /// None where the tile is opaque.
+    /// `None` if the tile is opaque.
     pub alpha: Option<Vec<f32>>,
 }
 
@@ -41,21 +41,21 @@ struct Buffers {
     bitmap: ConstraintBitmap,
 }
 
-/// Textures while samples arrive.
+/// Textures while samples are added.
 #[derive(Debug)]
 pub struct TextureBuilder<'a> {
     tiles: &'a TileSet,
     solid_threshold: f64,
     buffers: Vec<Buffers>,
-    /// Constraints so far.
+    /// Number of solid and of free-space constraints so far.
     pub solid: u64,
     pub free: u64,
-    /// Samples that no tile lies along.
+    /// Number of samples along which there is no tile.
     pub uncovered: u64,
 }
 
 impl<'a> TextureBuilder<'a> {
-    /// Textures of `sides` texels.
+    /// Creates textures with the given sides, in texels.
     pub fn new(tiles: &'a TileSet, sides: &[usize], solid_threshold: f64, filter: TextureFilter) -> TextureBuilder<'a> {
         let buffers = sides.iter().map(|&side| Buffers {
             side,
@@ -65,7 +65,7 @@ impl<'a> TextureBuilder<'a> {
         TextureBuilder { tiles, solid_threshold, buffers: buffers.collect(), solid: 0, free: 0, uncovered: 0 }
     }
 
-    /// Adds samples; rays of every `stride`th are traced through free space.
+    /// Adds samples. The rays of every `stride`-th sample are traced through free space.
     pub fn add(&mut self, samples: &[Sample], stride: usize) {
         samples.chunks(SAMPLES_AT_ONCE).for_each(|samples| self.add_part(samples, stride));
     }
@@ -86,7 +86,8 @@ impl<'a> TextureBuilder<'a> {
         });
     }
 
-    /// A tile without a free-space constraint has no silhouette, one without a missing texel is not filled.
+    /// Returns the textures. A tile without a free-space constraint has no silhouette; a tile without missing texels is not
+    /// filled.
     pub fn finish(self, short_cuts: ShortCuts) -> TileTextures {
         let finish = |Buffers { side, light, bitmap }: Buffers| {
             let may_be_transparent = !bitmap.is_opaque() || short_cuts == ShortCuts::Off;
@@ -104,7 +105,7 @@ impl<'a> TextureBuilder<'a> {
     }
 }
 
-/// Adds constraints, in the order of tiles, to the buffers of their tiles.
+/// Adds constraints, which are sorted by tile, to the buffers of their tiles.
 pub(super) fn for_each_tile<B: Send>(
     found: &[Constraint],
     buffers: &mut [B],
@@ -118,7 +119,7 @@ pub(super) fn for_each_tile<B: Send>(
     });
 }
 
-/// Constraints of samples, in the order of tiles and then of samples, and the number of samples that no tile lies along.
+/// Returns the constraints of samples, sorted by tile and then by sample, and the number of samples along which there is no tile.
 pub(super) fn constraints_by_tile(
     tiles: &TileSet,
     solid_threshold: f64,
@@ -136,7 +137,7 @@ pub(super) fn constraints_by_tile(
     };
     let jobs: Vec<(Vec<Constraint>, u64)> = samples.par_chunks(SAMPLES_A_JOB).enumerate().map(find).collect();
     let uncovered = jobs.iter().map(|(_, uncovered)| uncovered).sum();
-    // Counted and then put in their places.
+    // Counting sort by tile.
     let all = || jobs.iter().flat_map(|(found, _)| found);
     let mut next = vec![0; tiles.tiles.len() + 1];
     all().for_each(|constraint| next[constraint.tile as usize + 1] += 1);

@@ -1,4 +1,4 @@
-//! Tiles to a textured mesh: constraints and light of all samples, textures, one atlas (Seurat 5).
+//! Conversion of tiles to a textured mesh: constraints and colour of all samples, textures, and one atlas (Seurat 5).
 
 use std::time::{Duration, Instant};
 
@@ -13,52 +13,52 @@ use super::tiles::{QuadTile, TileSet};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 
-/// Largest side of a tile's texture, in texels.
+/// Maximum side of a tile's texture, in texels.
 const LARGEST_SIDE: f64 = 8192.0;
 
-/// How textures are made.
+/// Parameters of texturing.
 #[derive(Debug, Clone, Copy)]
 pub struct Texturing<'a> {
     pub rules: SampleRules<'a>,
-    /// Relative distance within which a tile counts as a sample's surface.
+    /// Relative distance to a sample within which a tile counts as the sample's surface.
     pub solid_threshold: f64,
-    /// One of so many samples is traced through free space.
+    /// Every `stride`-th sample is traced through free space.
     pub stride: usize,
-    /// Columns and rows of one pixel whose sample is used.
+    /// Pixels of every `pixel_step`-th column and row are sampled.
     pub pixel_step: u32,
-    /// Texels for each unit of a face's plane.
+    /// Texels per unit of a face's plane.
     pub texels_per_unit: f64,
     pub form: MeshForm,
-    /// Largest side of the atlas, in texels.
+    /// Maximum side of the atlas, in texels.
     pub atlas: u32,
     pub sizing: Sizing,
     pub filter: TextureFilter,
     pub short_cuts: ShortCuts,
 }
 
-/// A textured mesh, and where the texture of each tile lies.
+/// A textured mesh, and the layout of its tiles' textures.
 #[derive(Debug)]
 pub struct Textured {
     pub scene: QuadMesh,
     pub layout: Layout,
     pub solid_constraints: u64,
     pub free_space_constraints: u64,
-    /// Samples that no tile lies along.
+    /// Number of samples along which there is no tile.
     pub uncovered_samples: u64,
     pub opaque_tiles: u64,
     pub filled_texels: u64,
     pub filled_tiles: u64,
-    /// Durations of constraints, textures, atlas.
+    /// Durations of constraints, textures and atlas.
     pub durations: [Duration; 3],
 }
 
 impl Texturing<'_> {
-    /// Textures of half the size from a quarter of the samples.
+    /// Returns the parameters for textures of half the size, from a quarter of the samples.
     pub fn coarse(self) -> Self {
         Texturing { texels_per_unit: 0.5 * self.texels_per_unit, pixel_step: 2, ..self }
     }
 
-    /// Reads all samples once.
+    /// Builds the textured mesh. Reads all samples once.
     pub fn run(&self, tiles: &TileSet, capture: &mut Capture, monitor: &dyn Monitor) -> Result<Textured> {
         let begun = Instant::now();
         let sides = self.sides(tiles);
@@ -91,7 +91,7 @@ impl Texturing<'_> {
         })
     }
 
-    /// Texels of a side of each tile's texture.
+    /// Returns the side of each tile's texture, in texels.
     pub fn sides(&self, tiles: &TileSet) -> Vec<usize> {
         tiles.tiles.iter().map(|tile| self.side(tile)).collect()
     }

@@ -1,4 +1,4 @@
-//! The selected quad tiles: corners, drawing order, and what rays meet.
+//! The selected quad tiles: corners, drawing order, and intersections with rays.
 
 use glam::DVec3;
 
@@ -15,14 +15,14 @@ use crate::mesh::{Bvh, Ray};
 pub struct QuadTile {
     pub cell: TreeCell,
     pub plane: TilePlane,
-    /// Its square in the plane of the face, dilated. Corners of its texture are texel centres at the corners of it.
+    /// Dilated square of the cell in the plane of the face. The centres of the corner texels of the texture lie at its corners.
     pub rect: PlaneRect,
-    /// Columns and rows of quads that it is drawn as.
+    /// Number of columns and rows of quads that the tile is drawn as.
     pub divisions: [u32; 2],
 }
 
 impl QuadTile {
-    /// A point of the tile, relative to the middle of the region, metres.
+    /// Returns a point of the tile relative to the centre of the region, in metres.
     pub fn point(&self, at: [f64; 2]) -> DVec3 {
         let direction = direction(self.cell.face, at);
         direction * self.plane.hit(direction)
@@ -32,37 +32,37 @@ impl QuadTile {
         self.rect.corners().map(|corner| self.point(corner))
     }
 
-    /// Distance of a point along the axis of the tile's face, metres.
+    /// Returns the distance of a point along the axis of the tile's face, in metres.
     pub fn depth(&self, point: DVec3) -> f64 {
         let [forward, ..] = self.cell.face.axes();
         point.dot(forward)
     }
 
-    /// Position within the texture, 0 to 1 along each side.
+    /// Returns the position within the texture, 0 to 1 along each side.
     pub fn texture_position(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let [least, most] = [self.rect.min, self.rect.max];
         [(u - least[0]) / (most[0] - least[0]), (v - least[1]) / (most[1] - least[1])]
     }
 }
 
-/// The tiles in drawing order, from back to front, seen from the middle of the region.
+/// Tiles in drawing order, from back to front as seen from the centre of the region.
 #[derive(Debug)]
 pub struct TileSet {
     pub tiles: Vec<QuadTile>,
-    /// Tiles that reach into each cell of the last level.
+    /// Tiles that overlap each cell of the last level.
     reach: Vec<Vec<u32>>,
-    /// What tiles reach over the edges of their faces, at most.
+    /// Maximum distance by which tiles extend over the edges of their faces.
     margin: f64,
     bvh: Bvh,
 }
 
-/// Where a ray from the middle meets a tile.
+/// Intersection of a tile with a ray from the centre of the region.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TileHit {
     pub tile: u32,
-    /// In the plane of the tile's face.
+    /// Position in the plane of the tile's face.
     pub at: [f64; 2],
-    /// Distance of the tile over that of the sample.
+    /// Distance of the tile divided by that of the sample.
     pub relative: f64,
 }
 
@@ -77,7 +77,7 @@ impl TileSet {
                 tiles.push(QuadTile { cell: *cell, plane, rect, divisions });
             }
         }
-        // By the distance of the middle of the tile; ties in the order of the trees.
+        // Sorts by the distance of the tile's centre; ties are in the order of the trees.
         let distance = |tile: &QuadTile| {
             let middle = [0, 1].map(|axis| 0.5 * (tile.rect.min[axis] + tile.rect.max[axis]));
             tile.point(middle).length()
@@ -87,7 +87,7 @@ impl TileSet {
         TileSet::in_order(order.into_iter().map(|(_, tile)| tile).collect())
     }
 
-    /// Tiles in their drawing order.
+    /// Takes tiles in drawing order.
     pub fn in_order(tiles: Vec<QuadTile>) -> TileSet {
         let mut reach = vec![Vec::new(); TreeCell::count(MAX_LEVEL)];
         for (tile, at) in tiles.iter().zip(0u32..) {
@@ -107,13 +107,13 @@ impl TileSet {
         TileSet { margin: beyond.fold(0.0, f64::max), tiles, reach, bvh }
     }
 
-    /// Tiles that the line from the middle through a point meets.
+    /// Finds the tiles that the line from the centre through a point meets.
     pub fn along(&self, point: DVec3, hits: &mut Vec<TileHit>) {
         hits.clear();
         let TreeCell { face, .. } = TreeCell::containing(point, MAX_LEVEL);
         let Some([u, v]) = project(face, point) else { return };
         self.of_face(face, point, hits);
-        // Tiles of other faces reach over their edges.
+        // Tiles of other faces may extend over the edges.
         if u.abs().max(v.abs()) > 1.0 - 2.0 * self.margin {
             for other in Face::CUBE.into_iter().filter(|&other| other != face) {
                 self.of_face(other, point, hits);
@@ -134,7 +134,7 @@ impl TileSet {
         }
     }
 
-    /// Tiles that a ray meets after the first, by distance: number of the tile, metres along the ray.
+    /// Returns the tiles that a ray meets, by distance: index of the tile, and metres along the ray.
     pub fn crossed(&self, ray: &Ray) -> Vec<(u32, f64)> {
         let mut hits: Vec<(u32, f64)> = self
             .bvh
@@ -146,13 +146,14 @@ impl TileSet {
         hits
     }
 
-    /// Whether a ray meets any.
+    /// Returns true if a ray meets any tile.
     pub fn is_crossed(&self, ray: &Ray) -> bool {
         self.bvh.any(ray, 0.0..f64::INFINITY, |_| true)
     }
 }
 
-/// Column or row of the cell of the last level at a coordinate; of the nearest one outside of the face.
+/// Returns the column or row of the last level's cell at a coordinate, or of the nearest cell if the coordinate is outside of the
+/// face.
 fn leaf_place(at: f64) -> u32 {
     let side = 1u32 << MAX_LEVEL;
     ((0.5 * (at + 1.0) * f64::from(side)) as u32).min(side - 1)

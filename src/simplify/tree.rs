@@ -1,7 +1,7 @@
-//! Quadtrees over the faces of a cube around the middle of the viewing region (Seurat 4).
+//! Quadtrees over the faces of a cube around the centre of the viewing region (Seurat 4).
 //!
-//! A tree cell is a square of a face; the rays from the middle through it fill a frustum. Coordinates in a face are those of
-//! its plane at distance 1, from −1 to 1, as [`crate::image::cube::direction_to_face`] gives them.
+//! A tree cell is a square of a face; the rays from the centre through it form a frustum. Coordinates in a face are those of its
+//! plane at distance 1, from −1 to 1, as returned by [`crate::image::cube::direction_to_face`].
 
 use glam::DVec3;
 
@@ -11,7 +11,7 @@ use crate::image::cube::{FacePoint, direction_to_face};
 /// Finest level of the trees: cells of 1/128 of a face, 0.9 degrees.
 pub const MAX_LEVEL: u32 = 7;
 
-/// A square of a cube face: column and row count squares of its level, 2^level a side.
+/// A square of a cube face. `column` and `row` count the squares of its level, which has 2^level squares a side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct TreeCell {
     pub face: Face,
@@ -20,7 +20,7 @@ pub struct TreeCell {
     pub row: u32,
 }
 
-/// A rectangle in the plane of a face: least u and v, greatest u and v.
+/// A rectangle in the plane of a face: minimum u and v, maximum u and v.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaneRect {
     pub min: [f64; 2],
@@ -31,7 +31,7 @@ impl TreeCell {
     pub const ROOTS: [TreeCell; 6] =
         [root(Face::Px), root(Face::Nx), root(Face::Py), root(Face::Ny), root(Face::Pz), root(Face::Nz)];
 
-    /// The cell of a level that a direction of any length goes through.
+    /// Returns the cell of a level that contains a direction of any length.
     pub fn containing(direction: DVec3, level: u32) -> TreeCell {
         let FacePoint { face, plane } = direction_to_face(direction);
         let side = 1 << level;
@@ -39,7 +39,7 @@ impl TreeCell {
         TreeCell { face, level, column, row }
     }
 
-    /// The four cells of the next level: rows from the top, from left to right.
+    /// Returns the four cells of the next level: rows from the top, from left to right.
     pub fn children(self) -> [TreeCell; 4] {
         [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[right, below]| TreeCell {
             face: self.face,
@@ -49,30 +49,30 @@ impl TreeCell {
         })
     }
 
-    /// Index among the cells of all faces of a level.
+    /// Returns the index among the cells of all faces of the level.
     pub fn index(self) -> usize {
         let side = 1 << self.level;
         ((self.face as usize) * side + self.row as usize) * side + self.column as usize
     }
 
-    /// The cell of an index.
+    /// Returns the cell of an index.
     pub fn at(level: u32, index: usize) -> TreeCell {
         let side = 1usize << level;
         let face = Face::CUBE[(index / (side * side)).min(5)];
         TreeCell { face, level, column: (index % side) as u32, row: (index / side % side) as u32 }
     }
 
-    /// Cells of all faces of a level.
+    /// Returns the number of cells of all faces of a level.
     pub fn count(level: u32) -> usize {
         6 << (2 * level)
     }
 
-    /// Its side in the plane of its face.
+    /// Returns the side of the cell in the plane of its face.
     pub fn side(self) -> f64 {
         2.0 / f64::from(1u32 << self.level)
     }
 
-    /// Its square, larger on each side by `margin` in the plane of its face.
+    /// Returns the square of the cell, enlarged on each side by `margin` in the plane of its face.
     pub fn rect(self, margin: f64) -> PlaneRect {
         let side = self.side();
         let least = [self.column, self.row].map(|at| f64::from(at) * side - 1.0);
@@ -85,7 +85,7 @@ const fn root(face: Face) -> TreeCell {
 }
 
 impl PlaneRect {
-    /// Corners in the order of a triangle strip's outline: left to right at the top, then right to left below.
+    /// Returns the corners in clockwise order: left to right at the top, then right to left at the bottom.
     pub fn corners(self) -> [[f64; 2]; 4] {
         let ([left, top], [right, bottom]) = (self.min, self.max);
         [[left, top], [right, top], [right, bottom], [left, bottom]]
@@ -99,7 +99,7 @@ impl PlaneRect {
         (self.max[0] - self.min[0]).max(self.max[1] - self.min[1])
     }
 
-    /// The least rectangle around both.
+    /// Returns the smallest rectangle around both.
     pub fn join(self, other: PlaneRect) -> PlaneRect {
         PlaneRect {
             min: [0, 1].map(|axis| self.min[axis].min(other.min[axis])),
@@ -107,7 +107,7 @@ impl PlaneRect {
         }
     }
 
-    /// Solid angle of the rectangle in steradians, seen from the middle of the cube.
+    /// Returns the solid angle of the rectangle in steradians, as seen from the centre of the cube.
     pub fn solid_angle(self) -> f64 {
         let corner = |u: f64, v: f64| (u * v).atan2((u * u + v * v + 1.0).sqrt());
         let ([left, top], [right, bottom]) = (self.min, self.max);
@@ -115,13 +115,13 @@ impl PlaneRect {
     }
 }
 
-/// The direction through a point of a face; its component along the face's axis is 1.
+/// Returns the direction through a point of a face; its component along the face's axis is 1.
 pub fn direction(face: Face, [u, v]: [f64; 2]) -> DVec3 {
     let [forward, right, down] = face.axes();
     forward + u * right + v * down
 }
 
-/// Where a direction meets the plane of a face; none where it leads away from it.
+/// Returns the point at which a direction meets the plane of a face; `None` if it leads away from the face.
 pub fn project(face: Face, direction: DVec3) -> Option<[f64; 2]> {
     let [forward, right, down] = face.axes();
     let depth = direction.dot(forward);

@@ -1,4 +1,5 @@
-//! Conversion between values and codes: metres and depth codes, light and 8 bits, material weights and bytes, alpha and 8 bits.
+//! Conversion between values and codes: metres and depth codes, linear colour and 8 bits, material weights and bytes, alpha
+//! and 8 bits.
 
 use crate::depth::Quantiser;
 use crate::depth::quantise::metres_in_words;
@@ -9,7 +10,7 @@ use crate::image::transfer::{DecodeTable, EncodeTable};
 /// Range of the 8-bit index of refraction (CALF 7.1).
 pub const IOR_RANGE: [f32; 2] = [1.0, 3.0];
 
-/// Codes of all pixels; `expected` completes the error of the first one that has none.
+/// Returns the codes of all pixels. `expected` completes the error message for the first pixel without a code.
 fn codes<S: Copy, C: Default + Clone>(
     plane: &Plane<S>,
     code: impl Fn(S) -> Option<C>,
@@ -45,7 +46,7 @@ pub fn depth_codes(plane: &DepthPlane, quantiser: &Quantiser) -> Result<Plane<u1
     )
 }
 
-/// 8-bit colour and the number of its pixels that were clipped.
+/// Returns 8-bit colour, and the number of clipped pixels.
 pub fn color_codes(plane: &ColorPlane, table: &EncodeTable) -> (Plane<[u8; 3]>, u64) {
     let mut clipped = 0;
     let codes = plane.map(|pixel| {
@@ -63,7 +64,7 @@ pub fn material_codes(plane: &MaterialPlane) -> Result<Plane<[u8; 3]>> {
     let [low, high] = IOR_RANGE;
     let code = |[reflect, refract, ior]: [f32; 3]| {
         let unit = [reflect, refract, (ior - low) / (high - low)];
-        // Half floats a hair outside still mean the end of the range.
+        // Half floats slightly outside the range are clamped to its end.
         let fits = unit.iter().all(|value| (-0.002..=1.002).contains(value));
         fits.then(|| unit.map(|value| (value * 255.0).round() as u8))
     };
@@ -85,23 +86,23 @@ pub fn material_values(codes: &Plane<[u8; 3]>) -> MaterialPlane {
     codes.map(material_value)
 }
 
-/// Codes of 0 to 255.
+/// Returns codes of 0 to 255.
 pub fn alpha_codes(plane: &AlphaPlane) -> Result<Plane<u16>> {
     let code = |alpha| unit_alpha(alpha).ok().map(|alpha| u16::from((alpha * 255.0).round() as u8));
     codes(plane, code, |alpha| unit_alpha(alpha).err().unwrap_or_default())
 }
 
-/// Alpha of a decoded code; 1 for codes above 255, which no encoder writes.
+/// Returns the alpha of a decoded code; 1 for codes above 255, which no encoder writes.
 pub fn alpha_value(code: u16) -> f32 {
     f32::from(alpha_byte(code)) / 255.0
 }
 
-/// The code in 8 bits.
+/// Clamps the code to 8 bits.
 pub fn alpha_byte(code: u16) -> u8 {
     code.min(255) as u8
 }
 
-/// Distances of the nearest and farthest surface of one or more images, in metres.
+/// Distances of the nearest and the farthest surface of one or more images, in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "encode", derive(serde::Serialize, serde::Deserialize))]
 pub struct DepthExtent {
@@ -110,7 +111,7 @@ pub struct DepthExtent {
 }
 
 impl DepthExtent {
-    /// `None` for an image without surfaces; 0 marks an invalid depth and is none.
+    /// Returns the extent of an image; `None` without surfaces. A depth of 0 is invalid and no surface.
     pub fn of(plane: &DepthPlane) -> Option<DepthExtent> {
         let (mut near_m, mut far_m) = (f32::INFINITY, 0.0f32);
         for &z in plane.data() {

@@ -1,4 +1,4 @@
-//! The largest error of decoded depth, as people state it: in percent of the distance, and in metres at some distances.
+//! Maximum error of decoded depth as it is reported: in percent of the distance, and in metres at some distances.
 
 use std::collections::BTreeMap;
 
@@ -9,13 +9,13 @@ use crate::depth::DepthRange;
 use crate::json::Number;
 use crate::streams::DepthHeader;
 
-/// Distances at which the error is stated in metres.
+/// Distances at which the error is reported in metres.
 pub const STATED_DISTANCES_M: [f32; 3] = [1.0, 10.0, 100.0];
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthBound {
     pub range: DepthRange,
-    /// In codes; `None` without a bound.
+    /// Maximum error in codes; `None` without a bound.
     pub codes: Option<u16>,
 }
 
@@ -24,12 +24,12 @@ impl DepthBound {
         DepthBound { range: header.range, codes: header.error_bound() }
     }
 
-    /// Largest error in proportion to the distance; `None` without a bound.
+    /// Maximum error relative to the distance; `None` without a bound.
     pub fn share(&self) -> Option<f64> {
         self.codes.map(|codes| self.range.relative_error(codes))
     }
 
-    /// Largest error in metres of a surface so far away; `None` outside near and far, and without a bound.
+    /// Maximum error in metres of a surface at this distance; `None` outside near and far, and without a bound.
     pub fn metres_at(&self, distance_m: f32) -> Option<f64> {
         let is_within = (self.range.near_m()..=self.range.far_m()).contains(&distance_m);
         self.share().filter(|_| is_within).map(|share| share * f64::from(distance_m))
@@ -39,7 +39,7 @@ impl DepthBound {
         self.share().map(|share| 100.0 * share)
     }
 
-    /// By `at_1_m` and so on.
+    /// Maximum error in metres by the keys `at_1_m` and so on.
     pub fn metres(&self) -> BTreeMap<String, Option<f64>> {
         STATED_DISTANCES_M.into_iter().map(|distance| (format!("at_{distance}_m"), self.metres_at(distance))).collect()
     }

@@ -1,4 +1,4 @@
-//! A depth chunk of any codec.
+//! A parsed depth chunk of any codec.
 
 use crate::container::Payload;
 use crate::depth::block_chunk::BlockChunk;

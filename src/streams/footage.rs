@@ -1,4 +1,4 @@
-//! How the footage of a container was made: attributes that it has where something is not as usual (container.md 6.6).
+//! Properties of a container's footage, as attributes, which are omitted if they have their usual values (container.md 6.6).
 
 use crate::container::index::{MAX_FRAME, is_probe_name};
 use crate::container::{Attributes, Fields, Index};
@@ -6,36 +6,36 @@ use crate::error::{Error, Result};
 use crate::image::{Face, Primaries, StreamKind};
 
 const SECTION: &str = "container.md 6.6";
-/// Red, green, blue and white, x and y of each, as 32-bit floats.
+/// x and y of red, green, blue and white, as 32-bit floats.
 const CHROMATICITIES: &str = "color.chromaticities";
-/// A 64-bit number.
+/// Number of clipped pixels, as a 64-bit number.
 const CLIPPED_PIXELS: &str = "color.clipped_pixels";
-/// Rows of [`MissingFrame`], ascending.
+/// Rows of [`MissingFrame`], in ascending order.
 const MISSING_FRAMES: &str = "frames.missing";
 /// Rows of [`FramePose`], ascending by probe and frame.
 const POSES: &str = "probes.poses";
-/// In place of a frame: black light and background.
+/// Stands for a frame of black colour and background depth.
 const BLACK: u32 = u32::MAX;
 
-/// A frame whose file was missing. Its order is that of rows.
+/// A frame whose file was missing. The order of the values is that of the rows.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct MissingFrame {
     pub probe: String,
     pub kind: StreamKind,
     pub face: Face,
     pub frame: u32,
-    /// The frame in its place; none for black light and background.
+    /// Frame that replaces it; `None` for black colour and background depth.
     pub held: Option<u32>,
 }
 
-/// Where a moving probe stands in a frame.
+/// Pose of a moving probe in a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FramePose {
     pub probe: String,
     pub frame: u32,
     /// Centre in metres.
     pub position: [f64; 3],
-    /// Unit quaternion x, y, z, w that turns the probe's axes into the world's.
+    /// Unit quaternion x, y, z, w that rotates the probe's axes into those of the world.
     pub orientation: [f64; 4],
 }
 
@@ -53,12 +53,13 @@ impl MissingFrame {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct FootageInfo {
-    /// Of colour. Those of Rec. 709 have no attribute.
+    /// Primaries of colour; Rec. 709 has no attribute.
     pub primaries: Primaries,
-    /// Colour pixels that did not fit 8 bits when they were encoded; `None` where there were none, or nothing is known.
+    /// Number of colour pixels that were clipped when they were encoded in 8 bits; `None` if there were none, or if it is
+    /// unknown.
     pub clipped_pixels: Option<u64>,
     pub missing_frames: Vec<MissingFrame>,
-    /// Of probes that move, ascending by probe and frame when read.
+    /// Poses of moving probes, ascending by probe and frame when read.
     pub poses: Vec<FramePose>,
 }
 
@@ -74,8 +75,10 @@ impl Default for FootageInfo {
 }
 
 impl FootageInfo {
+    /// Reads the attributes of an index.
+    ///
     /// # Errors
-    /// A value that its attribute cannot have.
+    /// If an attribute has an invalid value.
     pub fn read(index: &Index) -> Result<FootageInfo> {
         FootageInfo::of(&index.attributes)
     }
@@ -97,19 +100,19 @@ impl FootageInfo {
         Ok(read)
     }
 
-    /// The pose of a probe in a frame; `None` for probes that stand still.
+    /// Returns the pose of a probe in a frame; `None` for a stationary probe.
     pub fn pose(&self, probe: &str, frame: u32) -> Option<&FramePose> {
         self.poses.binary_search_by(|pose| pose.place().cmp(&(probe, frame))).ok().map(|at| &self.poses[at])
     }
 
-    /// Poses of a probe, by frame; none where it stands still.
+    /// Returns the poses of a probe, by frame; empty for a stationary probe.
     pub fn poses_of(&self, probe: &str) -> &[FramePose] {
         let start = self.poses.partition_point(|pose| pose.probe.as_str() < probe);
         let count = self.poses[start..].partition_point(|pose| pose.probe == probe);
         &self.poses[start..start + count]
     }
 
-    /// Names and values of attributes; none of what is as usual.
+    /// Returns the names and values of the attributes, without those that have their usual values.
     pub fn to_values(&self) -> Vec<(&'static str, Vec<u8>)> {
         let mut values = Vec::new();
         if !self.primaries.is_rec709() {
@@ -123,7 +126,7 @@ impl FootageInfo {
         rows.dedup();
         let mut bytes = Vec::new();
         for MissingFrame { probe, kind, face, frame, held } in rows {
-            // Names of probes have at most 100 bytes.
+            // Probe names have at most 100 bytes.
             bytes.extend((probe.len() as u16).to_le_bytes());
             bytes.extend(probe.as_bytes());
             bytes.extend([*kind as u8, *face as u8]);
@@ -149,16 +152,16 @@ impl FootageInfo {
         values
     }
 
-    /// Whether an attribute is one of these.
+    /// True if `name` is one of these attributes.
     pub fn has(name: &str) -> bool {
         [CHROMATICITIES, CLIPPED_PIXELS, MISSING_FRAMES, POSES].contains(&name)
     }
 
-    /// That of two containers with different streams or frames that are joined. Primaries are those of `other` where only that has
-    /// colour.
+    /// Joins the properties of a container with other streams or frames. The primaries are those of `other` if only `other`
+    /// has colour.
     ///
     /// # Errors
-    /// Both have colour, of different primaries.
+    /// If both have colour, with different primaries.
     pub fn join(&mut self, other: FootageInfo, has_color: [bool; 2]) -> Result<()> {
         match has_color {
             [true, true] if !self.primaries.is_same(other.primaries) => {
@@ -179,7 +182,7 @@ impl FootageInfo {
     }
 }
 
-/// Reads a value whole. Errors name the attribute and count bytes from the start of its value.
+/// Reads a complete value. Errors name the attribute, and have byte offsets from the start of its value.
 fn in_attribute<T>(name: &str, value: &[u8], read: impl FnOnce(&mut Fields<'_>) -> Result<T>) -> Result<T> {
     let mut fields = Fields::new(value, 0, SECTION);
     let found = read(&mut fields).and_then(|found| fields.finish().map(|()| found));
@@ -250,7 +253,7 @@ fn read_probe_name(fields: &mut Fields<'_>) -> Result<String> {
     }
 }
 
-/// A check of a frame's number in the row at `start`.
+/// Fails if a frame number in the row at `start` is too large.
 fn check_frame(fields: &Fields<'_>, start: u64, frame: u32) -> Result<()> {
     if frame < MAX_FRAME {
         return Ok(());

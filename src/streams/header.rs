@@ -1,4 +1,4 @@
-//! Codec headers of streams (depth.md 3 and 16, color.md 2), and the memory that decoding them takes (container.md 2).
+//! Codec headers of streams (depth.md 3 and 16, color.md 2), and the memory that their decoders need (container.md 2).
 
 use crate::color::blend::HalfKey;
 use crate::color::cells::CellFormat;
@@ -17,7 +17,7 @@ use crate::image::transfer::ToneMap;
 use crate::image::{DepthKind, StreamKind};
 use crate::metrics::DEFAULT_WHITE_CD_M2;
 
-// Codecs by their four characters (depth.md, color.md).
+// Four-character codes of the codecs (depth.md, color.md).
 pub const DEPTH_AABB: [u8; 4] = *b"DAAB";
 pub const DEPTH_NODES: [u8; 4] = *b"DQPN";
 pub const DEPTH_TREE: [u8; 4] = *b"DQTR";
@@ -37,9 +37,9 @@ pub const COLOR_TRANSFORM_HALF: [u8; 4] = *b"CTRH";
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthHeader {
-    /// Metres of codes 0 and 65534.
+    /// Depths in metres of codes 0 and 65534.
     pub range: DepthRange,
-    /// What the background is presented as, never NaN.
+    /// Value that decoders output for the background, never NaN.
     pub background: f32,
     pub kind: DepthKind,
     pub coding: DepthCoding,
@@ -47,26 +47,27 @@ pub struct DepthHeader {
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum DepthCoding {
-    /// Codes as they are, in boxes around what changes; only the window matters to a decoder.
+    /// Raw codes in boxes around changes; a decoder needs only the window.
     Boxes(TemporalSettings),
-    /// The same with block tiles of the boxes in BC5 blocks.
+    /// As `Boxes`, with the block tiles of boxes in BC5 blocks.
     BoxesInBlocks(TemporalSettings),
     Nodes(NodeHeader),
-    /// The quadtree itself, with all leaves as they are.
+    /// The quadtree itself (depth.md 11), with all leaves as raw codes.
     Tree(NodeHeader),
     Blocks,
     /// Predicted codes with residuals.
     Predictive(PredictiveHeader),
 }
 
-/// Coding of nodes; decoders need the window and the domain.
+/// Coding of nodes; a decoder needs the window and the domain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeHeader {
     pub window: u8,
-    /// Change of the source, in codes on top of the bound, below which a pixel is not updated.
+    /// Update threshold: a change of the source below this number of codes, in addition to the bound, does not update a
+    /// pixel.
     pub epsilon: u16,
     pub keyframe_interval: u32,
-    /// Largest error of a node in codes; of a tree, that of its functions.
+    /// Maximum error of a node in codes; in a tree, that of its modelling functions.
     pub bound: u16,
     pub domain: DomainParts,
 }
@@ -93,7 +94,7 @@ pub enum ColorFormat {
 }
 
 impl ColorFormat {
-    /// Half floats, with the white of a standard display.
+    /// Half floats with the white of a standard display.
     pub const HALF: ColorFormat = ColorFormat::Half { white_cd_m2: DEFAULT_WHITE_CD_M2 };
 }
 
@@ -106,7 +107,8 @@ pub enum ColorBlocks {
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum ColorCoding {
-    /// Keyframes and weights (color.md 4). Keyframes in BC1 or BC7 (8 bits) or BC6H (half floats); `None` for samples.
+    /// Keyframes and weights (color.md 4). Keyframes are in BC1 or BC7 blocks (8 bits) or BC6H blocks (half floats); `None`
+    /// for samples.
     Cells(Option<ColorBlocks>),
     /// A transform in space and time, with the entropy tables of the stream.
     Transform(Tables),
@@ -116,9 +118,10 @@ pub enum ColorCoding {
 pub struct ColorHeader {
     pub format: ColorFormat,
     pub coding: ColorCoding,
-    /// What each frame of each cell reaches, in dB; 0 where no PSNR is kept.
+    /// Minimum PSNR in dB of each frame of each cell; 0 without a PSNR target.
     pub min_psnr_db: f64,
-    /// The same in quality to the eye, 0 to 100; 0 where none is kept, as by all codecs but the transform.
+    /// Minimum perceptual quality (color.md 5.2) of each frame of each cell, 0 to 100; 0 without a quality target, as in all
+    /// codecs except the transform.
     pub min_quality: f64,
 }
 
@@ -139,17 +142,17 @@ impl DepthHeader {
         }
     }
 
-    /// Whether the coding needs a cube face.
+    /// True if the coding requires a cube face.
     pub fn is_of_cube(&self) -> bool {
         matches!(&self.coding, DepthCoding::Predictive(header) if header.projection.shape == Shape::CubeDistance)
     }
 
-    /// Number of codes that may occur; 0 where any may.
+    /// Number of codes that may occur; 0 if any code may occur.
     pub fn levels(&self) -> usize {
         if let DepthCoding::Predictive(header) = &self.coding { header.levels.codes().len() } else { 0 }
     }
 
-    /// Largest error of a decoded surface in codes (depth.md 6); `None` without a bound.
+    /// Maximum error of a decoded surface in codes (depth.md 6); `None` without a bound.
     pub fn error_bound(&self) -> Option<u16> {
         match &self.coding {
             DepthCoding::Boxes(temporal) | DepthCoding::BoxesInBlocks(temporal) => Some(temporal.epsilon),
@@ -168,7 +171,7 @@ impl MaterialHeader {
 }
 
 impl AlphaHeader {
-    /// The header of a stream of depth whose chunks are coded alike.
+    /// Header of a depth stream whose chunks have the same coding.
     pub fn predictive(self) -> PredictiveHeader {
         PredictiveHeader {
             bound: 0,
@@ -182,7 +185,7 @@ impl AlphaHeader {
 }
 
 impl ColorHeader {
-    /// The format of keyframes in blocks; `None` where all are samples.
+    /// Block format of keyframes; `None` if all keyframes are samples.
     pub fn blocks(&self) -> Option<ColorBlocks> {
         if let ColorCoding::Cells(blocks) = self.coding { blocks } else { None }
     }
@@ -217,10 +220,11 @@ impl ColorHeader {
     }
 }
 
-/// Most bytes that a record adds to its payload: table rows (64), and boxes of 16 bytes, three times while their list doubles.
+/// Maximum bytes that a record needs in addition to its payload: table rows (64), and boxes of 16 bytes, which count three
+/// times while their list grows.
 const MAX_RECORD_BYTES: u64 = 64 + 3 * 16 * MAX_BOXES as u64;
 
-/// A payload of keyframes, the next one, and rows of keyframes.
+/// Bytes of a payload of keyframes, of the next payload, and of the rows of keyframes.
 fn keyframe_bytes(payload_bytes: u64) -> u64 {
     4 * payload_bytes + (8 * payload_bytes).min(4 << 20)
 }
@@ -265,11 +269,11 @@ impl CodecHeader {
         }
     }
 
-    /// Upper bound of the bytes of a unit besides pixels and payloads: its decoder, parsed tables and report counters, some
+    /// Upper bound of the bytes of a unit, without pixels and payloads: its decoder, parsed tables and report counters, about
     /// twenty small allocations.
     pub const HELD_UNIT_BYTES: u64 = 4 << 10;
 
-    /// What most of a payload is made of.
+    /// Main content of a payload, which selects parameters of its compression.
     #[cfg(feature = "encode")]
     pub fn payload_kind(&self) -> PayloadKind {
         match self {
@@ -287,11 +291,11 @@ impl CodecHeader {
         }
     }
 
-    /// Bytes that a decoder of whole images holds for each pixel: the picture of its unit, the image, and for colour two
-    /// keyframes; half floats are held as keys as well.
+    /// Bytes per pixel that a decoder of whole images holds: the picture of its unit, the image, and two keyframes for
+    /// colour; half floats are also held as keys.
     pub fn held_pixel_bytes(&self) -> u64 {
         match self {
-            // Two codes, what prediction holds of a pixel (16, with a margin), and its correction.
+            // Two codes, the prediction state of a pixel (16 bytes, with a margin), and its correction.
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) | CodecHeader::Alpha(_) => 32,
             CodecHeader::Depth(_) => 4,
             CodecHeader::Material(_) => 6,
@@ -300,9 +304,9 @@ impl CodecHeader {
         }
     }
 
-    /// Upper bound of the bytes that a decoder holds for a chunk of a stream. Nodes of two bytes become 34 in the
-    /// runtime form, twice while they are read; a box of ten, or a record of 14, gets a table row; a colour cell also holds
-    /// the next payload and a row for each of at most 65,535 keyframes. Growing buffers are doubled.
+    /// Upper bound of the bytes that a decoder holds for a chunk of a stream. Nodes of two bytes become 34 bytes in the
+    /// runtime form, which exists twice during parsing. A box of ten bytes, or a record of 14, gets a table row. A colour
+    /// cell also holds the next payload, and a row for each of at most 65,535 keyframes. Growing buffers count twice.
     pub fn held_chunk_bytes(&self, stream: &StreamEntry, chunk: &ChunkEntry) -> u64 {
         let bytes = u64::from(chunk.raw_bytes);
         match self {
@@ -317,8 +321,8 @@ impl CodecHeader {
         }
     }
 
-    /// Upper bound of the bytes of a parsed chunk, for budgets: never above [`CodecHeader::held_chunk_bytes`]. Includes the buffer of the
-    /// payload before; excludes [`CodecHeader::parsing_bytes`].
+    /// Upper bound of the bytes of a parsed chunk, for memory budgets; never above [`CodecHeader::held_chunk_bytes`].
+    /// Includes the buffer of the previous payload; excludes [`CodecHeader::parsing_bytes`].
     pub fn parsed_chunk_bytes(&self, stream: &StreamEntry, chunk: &ChunkEntry) -> u64 {
         let bytes = u64::from(chunk.raw_bytes);
         let in_boxes = 2 * bytes + u64::from(chunk.key.frame_count) * MAX_RECORD_BYTES;
@@ -338,7 +342,7 @@ impl CodecHeader {
         most.min(self.held_chunk_bytes(stream, chunk))
     }
 
-    /// Bytes that are freed once a chunk is parsed.
+    /// Bytes that are needed only while a chunk is parsed.
     pub fn parsing_bytes(&self, stream: &StreamEntry, chunk: &ChunkEntry) -> u64 {
         match self {
             CodecHeader::Color(header) if header.tables().is_some() => {
@@ -348,8 +352,8 @@ impl CodecHeader {
         }
     }
 
-    /// Bytes of an uncompressed pixel as CALF's table 1 counts it: 32-bit depth, 24-bit colour, three 8-bit materials; and
-    /// 48 bits for half-float colour and 8 for alpha, which the table does not have.
+    /// Bytes of an uncompressed pixel as in table 1 of CALF: 32-bit depth, 24-bit colour, three 8-bit materials. 48 bits for
+    /// half-float colour and 8 for alpha, which the table does not have.
     pub fn raw_pixel_bytes(&self) -> u64 {
         match self {
             CodecHeader::Depth(_) => 4,
@@ -378,7 +382,7 @@ impl CodecHeader {
         }
     }
 
-    /// Whether units are made of blocks of 4x4 pixels, so that their sides are multiples of 4.
+    /// True if units consist of blocks of 4x4 pixels, so that their sides are multiples of 4.
     pub fn in_blocks(&self) -> bool {
         match self {
             CodecHeader::Depth(header) => matches!(header.coding, DepthCoding::BoxesInBlocks(_)),

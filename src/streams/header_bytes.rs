@@ -1,4 +1,4 @@
-//! Codec headers as bytes (depth.md 3 and 16, color.md 2).
+//! Reads and writes codec headers (depth.md 3 and 16, color.md 2).
 
 use crate::block::SIDE;
 use crate::color::quality::{MAX_QUALITY, Pu21};
@@ -22,7 +22,7 @@ use crate::streams::header::{
     MATERIAL_AABB, MATERIAL_AABB_BC1, MaterialHeader, NodeHeader,
 };
 
-/// Planes of the transform codec: red, green and blue.
+/// Number of planes of the transform codec: red, green and blue.
 const PLANES: u8 = 3;
 
 impl CodecHeader {
@@ -385,7 +385,7 @@ mod tests {
                 let odd = StreamEntry { unit_width: width, unit_height: height, ..entry(&header) };
                 let refused = header.in_blocks() && (width, height) != (12, 4);
                 assert_eq!(CodecHeader::read(&odd).is_err(), refused, "{}", header.codec_name());
-                // Behind a stream of the same header too.
+                // Also after a stream with an equal header.
                 let index = Index { streams: vec![entry(&header), odd], ..Index::default() };
                 assert_eq!(streams(&index).is_err(), refused, "{}", header.codec_name());
             }

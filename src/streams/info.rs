@@ -1,4 +1,4 @@
-//! The streams of an index, typed, and the memory that decoding them takes (container.md 2).
+//! Typed streams of an index, and the memory that their decoders need (container.md 2).
 
 use std::collections::HashMap;
 
@@ -49,29 +49,29 @@ impl StreamInfo {
         self.header.codec_name()
     }
 
-    /// Near and far of a depth stream: the metres of codes 0 and 65534.
+    /// Near and far of a depth stream: the depths in metres of codes 0 and 65534.
     pub fn depth_range(&self) -> Option<DepthRange> {
         if let CodecHeader::Depth(header) = &self.header { Some(header.range) } else { None }
     }
 
-    /// Largest error of a decoded depth in codes, where the codec has a bound.
+    /// Maximum error of a decoded depth in codes; `None` if the codec has no bound.
     pub fn error_bound_codes(&self) -> Option<u16> {
         if let CodecHeader::Depth(header) = &self.header { header.error_bound() } else { None }
     }
 
-    /// Whether a colour stream has half floats (true) or 8 bits (false); `None` for other streams.
+    /// True if a colour stream has half floats, false for 8 bits; `None` for other streams.
     pub fn is_half_float(&self) -> Option<bool> {
         if let CodecHeader::Color(header) = &self.header { Some(header.is_half()) } else { None }
     }
 
-    /// Upper bound of the bytes that decoding its images one after the other takes: units with pictures and keyframes, the
-    /// assembled image, and one payload of each unit (container.md 2).
+    /// Upper bound of the bytes that are needed to decode its images one after the other: units with pictures and keyframes,
+    /// the assembled image, and one payload of each unit (container.md 2).
     #[doc(hidden)]
     pub fn memory_bytes(&self, index: &Index) -> u64 {
         self.bytes_with_chunks(index, |chunk| self.header.held_chunk_bytes(&self.entry, chunk))
     }
 
-    /// As [`StreamInfo::memory_bytes`], for budgets: with the tighter bound of chunks, without reading and parsing them.
+    /// As [`StreamInfo::memory_bytes`], for memory budgets: with a tighter bound of chunks, which are not read or parsed.
     #[doc(hidden)]
     pub fn parsed_bytes(&self, index: &Index) -> u64 {
         self.bytes_with_chunks(index, |chunk| self.header.parsed_chunk_bytes(&self.entry, chunk))
@@ -86,7 +86,7 @@ impl StreamInfo {
 }
 
 pub fn streams(index: &Index) -> Result<Vec<StreamInfo>> {
-    // Entropy tables are held once for all streams of one header.
+    // Streams with equal headers share their entropy tables.
     let mut with_tables: HashMap<([u8; 4], u8, &[u8]), CodecHeader> = HashMap::new();
     let streams = index.streams.iter().zip(0..).map(|(entry, at)| {
         let named = |error: Error| error.context(format!("stream {at}"));
@@ -112,7 +112,7 @@ pub fn streams(index: &Index) -> Result<Vec<StreamInfo>> {
     streams.collect()
 }
 
-/// Refuses streams that take more memory to decode than a file of `file_bytes` justifies (container.md 2).
+/// Fails if decoding the streams needs more memory than a file of `file_bytes` bytes justifies (container.md 2).
 pub fn check_memory(streams: &[StreamInfo], index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()> {
     let mut total = 0u64;
     for stream in streams {
@@ -135,7 +135,8 @@ pub fn check_memory(streams: &[StreamInfo], index: &Index, file_bytes: u64, limi
     Ok(())
 }
 
-/// [`check_memory`] for a writer that is about to finish a container, with no check of unknown codecs, which can be copied.
+/// [`check_memory`] for a writer that is about to finish a container. Nothing is checked if a codec header cannot be read,
+/// because streams of unknown codecs can be copied.
 pub fn check_written(index: &Index, file_bytes: u64) -> Result<()> {
     match streams(index) {
         Ok(streams) => check_memory(&streams, index, file_bytes, OpenLimits::DEFAULT),

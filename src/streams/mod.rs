@@ -1,4 +1,4 @@
-//! Typed streams of a container: codec headers, parsed chunks, conversion between values and codes.
+//! Typed streams of a container: codec headers, parsed chunks, and conversion between values and codes.
 
 #![doc(hidden)]
 

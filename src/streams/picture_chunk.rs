@@ -1,4 +1,4 @@
-//! Chunks of depth, material and alpha: a keyframe and changes, by which a picture is updated in place.
+//! Chunks of depth, material and alpha: a keyframe, and changes that update a picture in place.
 
 use crate::container::Payload;
 use crate::depth::predictive::{PredictiveChunk, UnitArea};
@@ -6,18 +6,18 @@ use crate::depth::records::TemporalChunk;
 use crate::error::Result;
 use crate::streams::header::{AlphaHeader, MaterialHeader};
 
-/// A parsed chunk whose frames are reached by updating a picture.
+/// A parsed chunk whose frames are decoded by updates of a picture.
 pub trait PictureChunk: Sized {
     type Pixel: Copy + Default;
     type Header;
 
     fn parse(header: &Self::Header, payload: Payload, area: UnitArea, frames: u32) -> Result<Self>;
 
-    /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target` in steps of at
-    /// most `window` frames; returns the number of pixels written.
+    /// Updates `picture` from frame `at` of this chunk (`None`: undefined content) to frame `target`, in steps of at most
+    /// `window` frames. Returns the number of pixels written.
     ///
     /// # Errors
-    /// A chunk that is decoded frame by frame, and damaged.
+    /// If a chunk that is decoded frame by frame is damaged.
     fn advance(&mut self, picture: &mut [Self::Pixel], at: Option<u32>, target: u32, window: u8) -> Result<u64>;
 
     fn check_window(&self, window: u8, frames: u32) -> Result<()>;

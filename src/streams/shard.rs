@@ -1,31 +1,31 @@
-//! The attributes `shard` and `shard.footage` (container.md 6.5): which piece of an encode a container is, what the whole has, and of
-//! which footage it is.
+//! The attributes `shard` and `shard.footage` (container.md 6.5): the piece of an encode that a container holds, the streams
+//! of the whole encode, and digests of its footage.
 
 use crate::container::Fields;
 use crate::container::index::MAX_FRAME;
 use crate::error::Result;
 use crate::image::{Face, StreamKind};
 
-/// Name of the attribute.
+/// Name of the attribute with a [`ShardEntry`].
 pub const SHARD: &str = "shard";
-/// Name of the attribute of digests.
+/// Name of the attribute with [`FootageDigests`].
 pub const SHARD_FOOTAGE: &str = "shard.footage";
 const SECTION: &str = "container.md 6.5";
-/// Kind, probe, face, group, first frame and number of frames, a byte each at least.
+/// Minimum bytes of a stream: kind, probe, face, group, first frame and number of frames, each at least one byte.
 const MIN_STREAM_BYTES: usize = 6;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ShardEntry {
-    /// Equal in all pieces of an encode.
+    /// Identifier of the encode, equal in all its pieces.
     pub job: [u8; 16],
-    /// From 1 to `count`.
+    /// Number of the piece, from 1 to `count`.
     pub number: u32,
     pub count: u32,
-    /// The streams of the whole.
+    /// Streams of the whole encode.
     pub streams: Vec<WholeStream>,
 }
 
-/// A stream of the whole. Chunks of a group lie by time in the file, not by stream.
+/// A stream of the whole encode. The chunks of a group are ordered by time in the file, not by stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WholeStream {
     pub kind: u8,
@@ -36,25 +36,25 @@ pub struct WholeStream {
     pub frame_count: u32,
 }
 
-/// Digests of the content of all frames, one for each stream of the whole: 16 bytes each.
+/// Digests of the content of all frames, 16 bytes for each stream of the whole encode.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FootageDigests(pub Vec<[u8; 16]>);
 
 impl FootageDigests {
-    /// Reads the value of the attribute; `None` where it is of another length than that of so many streams.
+    /// Reads the value of the attribute; `None` if its length does not match the number of streams.
     pub fn read(value: &[u8], streams: usize) -> Option<FootageDigests> {
         let (digests, []) = value.as_chunks() else { return None };
         (digests.len() == streams).then(|| FootageDigests(digests.to_vec()))
     }
 
-    /// The value of the attribute.
+    /// Returns the value of the attribute.
     pub fn write(&self) -> Vec<u8> {
         self.0.concat()
     }
 }
 
 impl ShardEntry {
-    /// Reads the value of the attribute. Offsets in errors count from its start.
+    /// Reads the value of the attribute. Offsets in errors are relative to its start.
     pub fn read(value: &[u8]) -> Result<ShardEntry> {
         let mut fields = Fields::new(value, 0, SECTION);
         let mut job = [0; 16];
@@ -97,7 +97,7 @@ mod write {
     use crate::container::serialize::PutFields;
 
     impl ShardEntry {
-        /// The value of the attribute.
+        /// Returns the value of the attribute.
         pub fn write(&self) -> Vec<u8> {
             let mut out = self.job.to_vec();
             out.put_varint(self.number.into());

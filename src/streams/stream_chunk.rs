@@ -1,4 +1,4 @@
-//! A chunk of any stream, parsed.
+//! A parsed chunk of any stream.
 
 use crate::color::{ColorChunk, HalfKey};
 use crate::container::{ChunkEntry, Index, Payload};

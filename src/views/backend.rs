@@ -1,7 +1,7 @@
-//! Where depth and colour of a light field are decoded and kept: on the processor, or on a graphics device (CALF 6.2; GDC 5).
+//! Decoding and storage of the depth and colour of a light field, on the CPU or on a graphics device (CALF 6.2; GDC 5).
 //!
-//! The player decides which units a frame needs and which of their texels are valid. Materials are always decoded on the
-//! processor, as they decide which other units are needed.
+//! The player determines which units a frame needs and which of their texels are valid. Materials are always decoded on the CPU,
+//! because they determine which other units are needed.
 
 use std::sync::Arc;
 
@@ -33,9 +33,9 @@ pub struct FaceUpdate<'f, 'a> {
     pub texels: &'f mut FaceTexels,
 }
 
-/// Decodes units of depth and colour, and keeps the texels of probes.
+/// A decoder of depth and colour units that stores the texels of probes.
 pub trait TexelBackend {
-    /// Whether depth and colour texels are kept here; else they are in the light field.
+    /// True if the backend stores the depth and colour texels; otherwise they are in the light field.
     fn keeps_texels(&self) -> bool {
         false
     }
@@ -44,7 +44,7 @@ pub trait TexelBackend {
         Ok(())
     }
 
-    /// Bytes kept here of a probe; 0 for one that is not loaded.
+    /// Returns the bytes that the backend stores for a probe; 0 if the probe is not loaded.
     fn bytes(&self, _probe: usize) -> u64 {
         0
     }
@@ -55,16 +55,16 @@ pub trait TexelBackend {
 
     fn shows(&self, unit: &CachedUnit<'_>, frame: u32) -> bool;
 
-    /// Brings texels to what the units show; answers what changed in each face, in the same order.
+    /// Updates texels from the decoded units. Returns the changes of each face, in the same order.
     fn update(&mut self, faces: Vec<FaceUpdate<'_, '_>>) -> Result<Vec<FaceChanges>>;
 
-    /// Stored bytes that were read here so far; units count what they read themselves.
+    /// Returns the stored bytes that the backend has read so far; units count the bytes that they read themselves.
     fn bytes_read(&self) -> u64 {
         0
     }
 }
 
-/// Decodes on the processor, in parallel, into the texels of the light field.
+/// Backend that decodes on the CPU, in parallel, into the texels of the light field.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct CpuBackend;
 

@@ -1,7 +1,7 @@
-//! The units in the frusta of cameras, as a filter for decoding (CALF 6.2).
+//! Units in the frusta of cameras, as a filter for decoding (CALF 6.2).
 //!
-//! The frustum of a unit goes through the corners of its rectangle, from near to far of the depth stream of the same face; without
-//! one, from the probe to infinity. Tests are conservative: a visible unit is never missed.
+//! The frustum of a unit passes through the corners of its rectangle, from near to far of the depth stream of the same face;
+//! without a depth stream, from the probe to infinity. Tests are conservative: a visible unit is never missed.
 
 use std::collections::HashMap;
 
@@ -23,14 +23,14 @@ pub struct CameraUnitCounts {
     pub units: u64,
     /// Units that a camera sees in a chosen frame.
     pub visible_units: u64,
-    /// Tests that units one by one would have taken, each up to the first camera that sees it.
+    /// Number of frustum tests without the quadtree: each unit is tested up to the first camera that sees it.
     #[serde(skip)]
     pub regular_tests: u64,
     #[serde(skip)]
     pub hierarchical_tests: u64,
 }
 
-/// What cameras see of a container, as a report in JSON.
+/// Visibility of a container's units from cameras, as a JSON report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CameraUnitsReport {
     #[serde(flatten)]
@@ -60,20 +60,20 @@ impl CameraUnitCounts {
     }
 }
 
-/// The units that cameras see, of some streams; of the others all.
+/// Units that cameras see, for some streams; all units of other streams are wanted.
 #[derive(Debug, Clone, Default)]
 pub struct CameraUnits {
-    /// Of streams by their number, for each unit the frames in which it is seen: ranges in order, with gaps between.
+    /// For each stream index and unit, the frames in which the unit is seen: ordered ranges with gaps between them.
     streams: HashMap<u32, Vec<Vec<FrameRange>>>,
     pub counts: CameraUnitCounts,
 }
 
 impl CameraUnits {
-    /// What `cameras` see of what was chosen.
+    /// Returns the units of the chosen streams and frames that `cameras` see.
     ///
-    /// Near and far are those of the depth stream of the same probe and face; where there is none, or none of all the
-    /// frames, a unit is seen where anything in its directions could be. Images of which no directions are known are
-    /// seen always.
+    /// Near and far are those of the depth stream of the same probe and face. If there is none, or it does not have all the
+    /// frames, a unit counts as seen if anything in its directions could be seen. Images without known directions are always
+    /// seen.
     pub fn find(decoder: &Decoder, chosen: &[StreamFrames<'_>], cameras: &[TimedCamera]) -> CameraUnits {
         let groups = groups(cameras);
         let spans = depth_spans(decoder);
@@ -87,7 +87,7 @@ impl CameraUnits {
             let units = u64::from(entry.unit_count());
             let mut counts = CameraUnitCounts { units, ..CameraUnitCounts::default() };
             let image = FaceImage::new(decoder.probe(stream), stream.face, size, span);
-            // Where a moving probe looks differs from frame to frame.
+            // The directions of a moving probe differ from frame to frame, so all its units count as seen.
             let seen = match image.filter(|_| !decoder.moves(stream)) {
                 None => vec![vec![frames]; units as usize],
                 Some(image) => {
@@ -129,7 +129,7 @@ impl UnitFilter for CameraUnits {
     }
 }
 
-/// Frames, near and far of the depth stream of each probe and face that has one.
+/// Returns the frames, near and far of the depth stream of each probe and face that has one.
 fn depth_spans(decoder: &Decoder) -> HashMap<(usize, Face), (FrameRange, DepthSpan)> {
     let span = |stream: &StreamInfo| match &stream.header {
         CodecHeader::Depth(header) => {
@@ -142,7 +142,7 @@ fn depth_spans(decoder: &Decoder) -> HashMap<(usize, Face), (FrameRange, DepthSp
     decoder.streams().iter().filter_map(span).collect()
 }
 
-/// Cameras that look in the same frames, with those frames; in the order in which they come first.
+/// Groups cameras with the same frames, in the order of their first camera.
 fn groups(cameras: &[TimedCamera]) -> Vec<(Option<FrameRange>, Vec<Viewer>)> {
     let mut groups: Vec<(Option<FrameRange>, Vec<Viewer>)> = Vec::new();
     let mut places = HashMap::new();
@@ -156,7 +156,7 @@ fn groups(cameras: &[TimedCamera]) -> Vec<(Option<FrameRange>, Vec<Viewer>)> {
     groups
 }
 
-/// Ranges of frames in order, joined where they touch.
+/// Returns frame ranges in order, joined if they overlap or touch.
 fn joined(mut ranges: Vec<FrameRange>) -> Vec<FrameRange> {
     ranges.sort_unstable_by_key(|frames| frames.first);
     let mut joined: Vec<FrameRange> = Vec::new();

@@ -1,4 +1,4 @@
-//! The probes of a container that can be rendered: their streams, poses and memory, without decoding anything.
+//! Probes of a container that can be rendered: their streams, poses and memory, without decoding.
 
 use crate::decode::memory::{self, stream_pixels};
 use crate::decode::{Decoder, StreamInfo};
@@ -8,10 +8,10 @@ use crate::image::StreamKind;
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader};
 use crate::views::{ColorCoding, FaceStreams, LightField, View};
 
-/// Which probes of a container are loaded; by default all.
+/// Selection of the probes of a container to load; by default all.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ProbeChoice {
-    /// Names of the only probes to load; empty: all.
+    /// Names of the only probes to load; all probes if empty.
     pub only: Vec<String>,
     /// Names of probes to leave out.
     pub without: Vec<String>,
@@ -42,17 +42,17 @@ impl ProbeChoice {
 
 #[derive(Debug, Default)]
 pub struct ViewStreams<'a> {
-    /// Its faces with both depth and colour.
+    /// Faces of the view with both depth and colour.
     pub faces: Vec<FaceStreams<'a>>,
-    /// Most bytes that it takes when loaded.
+    /// Maximum bytes of the view when loaded.
     pub bytes: u64,
-    /// The same where decoders keep nothing but pixels from frame to frame.
+    /// Maximum bytes of the view when loaded, if decoders keep only pixels from frame to frame.
     pub pixel_bytes: u64,
-    /// Most bytes of one unit while it is decoded.
+    /// Maximum bytes of one unit while it is decoded.
     pub unit_bytes: u64,
 }
 
-/// Probes with a face that has both depth and colour.
+/// Probes that have a face with both depth and colour.
 #[derive(Debug)]
 pub struct Catalogue<'a> {
     pub field: LightField,
@@ -141,24 +141,24 @@ fn check_sizes(probe: &str, streams: &FaceStreams<'_>) -> Result<()> {
     }
 }
 
-/// Bytes of the texels of a face.
+/// Returns the bytes of the texels of a face.
 fn texel_bytes(streams: &FaceStreams<'_>, coding: ColorCoding) -> u64 {
     let color = match coding {
         ColorCoding::Codes(_) => 4,
         ColorCoding::Light => 8,
     };
-    // A pyramid has a value for each texel, and levels above that a third of those, and a little more where sides are odd.
+    // A pyramid has one value per texel, plus levels with a third as many values, slightly more if sides are odd.
     let pyramid = 4 + 2;
     stream_pixels(streams.depth) * (4 + pyramid + color + if streams.material.is_some() { 4 } else { 0 })
 }
 
-/// Most bytes of the decoders of a face, with their pixels.
+/// Returns the maximum bytes of the decoders of a face, including their pixels.
 fn decoder_bytes(decoder: &Decoder, streams: &FaceStreams<'_>) -> u64 {
     let index = decoder.reader().index();
     streams.all().map(|stream| stream.memory_bytes(index)).fold(0, u64::saturating_add)
 }
 
-/// Bytes of the pixels of a stream's units.
+/// Returns the bytes of the pixels of a stream's units.
 fn picture_bytes(stream: &StreamInfo) -> u64 {
     let pixel = match &stream.header {
         CodecHeader::Depth(_) | CodecHeader::Alpha(_) => 2,
@@ -168,7 +168,7 @@ fn picture_bytes(stream: &StreamInfo) -> u64 {
     stream_pixels(stream) * pixel + u64::from(stream.entry.unit_count()) * CodecHeader::HELD_UNIT_BYTES
 }
 
-/// Most bytes of a unit of a face while it is decoded.
+/// Returns the maximum bytes of a unit of a face while it is decoded.
 fn unit_bytes(decoder: &Decoder, streams: &FaceStreams<'_>) -> u64 {
     let of_stream = |stream: &StreamInfo| {
         (0..stream.entry.unit_count()).map(|unit| memory::unit_bytes(decoder, stream, unit)).max().unwrap_or(0)

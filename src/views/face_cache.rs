@@ -1,11 +1,11 @@
-//! The units and texels of one face of a probe in the current frame (CALF 6.2).
+//! Cache of the units and texels of one face of a probe in the current frame (CALF 6.2).
 //!
-//! Enters: the units that a frame needs. Leaves: texels, and the rectangles of them that changed.
+//! Takes the units that a frame needs. Returns texels, and the rectangles of texels that changed.
 //!
-//! Invariant: a texel is valid for the frame in all its kinds, or its depth is [`UNKNOWN`]. So a colour cell outside of the
-//! visible set makes the depths of its texels unknown too, unless it is known to show the frame anyway; so does a unit of alpha. A
-//! [`backend`](crate::views::backend) that keeps texels itself follows the same rule: [`FaceCache::depth_parts`] lists what it
-//! is to write.
+//! Invariant: a texel is valid for the frame in all its kinds, or its depth is [`UNKNOWN`]. Therefore a colour cell or an alpha
+//! unit outside the visible set makes the depths of its texels unknown too, unless it is known to show the frame anyway. A
+//! [`backend`](crate::views::backend) that stores texels itself follows the same rule: [`FaceCache::depth_parts`] lists what it
+//! has to write.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ use crate::views::{
     straight_half,
 };
 
-/// The streams of a face; all of its images have the same size.
+/// Streams of a face; all of its images have the same size.
 #[derive(Debug, Clone)]
 pub struct FaceStreams<'a> {
     pub depth: &'a StreamInfo,
@@ -45,7 +45,7 @@ impl<'a> FaceStreams<'a> {
     }
 }
 
-/// A tile or cell of a container.
+/// Identifier of a tile or cell of a container.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct UnitId {
     pub probe: usize,
@@ -56,26 +56,26 @@ pub struct UnitId {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct DepthPart {
     pub unit: u32,
-    /// Whether its depths become those of the tile; else they become unknown.
+    /// True if its depths become those of the tile; otherwise they become unknown.
     pub is_known: bool,
-    /// Left, top, width and height in texels of the face, within the tile.
+    /// Left, top, width and height in texels of the face, inside the tile.
     pub rect: Rect,
 }
 
 #[derive(Debug)]
 pub struct CachedUnit<'a> {
     pub id: UnitId,
-    /// Knows the unit, and decodes it unless a backend does.
+    /// Describes the unit, and decodes it unless a backend does.
     decoder: UnitDecoder<'a>,
     is_valid: bool,
     was_valid: bool,
-    /// Pixels that decoding the frame has written.
+    /// Number of pixels that decoding the frame has written.
     written: u64,
-    /// Whether a weight of its material is above 0.
+    /// True if a weight of its material is above 0.
     is_specular: bool,
-    /// The last chunk that [`FaceCache::count_bytes`] counted.
+    /// Index of the last chunk that [`FaceCache::count_bytes`] counted.
     counted: Option<usize>,
-    /// Whether its decoder keeps nothing but pixels from frame to frame.
+    /// True if its decoder keeps only pixels from frame to frame.
     forgets: bool,
 }
 
@@ -94,12 +94,12 @@ impl CachedUnit<'_> {
         Ok(())
     }
 
-    /// Whether its own decoder is known to show a frame.
+    /// True if its own decoder is known to show a frame.
     pub fn shows(&self, frame: u32) -> bool {
         self.decoder.shows(frame)
     }
 
-    /// Marks it as decoded by a backend, and counts the pixels written.
+    /// Marks the unit as decoded by a backend, with the number of pixels written.
     pub fn set_decoded(&mut self, written: u64) {
         (self.written, self.is_valid) = (written, true);
     }
@@ -116,7 +116,7 @@ impl CachedUnit<'_> {
 #[derive(Debug)]
 struct StreamUnits<'a> {
     stream: &'a StreamInfo,
-    /// Units that the frame needs.
+    /// Number of units that the frame needs.
     needed: u64,
     units: Vec<CachedUnit<'a>>,
 }
@@ -160,13 +160,13 @@ impl<'a> StreamUnits<'a> {
         needed
     }
 
-    /// Units that overlap a rectangle, with the overlap.
+    /// Returns the units that overlap a rectangle, with the overlap.
     fn under(&self, rect: Rect) -> impl Iterator<Item = (usize, Rect)> {
         units_under(&self.stream.entry, rect).filter_map(move |unit| Some((unit, overlap(self.rect(unit), rect)?)))
     }
 }
 
-/// Numbers of the units that overlap a rectangle of an image.
+/// Returns the indices of the units that overlap a rectangle of an image.
 pub fn units_under(entry: &StreamEntry, [left, top, width, height]: Rect) -> impl Iterator<Item = usize> + use<> {
     let columns = entry.width.div_ceil(entry.unit_width);
     let span = |from: u32, length: u32, unit: u32| from / unit..(from + length).div_ceil(unit);
@@ -177,11 +177,11 @@ pub fn units_under(entry: &StreamEntry, [left, top, width, height]: Rect) -> imp
 
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FaceChanges {
-    /// Changed rectangles of its texels; those of one kind do not overlap.
+    /// Changed rectangles of texels; those of one kind do not overlap.
     pub rects: Vec<(StreamKind, Rect)>,
-    /// Units that were decoded, and wrote something.
+    /// Number of units that were decoded and wrote pixels.
     pub decoded: u64,
-    /// Needed units that showed the frame already.
+    /// Number of needed units that already showed the frame.
     pub unchanged: u64,
     pub unseen: u64,
 }
@@ -193,12 +193,12 @@ pub struct FaceCache<'a> {
     color: StreamUnits<'a>,
     alpha: Option<StreamUnits<'a>>,
     material: Option<StreamUnits<'a>>,
-    /// Where colours are codes and there is alpha.
+    /// Present if colours are codes and the face has alpha.
     straight: Option<Arc<StraightCodes>>,
 }
 
 impl<'a> FaceCache<'a> {
-    /// `straight` is needed where colours are codes and the face has alpha.
+    /// Creates a cache without decoded units. `straight` is required if colours are codes and the face has alpha.
     pub fn new(
         decoder: &'a Decoder,
         streams: &FaceStreams<'a>,
@@ -215,7 +215,7 @@ impl<'a> FaceCache<'a> {
         }
     }
 
-    /// Whether decoders keep nothing but pixels from frame to frame, which takes less memory and more time.
+    /// Sets whether decoders keep only pixels from frame to frame, which takes less memory and more time.
     pub fn set_forgetting(&mut self, forgets: bool) {
         let streams = [&mut self.depth, &mut self.color].into_iter().chain(&mut self.alpha).chain(&mut self.material);
         for unit in streams.flat_map(|units| &mut units.units).filter(|unit| unit.forgets != forgets) {
@@ -234,8 +234,8 @@ impl<'a> FaceCache<'a> {
         [&self.color].into_iter().chain(&self.alpha).chain(&self.material)
     }
 
-    /// Begins a frame: answers the units of depth, colour and alpha that pass the filter, which are to be decoded. Other units stay valid
-    /// where they show the frame. Without a filter none is needed.
+    /// Begins a frame. Returns the units of depth, colour and alpha that pass the filter and have to be decoded. Other units stay
+    /// valid if they show the frame. Without a filter no unit is needed.
     pub fn begin_frame(
         &mut self,
         frame: u32,
@@ -246,7 +246,7 @@ impl<'a> FaceCache<'a> {
         streams.flat_map(|units| units.begin_frame(frame, filter, shows)).collect()
     }
 
-    /// The same for material, which is never decoded by a backend.
+    /// Like [`Self::begin_frame`] for material, which backends never decode.
     pub fn begin_material(&mut self, frame: u32, filter: Option<&dyn UnitFilter>) -> Vec<&mut CachedUnit<'a>> {
         let units = self.material.iter_mut();
         units.flat_map(|units| units.begin_frame(frame, filter, &|unit| unit.shows(frame))).collect()
@@ -256,14 +256,15 @@ impl<'a> FaceCache<'a> {
         self.material.iter().flat_map(|units| &units.units).any(|unit| unit.is_valid && unit.is_specular)
     }
 
-    /// Brings the texels to what the units show.
+    /// Updates the texels from the decoded units.
     pub fn update(&self, texels: &mut FaceTexels) -> FaceChanges {
         let depth = joined(self.update_depth(texels));
         let color = joined(self.update_color(texels));
         self.changes(depth, color, texels)
     }
 
-    /// The same where a backend keeps depth and colour, and writes these depths; materials are written here.
+    /// Like [`Self::update`], for a backend that stores depth and colour and writes the depths of `parts`; only materials are
+    /// written to `texels`.
     pub fn update_in_backend(&self, parts: &[DepthPart], texels: &mut FaceTexels) -> FaceChanges {
         let depth = joined(parts.iter().map(|part| part.rect).collect());
         let new = self.color.units.iter().filter(|unit| unit.is_new());
@@ -290,7 +291,7 @@ impl<'a> FaceCache<'a> {
         self.all().flat_map(|units| &units.units).map(|unit| unit.decoder.cost().bytes_read).sum()
     }
 
-    /// Stored bytes of the chunks that hold a frame and were not counted for the frame before.
+    /// Returns the stored bytes of the chunks that hold a frame and were not counted for the previous frame.
     pub fn count_bytes(&mut self, frame: u32) -> u64 {
         let mut bytes = 0;
         let streams = [&mut self.depth, &mut self.color].into_iter().chain(&mut self.alpha).chain(&mut self.material);
@@ -304,7 +305,8 @@ impl<'a> FaceCache<'a> {
         bytes
     }
 
-    /// Tiles, or rectangles of them, in which a unit of any kind has new pixels, or became valid or invalid.
+    /// Returns the tiles with new pixels and the tiles that became valid or invalid, and the rectangles of other tiles under
+    /// units of other kinds that became valid or invalid.
     fn stale_depths(&self) -> Vec<(usize, Rect)> {
         let mut stale = Vec::new();
         let mut whole = vec![false; self.depth.units.len()];
@@ -322,7 +324,7 @@ impl<'a> FaceCache<'a> {
         stale
     }
 
-    /// A rectangle of a tile in parts that are valid in all kinds, and parts that are not.
+    /// Splits a rectangle of a tile into parts that are valid in all kinds, and parts that are not.
     fn parts(&self, unit: usize, rect: Rect) -> Vec<DepthPart> {
         let tile = &self.depth.units[unit];
         let mut parts = vec![DepthPart { unit: unit as u32, is_known: tile.is_valid, rect }];
@@ -336,13 +338,13 @@ impl<'a> FaceCache<'a> {
         parts
     }
 
-    /// The depths that [`FaceCache::update`] writes, for a backend: in few parts that do not overlap.
+    /// Returns the depths that [`FaceCache::update`] writes, for a backend, as few parts that do not overlap.
     pub fn depth_parts(&self) -> Vec<DepthPart> {
         let mut stale: BTreeMap<usize, Vec<DepthPart>> = BTreeMap::new();
         for (tile, rect) in self.stale_depths() {
             stale.entry(tile).or_default().extend(self.parts(tile, rect));
         }
-        // Units of two kinds that turn together cover the same texels.
+        // Units of two kinds that become valid or invalid together cover the same texels.
         if self.all_but_depth().count() > 1 {
             stale.values_mut().for_each(sort_and_dedup);
         }
@@ -357,7 +359,7 @@ impl<'a> FaceCache<'a> {
         all
     }
 
-    /// Colour cells, or rectangles of them, that are new or have new alpha; they do not overlap.
+    /// Returns the colour cells, or rectangles of them, that are new or have new alpha; they do not overlap.
     fn stale_colors(&self) -> Vec<(usize, Rect)> {
         let mut stale = Vec::new();
         for (at, cell) in self.color.units.iter().enumerate().filter(|(_, cell)| cell.is_valid) {
@@ -387,7 +389,7 @@ impl<'a> FaceCache<'a> {
         stale.into_iter().map(|(_, rect)| rect).collect()
     }
 
-    /// Writes a rectangle that a colour cell and a unit of alpha share.
+    /// Writes the rectangle that a colour cell and an alpha unit have in common.
     fn write_color_and_alpha(&self, [color, alpha]: [&CachedUnit<'_>; 2], rect: Rect, texels: &mut FaceTexels) {
         let UnitPixels::Alpha(alphas) = alpha.decoder.pixels() else { return };
         let alphas = pixels_in(alphas, alpha.decoder.rect(), rect).map(alpha_byte);
@@ -445,7 +447,7 @@ fn sort_and_dedup(parts: &mut Vec<DepthPart>) {
     parts.dedup();
 }
 
-/// Makes texels unknown; answers the first and the last that were known.
+/// Sets texels to unknown. Returns the first and the last one that was known.
 fn fill_unknown(texels: &mut [f32]) -> Option<[u32; 2]> {
     let known = |texel: &f32| *texel != UNKNOWN;
     let ends = [texels.iter().position(known)?, texels.iter().rposition(known)?];
@@ -453,7 +455,7 @@ fn fill_unknown(texels: &mut [f32]) -> Option<[u32; 2]> {
     Some(ends.map(|end| end as u32))
 }
 
-/// Writes rows of a unit into an image of `width` pixels.
+/// Writes the rows of a unit into an image of `width` pixels.
 fn write<T: Copy, U>(pixels: &[T], rect: Rect, image: &mut [U], width: u32, convert: impl Fn(T) -> U) {
     let [left, top, unit_width, _] = rect;
     for (row, pixels) in (top..).zip(pixels.chunks_exact(unit_width as usize)) {
@@ -462,8 +464,8 @@ fn write<T: Copy, U>(pixels: &[T], rect: Rect, image: &mut [U], width: u32, conv
     }
 }
 
-/// The light of a key: 0 for NaN and the largest half for infinities, as encoders take them. Containers may hold both, and a
-/// blend weight of 0 would turn an infinity into NaN.
+/// Converts a key to linear light. NaN becomes 0, and infinities become the largest half, as in the encoders. Containers may hold
+/// both, and a blend weight of 0 would turn an infinity into NaN.
 fn light_of(key: HalfKey) -> f16 {
     let light = key.to_half();
     if light.is_nan() { f16::ZERO } else { light.clamp(f16::MIN, f16::MAX) }
@@ -483,7 +485,7 @@ fn write_color(unit: &CachedUnit<'_>, texels: &mut FaceTexels) {
     }
 }
 
-/// Pixels of a rectangle within that of a unit, row by row.
+/// Returns the pixels of a rectangle inside that of a unit, row by row.
 fn pixels_in<T: Copy>(pixels: &[T], [left, top, unit_width, _]: Rect, rect: Rect) -> impl Iterator<Item = T> {
     let [from, first, width, height] = rect;
     (first..first + height).flat_map(move |row| {
@@ -510,7 +512,7 @@ mod tests {
 
     #[test]
     fn parts_of_many_small_cells_are_deduplicated() {
-        // As many as cells of 4 pixels under a tile of 2048: comparing all with all would take minutes.
+        // As many parts as cells of 4 pixels under a tile of 2048: comparing all pairs would take minutes.
         let cell = |at: u32| {
             let rect = [at % 512 * 4, at / 512 * 4, 4, 4];
             DepthPart { unit: 0, is_known: at.is_multiple_of(3), rect }

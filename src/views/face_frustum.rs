@@ -1,7 +1,7 @@
 //! Frusta of rectangles of pixels of a probe (CALF 6.2).
 //!
-//! Enters: a face or view of a probe, and a rectangle of its pixels. Leaves: the frustum that contains every surface they may
-//! show; background has the directions of that frustum.
+//! Takes a face or view of a probe, and a rectangle of its pixels. Returns the frustum that contains every surface that the
+//! pixels may show; background has the directions of that frustum.
 
 use glam::DVec3;
 
@@ -12,11 +12,11 @@ use crate::math::{Frustum, Window};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthSpan {
-    /// Nearest, in metres, at least 0.
+    /// Minimum, in metres, at least 0.
     pub near_m: f64,
-    /// Farthest, in metres, at least `near_m`; may be `+inf`.
+    /// Maximum, in metres, at least `near_m`; may be `+inf`.
     pub far_m: f64,
-    /// What the metres measure.
+    /// Kind of depth: planar depth or distance.
     pub kind: DepthKind,
 }
 
@@ -33,12 +33,13 @@ pub struct FaceImage {
     axes: [DVec3; 3],
     projection: ImageProjection,
     depth: DepthSpan,
-    /// Pixels by which every rectangle is larger on each side.
+    /// Margin of every rectangle on each side, in pixels.
     margin_pixels: f64,
 }
 
 impl FaceImage {
-    /// None without known directions: a view without intrinsics, or an orientation whose length is not 1.
+    /// Creates the image of a face. None if its directions are unknown: a view without intrinsics, or an orientation whose length
+    /// is not 1.
     pub fn new(probe: &ProbeEntry, face: Face, size: [u32; 2], depth: DepthSpan) -> Option<FaceImage> {
         let turn = rotation(probe.orientation)?;
         let projection = ImageProjection::of_face(face, size, probe.intrinsics);
@@ -58,7 +59,7 @@ impl FaceImage {
         FaceImage { margin_pixels, ..self }
     }
 
-    /// The frustum of pixels from `from` up to, but without, `to` (column, row).
+    /// Returns the frustum of the pixels from `from` up to, but excluding, `to` (column, row).
     pub fn frustum(&self, from: [u32; 2], to: [u32; 2]) -> Frustum {
         let first = self.projection.plane(from.map(|pixel| f64::from(pixel) - self.margin_pixels));
         let last = self.projection.plane(to.map(|pixel| f64::from(pixel) + self.margin_pixels));
@@ -76,7 +77,7 @@ impl FaceImage {
     }
 }
 
-/// Least and greatest √(1 + u² + v²) in a window: distance over planar depth.
+/// Returns the minimum and maximum √(1 + u² + v²) in a window: distance over planar depth.
 fn length_range(window: Window) -> [f64; 2] {
     let least = |[low, high]: [f64; 2]| 0f64.clamp(low, high);
     let greatest = |[low, high]: [f64; 2]| low.abs().max(high.abs());
@@ -108,7 +109,7 @@ mod tests {
                         let point = |depth_m: f64| DVec3::new(1.0, 2.0, 3.0) + direction * (depth_m / factor);
                         let alone = image.frustum([col, row], [col + 1, row + 1]);
                         let other = image.frustum([(col + 1) % 8, row], [(col + 1) % 8 + 1, row + 1]);
-                        // Short of the ends by more than rounding.
+                        // Inside the range by more than rounding.
                         for depth_m in [near_m * (1.0 + 1e-12), 3.0, far_m * (1.0 - 1e-12)] {
                             assert!(alone.contains(point(depth_m)), "{face:?} {col} {row} {depth_m}");
                             assert!(!other.contains(point(depth_m)));

@@ -1,4 +1,4 @@
-//! Probe views from images in metres and light: of a dataset, or captured. Nothing is encoded.
+//! Probe views from images in metres and linear light, of a dataset or captured, without encoding.
 
 use half::f16;
 
@@ -12,13 +12,13 @@ use crate::image::{
 use crate::streams::convert::material_codes;
 use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View, straight, straight_half};
 
-/// The images of a face; all have the same size.
+/// Images of a face; all have the same size.
 #[derive(Debug, Clone)]
 pub struct FaceImages {
     pub face: Face,
-    /// Linear light, multiplied by alpha where there is one.
+    /// Linear RGB, multiplied by alpha if there is alpha.
     pub color: ColorPlane,
-    /// 0 to 1; none where all is opaque.
+    /// Alpha, 0 to 1; none if all pixels are opaque.
     pub alpha: Option<AlphaPlane>,
     /// Metres; +inf for background.
     pub depth: DepthPlane,
@@ -72,7 +72,7 @@ impl FaceImages {
     }
 }
 
-/// The view of a probe; near and far are those of its images.
+/// Creates the view of a probe; near and far are those of its images.
 pub fn from_images(probe: usize, entry: &ProbeEntry, images: &[FaceImages], coding: ColorCoding) -> Result<View> {
     let finite = images.iter().flat_map(|image| image.depth.data()).filter(|metres| metres.is_finite());
     let (near, far) = finite.fold((f32::INFINITY, 0f32), |(near, far), &m| (near.min(m), far.max(m)));
@@ -84,7 +84,8 @@ pub fn from_images(probe: usize, entry: &ProbeEntry, images: &[FaceImages], codi
     Ok(view)
 }
 
-/// The views of all probes of a dataset in a frame, in light of Rec. 709: their faces with both colour and depth.
+/// Reads the views of all probes of a dataset in a frame, in linear Rec. 709: their faces with both colour and depth. Fails if no
+/// probe has such a face.
 pub fn from_dataset(source: &Source, frame: u32, coding: ColorCoding) -> Result<LightField> {
     let kind = source.depth_stored;
     let mut views = Vec::new();

@@ -1,4 +1,4 @@
-//! Depth codes to the inverse planar depths of texels.
+//! Conversion of depth codes to the inverse planar depths of texels.
 
 use rayon::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::views::FaceTexels;
 
 #[derive(Debug, Clone)]
 pub struct InverseDepth {
-    /// By code, in 1/m.
+    /// Inverse depth of each code, in 1/m.
     pub of_code: Vec<f32>,
     pub range: DepthRange,
     pub kind: DepthKind,
@@ -20,7 +20,7 @@ impl InverseDepth {
         InverseDepth { of_code: codes.map(|code| 1.0 / range.metres(code)).collect(), range, kind }
     }
 
-    /// Inverse planar depth of a texel that shows `code`, in 1/m.
+    /// Returns the inverse planar depth of a texel that shows `code`, in 1/m.
     pub fn of(&self, code: u16, face: &FaceTexels, column: u32, row: u32) -> f32 {
         let inverse = self.of_code[usize::from(code)];
         match self.kind {
@@ -29,7 +29,8 @@ impl InverseDepth {
         }
     }
 
-    /// Writes texels of `codes` into a row from a column on, which they must fit into; answers the first and last that changed.
+    /// Writes the texels of `codes` into a row, which has to hold them all, from a column on. Returns the first and last index
+    /// that changed.
     pub fn write_row(&self, codes: &[u16], face: &mut FaceTexels, [column, row]: [u32; 2]) -> Option<[u32; 2]> {
         let start = row as usize * face.size[0] as usize + column as usize;
         let mut differ = None;

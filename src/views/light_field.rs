@@ -1,7 +1,7 @@
-//! The texels and poses of probes in one frame (CALF 6, algorithm 4, C, D, M and P).
+//! Texels and poses of probes in one frame (CALF 6, algorithm 4, C, D, M and P).
 //!
-//! Depth is the inverse of planar depth, in which planes are linear and a ray is compared by one multiplication. Background is
-//! 0, unknown texels are +inf.
+//! Depth is stored as inverse planar depth: planes are linear in it, and a point of a ray is compared by one multiplication.
+//! Background is 0, and unknown texels are +inf.
 
 use glam::{DMat3, DVec3, Vec3};
 use half::f16;
@@ -13,22 +13,22 @@ use crate::image::texel_map::PlanarPoint;
 use crate::image::{Face, TexelMap, ToneMap};
 use crate::math::camera::rotation;
 
-/// The inverse planar depth of background.
+/// Inverse planar depth of background.
 pub const BACKGROUND: f32 = 0.0;
-/// The inverse planar depth of a texel that was not captured or not decoded.
+/// Inverse planar depth of a texel that was not captured or not decoded.
 pub const UNKNOWN: f32 = f32::INFINITY;
 
-/// Coding of colours, in which views are interpolated.
+/// Coding of the colours, in which views are interpolated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ColorCoding {
-    /// 8-bit codes behind a transfer curve and an exposure.
+    /// 8-bit codes after a transfer curve and an exposure.
     Codes(ToneMap),
     /// Linear light as half floats.
     Light,
 }
 
 impl ColorCoding {
-    /// The transfer from light to 8-bit codes: the container's own, or sRGB where it holds light.
+    /// Returns the transfer from linear light to 8-bit codes: that of the container, or sRGB if the container holds linear light.
     pub fn tone(self) -> ToneMap {
         match self {
             ColorCoding::Codes(tone) => tone,
@@ -46,7 +46,7 @@ pub enum ColorTexels {
 }
 
 impl ColorTexels {
-    /// A texel: codes over 255, or light.
+    /// Returns a texel: codes over 255, or linear light.
     pub fn get(&self, at: usize) -> Vec3 {
         match self {
             ColorTexels::Codes(texels) => {
@@ -60,7 +60,7 @@ impl ColorTexels {
         }
     }
 
-    /// The fourth component of a texel, 0 to 1.
+    /// Returns the fourth component of a texel, 0 to 1.
     fn fourth(&self, at: usize) -> f32 {
         match self {
             ColorTexels::Codes(texels) => f32::from(texels[at][3]) / 255.0,
@@ -69,28 +69,29 @@ impl ColorTexels {
     }
 }
 
-/// The texels of one image of a probe, row by row.
+/// Texels of one image of a probe, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FaceTexels {
     /// Width and height in pixels.
     pub size: [u32; 2],
     pub map: TexelMap,
-    /// Inverse planar depth in 1/m; [`BACKGROUND`], or [`UNKNOWN`].
+    /// Inverse planar depth in 1/m, [`BACKGROUND`] or [`UNKNOWN`].
     pub inverse_depth: Vec<f32>,
-    /// Colours are not multiplied by alpha, so that they are interpolated by it as codes, too: a mean of codes of multiplied light is
-    /// too dark.
+    /// Straight colours, not multiplied by alpha, so that codes can be interpolated with alpha as their weight: a mean of codes
+    /// of premultiplied light is too dark.
     pub color: ColorTexels,
-    /// Whether the fourth component of its colours is alpha. Else its texels are opaque, and the fourth component means nothing.
+    /// True if the fourth component of its colours is alpha. Otherwise its texels are opaque, and the fourth component is
+    /// ignored.
     pub has_alpha: bool,
-    /// Weights of reflection and refraction, and the index of refraction, as `streams::convert` codes them; the fourth
-    /// byte is 0. None where the container has no material of this face.
+    /// Weights of reflection and refraction, and the index of refraction, as coded by `streams::convert`; the fourth byte is 0.
+    /// None if the container has no material of this face.
     pub material: Option<Vec<[u8; 4]>>,
-    /// Whether a weight of its material is above 0; after writing `material`, call [`FaceTexels::update_specular`].
+    /// True if a weight of its material is above 0. Call [`FaceTexels::update_specular`] after writing `material`.
     pub is_specular: bool,
 }
 
 impl FaceTexels {
-    /// A face of `size` texels of which nothing is known, without materials.
+    /// Creates a face of `size` unknown texels, without material.
     pub fn unknown(size: [u32; 2], map: TexelMap, coding: ColorCoding) -> FaceTexels {
         let texels = size[0] as usize * size[1] as usize;
         FaceTexels {
@@ -107,7 +108,7 @@ impl FaceTexels {
         }
     }
 
-    /// A face whose depths and colours are kept by a [`backend`](crate::views::backend), and nowhere else.
+    /// Creates a face whose depths and colours are stored only by a [`backend`](crate::views::backend).
     pub fn in_backend(size: [u32; 2], map: TexelMap, coding: ColorCoding) -> FaceTexels {
         let nothing = FaceTexels::unknown([0; 2], map, coding);
         FaceTexels { size, ..nothing }
@@ -123,12 +124,12 @@ impl FaceTexels {
         FaceTexels { material: Some(vec![[0; 4]; texels]), ..self }
     }
 
-    /// How much of a texel its surface or background covers, 0 to 1.
+    /// Returns the fraction of a texel that its surface or background covers, 0 to 1.
     pub fn alpha(&self, at: usize) -> f32 {
         if self.has_alpha { self.color.fourth(at) } else { 1.0 }
     }
 
-    /// The texels left and right of one, above and below it, that there are.
+    /// Returns the texels to the left and right of a texel, above and below it, inside the image.
     pub(crate) fn beside(&self, at: usize) -> impl Iterator<Item = usize> + use<> {
         let (width, texels) = (self.size[0] as usize, self.inverse_depth.len());
         let column = at % width.max(1);
@@ -141,7 +142,7 @@ impl FaceTexels {
         beside.into_iter().flatten()
     }
 
-    /// Direction of the centre of a texel, in the probe's axes, of planar depth 1.
+    /// Returns the direction of the centre of a texel in the probe's axes, with planar depth 1.
     pub(crate) fn direction(&self, face: Face, at: usize) -> DVec3 {
         let width = self.size[0] as usize;
         self.map.direction(face, [at % width, at / width].map(|at| at as f32 + 0.5)).as_dvec3()
@@ -152,33 +153,33 @@ impl FaceTexels {
     }
 }
 
-/// Whether a weight of a material, as it is coded, is above 0: reflection is the first, refraction the second.
+/// True if a weight of a coded material is above 0; the first component is reflection, the second refraction.
 pub(crate) fn has_specular_weight<const N: usize>(material: &[u8; N]) -> bool {
     material.iter().take(2).any(|&weight| weight > 0)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Projected {
-    /// Number of the face ([`Face`]).
+    /// Index of the face ([`Face`]).
     pub face: usize,
     /// Column and row, in texels from the upper left corner of the image.
     pub at: [f32; 2],
-    /// Inverse of the planar depth of the point, in 1/m; above 0.
+    /// Inverse planar depth of the point, in 1/m; above 0.
     pub inverse_depth: f32,
 }
 
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct View {
     pub name: String,
-    /// Its index in the container's table of probes.
+    /// Index in the container's table of probes.
     pub probe: usize,
     pub position: DVec3,
     pub probe_from_world: DMat3,
-    /// No surface of it is nearer, in metres of distance.
+    /// Lower bound on the distance of its surfaces, in metres.
     pub near_m: f32,
-    /// No surface of it has a greater planar depth or distance, in metres.
+    /// Upper bound on the planar depth or distance of its surfaces, in metres.
     pub far_m: f32,
-    /// Its images by the number of their face ([`Face`]); a cube map has up to six, a perspective probe the last.
+    /// Images by the index of their face ([`Face`]); a cube map has up to six, a perspective probe only the last.
     pub faces: [Option<FaceTexels>; 7],
 }
 
@@ -190,7 +191,7 @@ impl View {
         Ok(view)
     }
 
-    /// Moves it to where its probe stands.
+    /// Moves the view to the pose of its probe. Fails if the orientation is not a rotation.
     pub fn place(&mut self, entry: &ProbeEntry) -> Result<()> {
         let turn = rotation(entry.orientation)
             .ok_or_else(|| Error::invalid(format!("probe {}: its orientation is no rotation", entry.name)))?;
@@ -207,7 +208,7 @@ impl View {
         self.faces.iter().flatten().any(|face| face.is_specular)
     }
 
-    /// The point of an image plane where a point of the probe's own axes lies; None behind a perspective image.
+    /// Projects a point, given in the probe's axes, into an image plane; none behind a perspective image.
     pub fn planar_point(&self, from_probe: Vec3) -> Option<PlanarPoint> {
         match self.faces[Face::View as usize] {
             Some(_) => PlanarPoint::in_view(from_probe),
@@ -215,8 +216,8 @@ impl View {
         }
     }
 
-    /// Where a point lies in the images of this probe; `from_probe` is the way to it from the centre, in the probe's
-    /// own axes and metres. None in the centre, and where no image is.
+    /// Projects a point into the images of this probe. `from_probe` is the vector to the point from the centre, in the probe's
+    /// axes and metres. None at the centre, and where the probe has no image.
     pub fn project(&self, from_probe: Vec3) -> Option<Projected> {
         let PlanarPoint { face, plane, planar } = self.planar_point(from_probe)?;
         let texels = self.faces[face].as_ref()?;
@@ -228,10 +229,10 @@ impl View {
     }
 }
 
-/// The probes of a container, as far as they are known, in one frame.
+/// Probes of a container in one frame, as far as they are decoded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightField {
-    /// Its probes, in the order of the container.
+    /// Views of the probes, in the order of the container.
     pub views: Vec<View>,
     pub coding: ColorCoding,
 }

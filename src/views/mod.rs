@@ -1,4 +1,4 @@
-//! Probe views: the texels and poses of a light field's faces, and which tiles and cells cameras see of them (CALF 6.2).
+//! Probe views: texels and poses of a light field's faces, and the tiles and cells of them that cameras see (CALF 6.2).
 
 pub mod backend;
 pub mod camera_units;

@@ -1,7 +1,7 @@
 //! Decodes frames of a container into the texels of a light field (CALF 6.2).
 //!
-//! Enters: an open container, a frame, views, a filter of units. Leaves: the light field in that frame, and the rectangles of
-//! it that changed. Decoded units stay from frame to frame, so that only differences are decoded and written.
+//! Takes an open container, a frame, views, and a filter of units. Returns the light field in that frame, and the rectangles of
+//! it that changed. Decoded units are kept from frame to frame, so that only differences are decoded and written.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use crate::views::{
     NewFace, ProbeChoice, Rect, StraightCodes, TexelBackend,
 };
 
-/// Bytes of idle views that are kept where there is no memory budget.
+/// Bytes of idle views that are kept if there is no memory budget.
 const KEPT_BYTES: u64 = 2 << 30;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,7 +35,7 @@ pub struct Change {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
-    /// Its number in the light field.
+    /// Index in the light field.
     pub view: usize,
     pub position: DVec3,
 }
@@ -44,21 +44,21 @@ pub struct Candidate {
 pub struct ShowCounts {
     /// Tiles and cells whose pixels were written.
     pub cells_decoded: u64,
-    /// Tiles and cells of the visible set that showed the frame already.
+    /// Tiles and cells of the visible set that already showed the frame.
     pub cells_unchanged: u64,
-    /// Tiles and cells of active views outside of the visible set.
+    /// Tiles and cells of active views outside the visible set.
     pub cells_unseen: u64,
     /// Texels in changed rectangles, of all kinds.
     pub texels_updated: u64,
     /// Stored bytes that were read.
     pub bytes_read: u64,
-    /// Stored bytes of the chunks that hold the frame for these views and did not hold the frame before. Decoding everything
-    /// reads these, and sometimes the next chunk, where colour blends into its first keyframe.
+    /// Stored bytes of the chunks that hold the frame for these views and did not hold the previous frame. Decoding everything
+    /// reads these chunks, and sometimes the next chunk, if colour is blended with its first keyframe.
     pub bytes_all: u64,
 }
 
 impl ShowCounts {
-    /// Tiles and cells that were not decoded.
+    /// Number of tiles and cells that were not decoded.
     pub fn cells_skipped(&self) -> u64 {
         self.cells_unchanged + self.cells_unseen
     }
@@ -66,11 +66,11 @@ impl ShowCounts {
 
 add_members!(ShowCounts: cells_decoded, cells_unchanged, cells_unseen, texels_updated, bytes_read, bytes_all);
 
-/// Which units of a frame are needed.
+/// Units of a frame that are needed.
 #[derive(Clone, Copy)]
 pub struct UnitRequest<'f> {
     pub visible: &'f dyn UnitFilter,
-    /// With secondary rays: all materials are needed, and all units where a material is specular.
+    /// True with secondary rays: all materials are needed, and all units if a material is specular.
     pub secondary_rays: bool,
 }
 
@@ -80,22 +80,22 @@ pub struct Player<'a> {
     /// By the index of the view in the light field.
     streams: Vec<ViewStreams<'a>>,
     loaded: Vec<Option<LoadedView<'a>>>,
-    /// In the last frame. Views that are not loaded have no faces.
+    /// Texels of the last frame. Views that are not loaded have no faces.
     pub field: LightField,
     changes: Vec<Change>,
     budget: Budget,
-    /// Bytes of the budget that others take.
+    /// Bytes of the budget that are used by others.
     reserved_bytes: u64,
-    /// Whether decoders keep nothing but pixels from frame to frame, as all that they know would not fit.
+    /// True if decoders keep only pixels from frame to frame, because their full state would exceed the budget.
     forgets: bool,
     tables: Vec<Arc<InverseDepth>>,
-    /// Where colours are codes and a face has alpha.
+    /// Present if colours are codes and a face has alpha.
     straight: Option<Arc<StraightCodes>>,
-    /// Frames so far.
+    /// Number of frames so far.
     clock: u64,
     /// Bytes read by views that were unloaded.
     bytes_unloaded: u64,
-    /// Whether the last backend keeps texels itself.
+    /// True if the last backend stores texels itself.
     in_backend: bool,
 }
 
@@ -107,7 +107,7 @@ struct LoadedView<'a> {
 }
 
 impl<'a> Player<'a> {
-    /// A player of all chosen probes that have a face with both colour and depth. Nothing is decoded yet.
+    /// Creates a player of all chosen probes that have a face with both colour and depth. Nothing is decoded yet.
     pub fn new(decoder: &'a Decoder, probes: &ProbeChoice) -> Result<Player<'a>> {
         let Catalogue { field, streams } = Catalogue::new(decoder, probes)?;
         let has_alpha = streams.iter().flat_map(|view| &view.faces).any(|face| face.alpha.is_some());
@@ -132,7 +132,7 @@ impl<'a> Player<'a> {
         })
     }
 
-    /// Keeps to a memory budget, of which others take `reserved_bytes`.
+    /// Sets a memory budget, of which `reserved_bytes` are used by others.
     pub fn limit_memory(&mut self, budget: Budget, reserved_bytes: u64) {
         (self.budget, self.reserved_bytes) = (budget, reserved_bytes);
     }
@@ -141,7 +141,7 @@ impl<'a> Player<'a> {
         self.streams.iter().flat_map(|view| &view.faces).any(|face| face.material.is_some())
     }
 
-    /// All frames of all views, from the first to the last.
+    /// Returns the range of frames of all views, from the first to the last.
     pub fn frames(&self) -> FrameRange {
         let frames = || self.streams.iter().flat_map(|view| &view.faces).flat_map(FaceStreams::all).map(|s| s.frames);
         let first = frames().map(|frames| frames.first).min().unwrap_or_default();
@@ -159,25 +159,26 @@ impl<'a> Player<'a> {
             .collect()
     }
 
-    /// The streams of views (indices into [`LightField::views`]) that have a frame.
+    /// Returns the streams of views (indices into [`LightField::views`]) that have a frame.
     pub fn streams_of(&self, frame: u32, views: &[usize]) -> Vec<&'a StreamInfo> {
         let streams = views.iter().filter_map(|&view| self.streams.get(view));
         let faces = streams.flat_map(|view| &view.faces).filter(|face| face.have(frame));
         faces.flat_map(FaceStreams::all).collect()
     }
 
-    /// Changes since the last call; rectangles of one kind do not overlap. A loaded view begins with all its texels.
+    /// Returns the changes since the last call; rectangles of one kind do not overlap. A newly loaded view reports all its texels
+    /// as changed.
     pub fn take_changes(&mut self) -> Vec<Change> {
         std::mem::take(&mut self.changes)
     }
 
-    /// Most bytes of the loaded views: texels, decoded units, and chunks.
+    /// Returns the maximum bytes of the loaded views: texels, decoded units, and chunks.
     pub fn bytes(&self) -> u64 {
         let loaded = self.streams.iter().zip(&self.loaded).filter(|(_, loaded)| loaded.is_some());
         loaded.map(|(streams, _)| streams.bytes).sum()
     }
 
-    /// Shows a frame of some views on the processor, without secondary rays; see [`Player::show_on`].
+    /// Shows a frame of some views on the CPU, without secondary rays; see [`Player::show_on`].
     pub fn show(&mut self, frame: u32, views: &[usize], visible: &dyn UnitFilter) -> Result<ShowCounts> {
         self.show_on(frame, views, UnitRequest { visible, secondary_rays: false }, &mut CpuBackend)
     }
@@ -185,8 +186,8 @@ impl<'a> Player<'a> {
     /// Shows a frame of some views (indices into [`LightField::views`]). Texels of other units and views become
     /// [`UNKNOWN`](crate::views::light_field::UNKNOWN), unless they are known to be valid for the frame.
     ///
-    /// A change between the processor and a device unloads all views. A device must stay the same from frame to frame: another
-    /// one has loaded none of the views, and refuses.
+    /// A change between the CPU and a device unloads all views. The device must stay the same from frame to frame: another device
+    /// has not loaded the views, and fails.
     pub fn show_on(
         &mut self,
         frame: u32,
@@ -229,7 +230,7 @@ impl<'a> Player<'a> {
         Ok(counts)
     }
 
-    /// Decodes the needed units, materials first: they may need all others.
+    /// Decodes the needed units, materials first, because they may require all other units.
     fn decode(
         &mut self,
         frame: u32,
@@ -252,7 +253,7 @@ impl<'a> Player<'a> {
         backend.decode(frame, units)
     }
 
-    /// All loaded faces, with the filter for those of active views that have the frame.
+    /// Returns all loaded faces, with the filter for faces of active views that have the frame.
     fn faces_of<'s>(
         &'s mut self,
         frame: u32,
@@ -269,12 +270,12 @@ impl<'a> Player<'a> {
         )
     }
 
-    /// Least bytes with which some views (indices into [`LightField::views`], each once) are shown.
+    /// Returns the minimum bytes that suffice to show some views (indices into [`LightField::views`], each once).
     pub fn least_bytes(&self, views: &[usize]) -> u64 {
         self.bytes_of(views).into_iter().min().unwrap_or(0)
     }
 
-    /// Bytes of loaded views, and where their decoders keep nothing but pixels from frame to frame.
+    /// Returns the bytes of loaded views: with the full state of decoders, and if decoders keep only pixels from frame to frame.
     fn bytes_of(&self, views: &[usize]) -> [u64; 2] {
         let streams = || views.iter().filter_map(|&view| self.streams.get(view));
         let pixels: u64 = streams().map(|view| view.pixel_bytes).sum();
@@ -283,13 +284,13 @@ impl<'a> Player<'a> {
         [streams().map(|view| view.bytes).sum(), pixels.saturating_add(at_work)]
     }
 
-    /// Unloads idle views, the least recently used first, until the active ones fit.
+    /// Unloads idle views, least recently used first, until the active ones fit. Fails if the active views exceed the budget.
     fn make_room(&mut self, views: &[usize], backend: &mut dyn TexelBackend) -> Result<()> {
         let mut active: Vec<usize> = views.to_vec();
         active.sort_unstable();
         active.dedup();
         let [whole, forgetting] = self.bytes_of(&active).map(|bytes| bytes.saturating_add(self.reserved_bytes));
-        // Units at work may take more than decoders would keep: then forgetting is of no use.
+        // The units that are being decoded may take more than the state of all decoders: then dropping that state does not help.
         self.forgets = forgetting < whole && self.budget.bytes.is_some_and(|bytes| whole > bytes);
         let fixed = if self.forgets { forgetting } else { whole };
         let need = Need { what: "showing the views", fixed, each: 0, instead: "fewer `views`" };
@@ -330,7 +331,7 @@ impl<'a> Player<'a> {
             if self.loaded[at].is_none() {
                 let faces: Vec<_> = (0..self.streams[at].faces.len()).map(|face| self.load_face(at, face)).collect();
                 if let Err(error) = self.load_into(backend, at, &faces) {
-                    // Idle views must not keep an active one out.
+                    // Idle views must not prevent the loading of an active one.
                     let idle = self.idle(views);
                     if idle.is_empty() {
                         return Err(error);
@@ -371,7 +372,7 @@ impl<'a> Player<'a> {
         let texels = if streams.material.is_some() { texels.with_material() } else { texels };
         let texels = FaceTexels { has_alpha: streams.alpha.is_some(), ..texels };
         self.field.views[at].faces[number] = Some(texels);
-        // Alpha is a part of the texels of colour.
+        // Alpha is a part of the colour texels.
         for kind in streams.all().map(|stream| stream.kind).filter(|&kind| kind != StreamKind::Alpha) {
             self.changes.push(Change { view: at, face: number, kind, rect: [0, 0, size[0], size[1]] });
         }
@@ -379,7 +380,7 @@ impl<'a> Player<'a> {
         FaceCache::new(self.decoder, &streams, inverse, self.straight.clone())
     }
 
-    /// The table of a stream, shared by streams of the same range and kind.
+    /// Returns the table of a stream, shared by streams of the same range and kind.
     fn inverse_of(&mut self, header: &DepthHeader) -> Arc<InverseDepth> {
         let (range, kind) = (header.range, header.kind);
         if let Some(table) = self.tables.iter().find(|table| (table.range, table.kind) == (range, kind)) {
@@ -391,7 +392,7 @@ impl<'a> Player<'a> {
         table
     }
 
-    /// Brings texels to what was decoded, and counts the units of the active views.
+    /// Updates the texels from the decoded units, and counts the units of the active views.
     fn update(&mut self, views: &[usize], backend: &mut dyn TexelBackend) -> Result<ShowCounts> {
         let mut faces = Vec::new();
         for (at, (view, loaded)) in self.field.views.iter_mut().zip(&self.loaded).enumerate() {

@@ -1,6 +1,6 @@
-//! Rectangles of texels: what two have in common, what holds both, and many as few.
+//! Rectangles of texels: intersection, bounding rectangle, and merging.
 
-/// Left, top, width and height, the last two above 0.
+/// Left, top, width and height; width and height are above 0.
 pub type Rect = [u32; 4];
 
 pub fn overlap(a: Rect, b: Rect) -> Option<Rect> {
@@ -9,7 +9,7 @@ pub fn overlap(a: Rect, b: Rect) -> Option<Rect> {
     (left < right && top < bottom).then(|| [left, top, right - left, bottom - top])
 }
 
-/// The least rectangle that holds both.
+/// Returns the smallest rectangle that contains both.
 pub fn bounds(a: Option<Rect>, b: Rect) -> Rect {
     let Some(a) = a else { return b };
     let [left, top] = [0, 1].map(|axis| a[axis].min(b[axis]));
@@ -17,8 +17,8 @@ pub fn bounds(a: Option<Rect>, b: Rect) -> Rect {
     [left, top, right - left, bottom - top]
 }
 
-/// The same texels in fewer rectangles: neighbours in a row that are as high become one, then neighbours in a column that are
-/// as wide. Rectangles that overlap stay apart.
+/// Returns the same texels as fewer rectangles: joins neighbours in a row that have the same height, then neighbours in a column
+/// that have the same width. Overlapping rectangles are not joined.
 pub fn joined(rects: Vec<Rect>) -> Vec<Rect> {
     joined_along(1, joined_along(0, rects))
 }

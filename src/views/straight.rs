@@ -1,15 +1,15 @@
-//! Straight colours: light that was multiplied by alpha, divided by it.
+//! Conversion of premultiplied colours to straight colours.
 
 use half::f16;
 
 use crate::image::Transfer;
 
-/// Light without the alpha that it was multiplied by; 0 where that is 0.
+/// Divides light by the alpha that it was multiplied by; 0 if alpha is 0.
 pub(crate) fn straight(light: f32, alpha: f32) -> f32 {
     if alpha > 0.0 { light / alpha } else { 0.0 }
 }
 
-/// [`straight`] of half floats; what is beyond them becomes the greatest.
+/// Computes [`straight`] of a half float; values beyond the range of halves become the largest half.
 pub(crate) fn straight_half(light: f16, alpha: f32) -> f16 {
     match alpha {
         1.0 => light,
@@ -17,15 +17,15 @@ pub(crate) fn straight_half(light: f16, alpha: f32) -> f16 {
     }
 }
 
-/// [`straight`] of 8-bit codes.
+/// Table of [`straight`] for 8-bit codes.
 #[derive(Debug)]
 pub struct StraightCodes {
-    /// By alpha in 255ths, then by code.
+    /// Indexed by alpha in 255ths, then by code.
     codes: Vec<u8>,
 }
 
 impl StraightCodes {
-    /// Of light behind a transfer curve, with any exposure.
+    /// Creates the table for a transfer curve; it is the same for any exposure.
     pub fn new(transfer: Transfer) -> StraightCodes {
         let light: Vec<f64> = (0..=u8::MAX).map(|code| transfer.decode(f64::from(code) / 255.0)).collect();
         let straight = |alpha: u8, code: u8| match alpha {
@@ -39,7 +39,7 @@ impl StraightCodes {
         StraightCodes { codes: (0..=u8::MAX).flat_map(of).map(|(alpha, code)| straight(alpha, code)).collect() }
     }
 
-    /// A texel of a colour and its alpha in 255ths.
+    /// Returns the texel of a premultiplied colour and its alpha in 255ths.
     pub fn texel(&self, color: [u8; 3], alpha: u8) -> [u8; 4] {
         let [r, g, b] = color.map(|code| self.codes[usize::from(alpha) << 8 | usize::from(code)]);
         [r, g, b, alpha]
@@ -59,7 +59,7 @@ mod tests {
                 let light = transfer.decode(f64::from(code) / 255.0) as f32;
                 assert_eq!(codes.texel([code, 0, 255], 255), [code, 0, 255, 255]);
                 assert_eq!(codes.texel([code, 0, 255], 0), [0; 4]);
-                // Half a code of multiplied light is up to a code of light at an alpha of a half.
+                // At an alpha of a half, half a code of premultiplied light is up to one code of straight light.
                 let [straight, ..] = codes.texel([tone.code(light * 128.0 / 255.0), 0, 0], 128);
                 assert!(straight.abs_diff(code) <= 1, "{transfer:?}: {straight} of {code}");
                 assert!((straight_half(f16::from_f32(light * 0.25), 0.25).to_f32() - light).abs() <= light / 1024.0);

@@ -1,28 +1,28 @@
-//! Units of an image that cameras see, by testing all or by descending a quadtree (CALF 6.2, table 4).
+//! Units of an image that cameras see, found by testing all units or by descending a quadtree (CALF 6.2, table 4).
 //!
-//! The quadtree's leaves are the units, its inner nodes squares of 2 × 2, 4 × 4, … of them, its root the whole image.
-//! A node's frustum contains those of its children, so a camera that misses it misses them all. Beyond the paper, a camera
-//! that sees all directions of a node sees all its units without further tests.
+//! The leaves of the quadtree are the units, its inner nodes are squares of 2 × 2, 4 × 4, … units, and its root is the whole
+//! image. The frustum of a node contains those of its children, so a camera that misses the node misses all of them. Beyond the
+//! paper, a camera that sees all directions of a node sees all its units without further tests.
 
 use crate::math::{Sight, Viewer};
 use crate::views::FaceImage;
 
-/// How an image is cut into units, which are numbered row by row.
+/// Division of an image into units, which are numbered row by row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UnitGrid {
     /// Width and height of the image in pixels.
     pub size: [u32; 2],
-    /// Width and height of a unit in pixels; those in the last column and row are cut off at the image's edge.
+    /// Width and height of a unit in pixels; units in the last column and row are cut off at the image's edge.
     pub unit: [u32; 2],
 }
 
 impl UnitGrid {
-    /// Columns and rows of units.
+    /// Returns the number of columns and rows of units.
     pub fn shape(&self) -> [u32; 2] {
         [self.size[0].div_ceil(self.unit[0]), self.size[1].div_ceil(self.unit[1])]
     }
 
-    /// Pixel (column, row) at which a unit starts, or the image ends.
+    /// Returns the pixel (column, row) at which a unit starts, or at which the image ends.
     fn pixel(&self, at: [u32; 2]) -> [u32; 2] {
         [0, 1].map(|axis| at[axis].saturating_mul(self.unit[axis]).min(self.size[axis]))
     }
@@ -30,20 +30,20 @@ impl UnitGrid {
 
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Culled {
-    /// For each unit, the first camera that sees it, if one does.
+    /// For each unit, the index of the first camera that sees it, if any.
     pub seen_by: Vec<Option<u32>>,
-    /// Tests of a node or unit against a camera.
+    /// Number of tests of a node or unit against a camera.
     pub tests: u64,
 }
 
 impl Culled {
-    /// Tests that [`cull_all`] makes for the same result with so many cameras.
+    /// Returns the number of tests that [`cull_all`] makes for the same result with this number of cameras.
     pub fn regular_tests(&self, cameras: usize) -> u64 {
         self.seen_by.iter().map(|first| first.map_or(cameras as u64, |first| u64::from(first) + 1)).sum()
     }
 }
 
-/// Tests each unit against one camera after the other, up to the first that sees it.
+/// Tests each unit against the cameras in order, up to the first that sees it.
 pub fn cull_all(image: &FaceImage, grid: UnitGrid, cameras: &[Viewer]) -> Culled {
     let [columns, rows] = grid.shape();
     let mut culled = Culled::default();
@@ -62,10 +62,10 @@ pub fn cull_all(image: &FaceImage, grid: UnitGrid, cameras: &[Viewer]) -> Culled
     culled
 }
 
-/// Finds the same with fewer tests, by descending the quadtree.
+/// Returns the same result as [`cull_all`] with fewer tests, by descending the quadtree.
 ///
-/// A node, too, is tested up to the first camera that sees it. That one and those after it go on to its children; those
-/// before it have missed them all.
+/// A node is also tested up to the first camera that sees it. Its children are tested against this camera and those after it; the
+/// cameras before it miss all children.
 pub fn cull(image: &FaceImage, grid: UnitGrid, cameras: &[Viewer]) -> Culled {
     let [columns, rows] = grid.shape();
     let units = columns as usize * rows as usize;
@@ -75,7 +75,7 @@ pub fn cull(image: &FaceImage, grid: UnitGrid, cameras: &[Viewer]) -> Culled {
     descent.culled
 }
 
-/// A square of 2^level × 2^level units, the `at`-th of its level (column, row).
+/// A square of 2^level × 2^level units, at position `at` (column, row) of its level.
 #[derive(Clone, Copy)]
 struct Node {
     level: u32,

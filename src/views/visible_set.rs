@@ -1,9 +1,9 @@
-//! The units that rays from cameras can look up (CALF 6.2).
+//! Units that rays from cameras can look up (CALF 6.2).
 //!
-//! A ray looks up points before and behind the surfaces of a view. Points nearer to the centre of the view than its near plane
-//! need no texel; from there to any distance the unit under a point is needed. So frusta of units begin at near, but do not end
-//! at far, other than in [`crate::views::camera_units`]. With that, and a margin for lookups around a point, rendering gives
-//! the same pictures as with all units.
+//! A ray looks up points in front of and behind the surfaces of a view. Points nearer to the centre of the view than its near
+//! distance need no texel; beyond it, the unit under a point is needed at any distance. Therefore the frusta of units begin at
+//! near but do not end at far, unlike those of [`crate::views::camera_units`]. With these frusta, and a margin for lookups around
+//! a point, rendering gives the same images as with all units.
 
 use std::collections::HashMap;
 
@@ -15,29 +15,30 @@ use crate::math::{Camera, Viewer};
 use crate::streams::CodecHeader;
 use crate::views::{DepthSpan, FaceImage, UnitGrid, cull};
 
-/// Margin around a unit: half a pixel for bilinear lookups, one more for the texels beside theirs, the rest for rounding.
+/// Margin around a unit in pixels: half a pixel for bilinear lookups, one more for the texels next to these, and the rest for
+/// rounding.
 const MARGIN_PIXELS: f64 = 2.0;
-/// Part of near at which frusta begin, as rays compute distances in single precision.
+/// Fraction of near at which frusta begin, because rays compute distances in single precision.
 const NEAR_PART: f64 = 0.99;
 
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct VisibleSet {
-    /// By stream index: whether each unit is visible.
+    /// For each stream index, whether each unit is visible.
     streams: HashMap<u32, Vec<bool>>,
 }
 
 impl UnitFilter for VisibleSet {
-    /// Streams outside of the request have no visible units.
+    /// Streams outside the request have no visible units.
     fn wants(&self, stream: &StreamInfo, unit: u32, _frame: u32) -> bool {
         self.streams.get(&stream.index).and_then(|units| units.get(unit as usize)).is_some_and(|seen| *seen)
     }
 }
 
-/// Finds visible sets, and keeps the last one.
+/// Finds visible sets, and caches the last one.
 #[derive(Debug)]
 pub struct VisibleSets<'a> {
     decoder: &'a Decoder,
-    /// The nearest surface of each probe, in metres of distance.
+    /// Minimum distance of a surface of each probe, in metres.
     near_m: HashMap<usize, f64>,
     cameras: Vec<Camera>,
     seen: VisibleSet,
@@ -55,7 +56,7 @@ impl<'a> VisibleSets<'a> {
         VisibleSets { decoder, near_m, cameras: Vec::new(), seen: VisibleSet::default() }
     }
 
-    /// The visible set of `streams`. Results for the same cameras are reused.
+    /// Returns the visible set of `streams`. Results for the same cameras are reused.
     pub fn find(&mut self, streams: &[&StreamInfo], cameras: &[Camera]) -> &VisibleSet {
         if self.cameras != cameras {
             self.cameras = cameras.to_vec();
@@ -72,11 +73,11 @@ impl<'a> VisibleSets<'a> {
     fn units(&self, stream: &StreamInfo, viewers: &[Viewer]) -> Vec<bool> {
         let entry = &stream.entry;
         let near_m = self.near_m.get(&stream.probe).copied().unwrap_or(0.0);
-        // A distance for both kinds of depth: a point may have a planar depth below near, but be farther away.
+        // Near is a distance for both kinds of depth: a point may have a planar depth below near, but be farther away.
         let span = DepthSpan { near_m: NEAR_PART * near_m, far_m: f64::INFINITY, kind: DepthKind::Distance };
         let size = [entry.width, entry.height];
         let image = FaceImage::new(self.decoder.probe(stream), stream.face, size, span);
-        // Where a moving probe looks differs from frame to frame.
+        // The directions of a moving probe differ from frame to frame, so all its units are visible.
         match image.filter(|_| !self.decoder.moves(stream)) {
             None => vec![true; entry.unit_count() as usize],
             Some(image) => {

@@ -1,11 +1,11 @@
-// Symbols and raw bits of a region's substream (color.md 6.6, 7). Mirrors src/color/transform/coder.rs and src/entropy/rans.rs.
-// The host has checked that the substream holds all that is read. Needs `reader`, `stream` and
-// `tables`.
+// Reads symbols and raw bits of a region's substream (color.md 6.6, 7). Mirrors src/color/transform/coder.rs and
+// src/entropy/rans.rs. The host has checked that the substream is long enough for everything that is read. Needs `reader`,
+// `stream` and `tables`.
 
-// First word of the distributions.
+// Index in `tables` of the first word of the chunk's distributions.
 var<private> distributions: u32;
 
-// A substream is words: its first state, then pairs of 16 bits.
+// A substream is a list of words: its initial state, then pairs of 16-bit words.
 fn open_substream(word: u32) {
     reader.state = stream[word];
     reader.next_half = 2u * word + 2u;
@@ -19,7 +19,7 @@ fn renormalise() {
     }
 }
 
-// First slot of a symbol.
+// Returns the first slot of a symbol.
 fn start_at(symbol: u32) -> u32 {
     return tables[symbol] & 0xffffu;
 }
@@ -27,7 +27,7 @@ fn start_at(symbol: u32) -> u32 {
 fn symbol(context: u32) -> u32 {
     let first = distributions + tables[CLUSTERS_AT + context];
     let slot = reader.state & 4095u;
-    // The last symbol that starts at or before the slot: those without slots start where the next one does.
+    // Finds the last symbol whose start is at or before the slot. A symbol without slots has the same start as the next one.
     var at = first + select(0u, 8u, start_at(first + 8u) <= slot);
     at += select(0u, 4u, start_at(at + 4u) <= slot);
     at += select(0u, 2u, start_at(at + 2u) <= slot);
@@ -43,7 +43,7 @@ fn flag(context: u32) -> bool {
     return symbol(context) == 1u;
 }
 
-// At most 12 raw bits.
+// Reads at most 12 raw bits.
 fn few_bits(count: u32) -> u32 {
     let value = reader.state & ((1u << count) - 1u);
     reader.state >>= count;
@@ -51,7 +51,7 @@ fn few_bits(count: u32) -> u32 {
     return value;
 }
 
-// At most 24 raw bits.
+// Reads at most 24 raw bits.
 fn bits(count: u32) -> u32 {
     var high = 0u;
     if (count > 12u) {

@@ -1,7 +1,7 @@
-// Contexts of symbols (color.md 6.6), and where the tables of the format are (src/gpu/transform_tables.rs). Mirrors
+// Contexts of symbols (color.md 6.6), and offsets of the format's tables in `tables` (src/gpu/transform_tables.rs). Mirrors
 // src/color/transform/contexts.rs. Needs `tables`.
 
-// First contexts of the kinds of symbols.
+// First context of each symbol family.
 const CONTEXT_NODE: u32 = 0u;
 const CONTEXT_PLANES: u32 = 40u;
 const CONTEXT_CODED: u32 = 364u;
@@ -16,30 +16,31 @@ const CONTEXT_LATER_FRAME: u32 = 2185u;
 const CONTEXT_LATER_ROW: u32 = 2187u;
 const CONTEXT_LATER_PIXEL: u32 = 2189u;
 
-// First words of tables. Word n, for a basis of n points: the index of the length in 8 bits, and from bit 8 the first word of its
-// functions. Classes of sums of magnitudes start here.
+// First word of each table. Words 0 to 96 are an index of the bases: word n, for a basis of n points, holds the length index in
+// 8 bits, and the first word of the basis from bit 8. The classes of sums of magnitudes follow.
 const SUM_CLASSES_AT: u32 = 97u;
-// Positions of each size of blocks in the order of coding, and from bit 16 their classes.
+// Scan order of each block size: the position, and its class from bit 16.
 const SCAN_AT: u32 = 109u;
-// First word of each context's distribution in a set.
+// First word of each context's distribution, within a table set.
 const CLUSTERS_AT: u32 = 1469u;
-// Of steps (color.md 6.3): an octave, and the inverse roots of lengths; offsets by frequency of each set, for luma and chroma.
+// Tables for steps (color.md 6.3): one octave; the inverse roots of the lengths; the frequency offsets of each set, luma then
+// chroma.
 const OCTAVE_AT: u32 = 3674u;
 const ROOTS_AT: u32 = 3690u;
 const OFFSETS_AT: u32 = 3699u;
 
-// Index of a number of frames among the lengths of transforms; of others, the number of lengths.
+// Returns the index of a number of frames among the transform lengths; the number of lengths if it is none of them.
 fn length_index(frames: u32) -> u32 {
     return tables[frames] & 255u;
 }
 
-// First word of a basis, whose functions are rows.
+// Returns the first word of a basis. Each row is one basis function.
 fn basis_at(points: u32) -> u32 {
     return tables[points] >> 8u;
 }
 
 fn scan_at(level: u32) -> u32 {
-    // Blocks of 4, 8, 16 and 32 pixels square.
+    // Blocks of 4, 8, 16 and 32 pixels on a side.
     return SCAN_AT + ((16u << (2u * level)) - 16u) / 3u;
 }
 
@@ -63,12 +64,14 @@ fn last_bits_context(channel: u32, logarithm: u32) -> u32 {
     return CONTEXT_LAST_BITS + 11u * u32(channel > 0u) + logarithm;
 }
 
-// Contexts of a plane's last level, by class of its position and the magnitude in the plane before.
+// Returns the first context of a plane's last level; the offset depends on the class of its position and the magnitude in the
+// previous plane.
 fn last_level_contexts(channel: u32, temporal: u32) -> u32 {
     return CONTEXT_LEVELS + 18u * (4u * u32(channel > 0u) + temporal);
 }
 
-// Contexts of a plane's other levels, by class of the position, class of the sum around it and the magnitude before.
+// Returns the first context of a plane's other levels; the offset depends on the class of the position, the class of the sum of
+// neighbours, and the magnitude in the previous plane.
 fn level_contexts(channel: u32, temporal: u32) -> u32 {
     return CONTEXT_LEVELS + 144u + 144u * (4u * u32(channel > 0u) + temporal);
 }

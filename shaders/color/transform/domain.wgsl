@@ -1,4 +1,4 @@
-// From keys to channels and back (color.md 6.2). Mirrors src/color/transform/domain.rs. Needs `slope_of` and `MIDDLE`.
+// Conversion between keys and channels (color.md 6.2). Mirrors src/color/transform/domain.rs. Needs `slope_of` and `MIDDLE`.
 
 fn predicted_chroma(slope: i32, luma: i32) -> i32 {
     return (slope * luma + 8) >> 4u;
@@ -12,7 +12,7 @@ fn channels_of(keys: vec3i) -> vec3i {
     return vec3i(luma, green - predicted_chroma(slope_of(1u), luma), orange - predicted_chroma(slope_of(2u), luma));
 }
 
-// Channels and keys in units of 2^-fraction.
+// Both the channels and the keys are in units of 2^-fraction.
 fn keys_of_channels(channels: vec3i, fraction: u32) -> vec3i {
     let chroma_green = channels.y + predicted_chroma(slope_of(1u), channels.x);
     let orange = channels.z + predicted_chroma(slope_of(2u), channels.x);

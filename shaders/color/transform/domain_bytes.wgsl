@@ -1,7 +1,7 @@
-// Samples of 8 bits in the transform codec: `Domain::BYTES` of src/color/transform/domain.rs.
+// 8-bit samples in the transform codec: `Domain::BYTES` of src/color/transform/domain.rs.
 
 const FRACTION_BITS: u32 = 6u;
-// Fraction bits of the channels of pixels where steps follow the eye.
+// Fraction bits of a pixel's channels in chunks with frequency-dependent steps (offset_set 1).
 const FINE_BITS: u32 = 4u;
 const KEY_BITS: u32 = 8u;
 const MIDDLE: i32 = 128;

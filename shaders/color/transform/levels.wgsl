@@ -1,5 +1,5 @@
-// Levels of a transformed block (color.md 6.6), summed up to the spatial coefficients of one frame while they are read. Mirrors
-// src/color/transform/levels.rs and `FrameLevels` of src/color/transform/reconstruct.rs.
+// Reads the levels of a transformed block (color.md 6.6), and accumulates the spatial coefficients of one frame while reading.
+// Mirrors src/color/transform/levels.rs and `FrameLevels` of src/color/transform/reconstruct.rs.
 
 fn open_block() {
     reader.first_plane_number = reader.plane_number + 1u;
@@ -10,13 +10,13 @@ fn open_block() {
     reader.next = NEXT_CHANNEL;
 }
 
-// Magnitude of a neighbour in this plane.
+// Returns the magnitude of a neighbour in this plane; 0 if it is not read yet.
 fn magnitude_at(position: u32) -> u32 {
     let held = scratch[region_slot].magnitudes[position];
     return select(0u, held & 15u, held >> 8u == reader.plane_number);
 }
 
-// Index in the scan of a plane's last level, with the class of that in the plane before.
+// Reads the scan index of a plane's last nonzero level; the context depends on the class of that index in the previous plane.
 fn last_position(channel: u32, temporal: u32, level: u32, class_before: u32) -> u32 {
     let logarithm = symbol(last_context(channel, temporal, level, class_before));
     if (logarithm == 0u) {
@@ -29,7 +29,7 @@ fn last_position(channel: u32, temporal: u32, level: u32, class_before: u32) -> 
     return min(index - 1u, (16u << (2u * level)) - 1u);
 }
 
-// Reads the number of planes of a channel, and predicts its mean.
+// Reads the number of planes of a channel, and predicts the level of its mean.
 fn open_channel() {
     let block = reader.block;
     let channel = reader.channel;
@@ -51,7 +51,8 @@ fn open_channel() {
     }
 }
 
-// Reads the levels of a plane, and adds the coefficients of the wanted frame if the block shows it.
+// Reads the levels of a plane. If the block contains the wanted frame, adds their contribution to the coefficients of that
+// frame.
 fn read_plane() {
     let block = reader.block;
     let channel = reader.channel;
@@ -134,7 +135,7 @@ fn read_plane() {
     }
 }
 
-// Notes the mean of a channel, and the block once all its channels are read.
+// Records the mean of a channel; after the third channel, finishes the block.
 fn close_channel() {
     let block = reader.block;
     let channel = reader.channel;

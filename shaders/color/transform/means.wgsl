@@ -1,7 +1,7 @@
-// Steps (color.md 6.3), means of squares of 4x4 pixels, and the levels predicted from them (6.5). Mirrors
+// Steps (color.md 6.3), means of 4x4 squares, and the levels predicted from them (color.md 6.5). Mirrors
 // src/color/transform/steps.rs and src/color/transform/means.rs.
 
-// The step of a sum of spatial frequencies of blocks of a size and length.
+// Returns the step of a level; `frequency` is the sum of its horizontal and vertical frequencies.
 fn step_of(channel: u32, length: u32, level: u32, frequency: u32) -> i32 {
     let table = 2u * stream[chunk + OFFSET_SET] + min(channel, 1u);
     let offset = tables[OFFSETS_AT + 64u * table + (((2u * frequency + 1u) << (3u - level)) >> 1u)];
@@ -19,7 +19,7 @@ fn first_square(block: Block, channel: u32) -> u32 {
     return 64u * channel + 8u * block.y + block.x;
 }
 
-// The predicted level of a block's mean.
+// Returns the predicted level of a block's mean.
 fn predicted_level(block: Block, channel: u32, step: i32) -> i32 {
     let first = first_square(block, channel);
     let squares = 1u << block.level;
@@ -43,7 +43,7 @@ fn predicted_level(block: Block, channel: u32, step: i32) -> i32 {
         sum += scratch[region_slot].means[square];
     }
     let scaled = (sum >> shift) * i32(32u << block.level) + (step >> 1u);
-    // Rounded down.
+    // Division that rounds down.
     let quotient = scaled / step;
     return quotient - i32(scaled - quotient * step < 0);
 }
@@ -54,7 +54,7 @@ fn note_square(square: u32, channels: vec3i) {
     scratch[region_slot].means[128u + square] = channels.z;
 }
 
-// Notes the mean of a block from the sum of its constant coefficients in its last frame.
+// Records the mean of a block, computed from the sum of its DC coefficients in its last frame.
 fn note_block(block: Block, channel: u32, sum: i32) {
     let mean = ((sum + 128) >> 8u) >> (2u + block.level);
     let first = first_square(block, channel);

@@ -1,4 +1,4 @@
-// Blocks of few colours (color.md 6.8). Mirrors src/color/transform/palette.rs.
+// Palette blocks (color.md 6.8). Mirrors src/color/transform/palette.rs.
 
 fn index_in(position: u32, of_slot: u32) -> u32 {
     return (scratch[region_slot].indices[position >> 2u] >> (8u * (position & 3u) + 4u * of_slot)) & 15u;
@@ -10,7 +10,7 @@ fn put_index(position: u32, index: u32) {
     scratch[region_slot].indices[position >> 2u] = (held & ~(15u << shift)) | (index << shift);
 }
 
-// Fills the cache with the chunk's colours, and with 0 behind them.
+// Initialises the cache with the chunk's colours and fills the remaining entries with 0.
 fn open_cache() {
     reader.cached = stream[chunk + 3u];
     for (var at = 0u; at < 15u; at++) {
@@ -23,7 +23,7 @@ fn open_cache() {
     }
 }
 
-// Moves a colour to the front of the cache; the last one is dropped where it is new and the cache is full.
+// Moves a colour to the front of the cache. If the colour is new and the cache is full, drops the last entry.
 fn touch(color: vec2u) {
     var moved = color;
     var at = 0u;
@@ -61,7 +61,8 @@ fn open_palette(level: u32) {
     reader.next = NEXT_FRAME;
 }
 
-// Reads an index: that of the first, second or third of the different ones among a, b and c, or another one.
+// Reads a palette index. A symbol below the number of distinct values among a, b and c selects one of these values; otherwise
+// the index follows as raw bits.
 fn read_index(context: u32, a: u32, b: u32, c: u32) -> u32 {
     let place = symbol(context);
     var second = b;
@@ -79,7 +80,7 @@ fn read_index(context: u32, a: u32, b: u32, c: u32) -> u32 {
     return select(select(third, second, place == 1u), a, place == 0u);
 }
 
-// Reads indices of a frame, row by row. Those of the frame before are in the other slot; none are before the first frame.
+// Reads the indices of a frame, row by row. Those of the previous frame, if any, are in the other slot.
 fn read_indices(side: u32, is_first: bool) {
     let before = reader.slot ^ 1u;
     var repeats = false;
@@ -131,7 +132,7 @@ fn read_indices(side: u32, is_first: bool) {
     }
 }
 
-// Reads the indices of the next frame.
+// Reads the indices of the next frame, or that it repeats the previous one.
 fn read_next_indices(side: u32) {
     let is_first = reader.next_frame == 0u;
     reader.next_frame++;
@@ -149,7 +150,8 @@ fn read_next_indices(side: u32) {
     read_indices(side, is_first);
 }
 
-// Reads the next frame of the palette's block, and writes its pixels if it is the wanted one; behind the last frame notes means.
+// Reads the next frame of a palette block, and writes its pixels if it is the wanted frame. After the last frame, records the
+// means.
 fn read_frame() {
     let block = reader.block;
     let side = 4u << block.level;
@@ -174,7 +176,7 @@ fn keys_of_color(color: vec2u) -> vec3i {
     return vec3i(vec3u(color.x & 0xffffu, color.x >> 16u, color.y));
 }
 
-// Keys of a pixel of the palette's block.
+// Returns the keys of a pixel of the palette block.
 fn palette_keys(x: u32, y: u32) -> vec3i {
     var index = 0u;
     if (reader.color_count > 1u) {
@@ -183,7 +185,7 @@ fn palette_keys(x: u32, y: u32) -> vec3i {
     return keys_of_color(scratch[region_slot].palette[index]);
 }
 
-// Notes the means of the palette's block (color.md 6.5).
+// Records the means of the palette block (color.md 6.5).
 fn note_palette(block: Block) {
     let squares = 1u << block.level;
     reader.iterations += 18u * squares * squares;

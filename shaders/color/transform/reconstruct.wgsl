@@ -1,7 +1,7 @@
-// One frame of a region (color.md 6.3), a workgroup each: all its invocations transform a block. Mirrors
-// src/color/transform/reconstruct.rs.
+// Inverse transform of one frame of a region (color.md 6.3), one workgroup per region: all invocations transform one block at a
+// time. Mirrors src/color/transform/reconstruct.rs.
 
-// Columns transformed of the coefficients, 32 a row.
+// Coefficients after the column transform, 32 per row.
 var<workgroup> columns: array<i32, 1024>;
 var<workgroup> leaf_count: u32;
 var<workgroup> next: u32;
@@ -11,7 +11,7 @@ var<workgroup> leaves: array<Leaf, 64>;
 var<private> luma: array<i32, 16>;
 var<private> green: array<i32, 16>;
 
-// Columns and rows of the coefficients of a channel.
+// Returns the number of columns and rows of a channel's coefficients.
 fn extent_of(leaf: Leaf, channel: u32) -> vec2u {
     return ((vec2u(leaf.extents) >> vec2u(10u * channel, 10u * channel + 5u)) & vec2u(31u)) + 1u;
 }
@@ -65,7 +65,7 @@ fn clear_coefficients(local: u32, first: u32, extent: vec2u) {
     }
 }
 
-// Sets to 0 what the next frame expects to be 0.
+// Resets the fields that must be 0 before the next frame.
 fn clear_scratch(local: u32) {
     for (var at = local; at < 1088u; at += WORKGROUP) {
         scratch[region_slot].magnitudes[at] = 0u;
@@ -108,7 +108,7 @@ fn show_regions(
         }
     }
     if (workgroupUniformLoad(&next) != NEXT_END) {
-        // Reading did not end: the block that was being read has coefficients and is no leaf.
+        // Reading stopped early: the block that was being read has coefficients but is not in `leaves`.
         for (var at = local; at < 3072u; at += WORKGROUP) {
             scratch[region_slot].coefficients[at] = 0;
         }

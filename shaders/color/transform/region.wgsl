@@ -1,14 +1,15 @@
-// The tree of blocks of a region (color.md 6.4), an invocation each. Mirrors src/color/transform/region.rs and
-// src/color/transform/blocks.rs. Reading takes several passes where it is long, and ends when all pixels of the frame are known.
+// Reads the block tree of a region (color.md 6.4), one region per invocation. Mirrors src/color/transform/region.rs and
+// src/color/transform/blocks.rs. A long region takes several passes; reading ends when all pixels of the wanted frame are
+// known.
 
 const NODE_QUARTERS: u32 = 1u;
 const NODE_PARTS: u32 = 2u;
 const NODE_PALETTE: u32 = 3u;
 
-// Iterations after which a pass ends. Mesa's software Vulkan ends all loops of 8 invocations after 65535 iterations in all, a loop
-// that none of them enters counting one. A step counts its iterations and STEP_ITERATIONS, the number of loops in `read_regions`; the
-// longest, a frame of a palette, counts 2060. So 8 invocations take at most 8 * (4999 + 2060). The host counts passes by the same
-// numbers.
+// Iterations after which a pass ends. Mesa's software Vulkan terminates all loops of 8 invocations after 65535 iterations in
+// total, and a loop that none of them enters counts as one. A step counts its own iterations plus STEP_ITERATIONS, the number
+// of loops in `read_regions`; the longest step, a frame of a palette, counts 2060. So 8 invocations take at most 8 * (4999 +
+// 2060) iterations. The host counts passes with the same numbers.
 const PASS_ITERATIONS: u32 = 5000u;
 const STEP_ITERATIONS: u32 = 12u;
 
@@ -70,7 +71,7 @@ fn read_node() {
     }
 }
 
-// Counts the pixels of a block that shows the frame.
+// Subtracts the pixels of a block that shows the wanted frame; ends reading when none remain.
 fn count_shown(block: Block) {
     reader.pixels_left -= 16u << (2u * block.level);
     if (reader.pixels_left == 0u) {
@@ -78,7 +79,7 @@ fn count_shown(block: Block) {
     }
 }
 
-// Number of the wanted frame in a block; NONE if it shows others.
+// Returns the index of the wanted frame in a block; NONE if the block does not contain it.
 fn frame_in(block: Block) -> u32 {
     let frame = wanted_frame - block.frame;
     return select(NONE, frame, frame < block.frames);

@@ -107,7 +107,7 @@ const PROJECTIONS: &Choices<Projection> = &[
     ("perspective", Projection::Perspective, "A pinhole camera along -Z with +Y up, rotated by its orientation"),
 ];
 
-/// An output besides colour, or none: an alias, as clap takes an `Option` for an option that may be absent.
+/// An output besides colour, or none. An alias, because clap treats an `Option` as an option that may be absent.
 type OutputPass = Option<Pass>;
 
 const AOVS: &Choices<OutputPass> = &[
@@ -157,7 +157,7 @@ mod tests {
         }
     }
 
-    /// The help has the figures of the light that scenes without any get.
+    /// The help states the default light of scenes that have no lights.
     #[test]
     fn the_help_has_the_default_light() {
         use clap::Args as _;

@@ -14,7 +14,7 @@ use crate::math::{Camera, Lens};
 use crate::scene::capture::frames_of_animation;
 use crate::scene::{CapturePlan, Pass, Scene};
 
-/// Default side of a cube face; panoramas are four times as wide.
+/// Default side of a cube face. Panoramas are four times as wide.
 const DEFAULT_SIDE: u32 = 512;
 
 /// Kind of the cameras of a file.
@@ -74,7 +74,7 @@ impl Args {
         notes
     }
 
-    /// The plan, with consistent sizes; [`CapturePlan::manifest`] checks the rest.
+    /// Returns the plan with consistent sizes. [`CapturePlan::manifest`] checks the rest.
     pub(super) fn plan(&self, scene: &Scene, cameras: CameraSet, viewers: Viewers) -> Result<CapturePlan> {
         let usual = match viewers {
             Viewers::Yes => Projection::Perspective,
@@ -138,7 +138,7 @@ impl Args {
         };
         let [width, height] = size.map(f64::from);
         match aspect {
-            // Rounding may cost a pixel.
+            // Rounding may change the width by one pixel.
             Some(aspect) if (width - height * aspect).abs() > 1.0 => refuse(format!(
                 "--size {width}x{height}: the cameras have an aspect of {aspect}; --size {height} alone applies it"
             )),
@@ -147,7 +147,7 @@ impl Args {
     }
 }
 
-/// From the first to the last frame of any camera; cameras without frames have the whole animation.
+/// Returns the range from the first to the last frame of any camera. Cameras without frames use the whole animation.
 fn wanted_frames(cameras: &CameraSet, all: impl Fn() -> Result<FrameRange>) -> Result<FrameRange> {
     let mut hull: Option<FrameRange> = None;
     for camera in &cameras.cameras {
@@ -158,7 +158,7 @@ fn wanted_frames(cameras: &CameraSet, all: impl Fn() -> Result<FrameRange>) -> R
     hull.map_or_else(all, Ok)
 }
 
-/// Whether a file's cameras have eyes. Invalid JSON is reported later.
+/// True if the cameras of a file have eyes. Invalid JSON is reported later.
 fn are_viewers(text: &[u8]) -> bool {
     let value: serde_json::Value = serde_json::from_slice(text).unwrap_or_default();
     let cameras = value.get("cameras").and_then(|cameras| cameras.as_array());
@@ -181,7 +181,7 @@ mod tests {
         assert_eq!(wanted(&[None, None]), [0, 6]);
         assert_eq!(wanted(&[Some([4, 5]), Some([5, 9])]), [4, 9]);
         assert_eq!(wanted(&[Some([4, 9]), None]), [0, 9]);
-        // Where each camera says, nobody asks for the animation.
+        // If every camera states its frames, the animation is not evaluated.
         let said = CameraSet::new(vec![at(Some([4, 5]))]);
         let endless = || refuse("endless");
         assert_eq!(wanted_frames(&said, endless).unwrap().last, 5);

@@ -1,4 +1,4 @@
-//! `decode -o NAME.ply`: frames as point clouds.
+//! `decode -o NAME.ply`: decodes frames to point clouds.
 
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -29,7 +29,7 @@ struct Report {
     seconds: f64,
 }
 
-/// Whether an output is a point cloud, by its ending.
+/// True if the extension of an output is that of a point cloud.
 pub fn is_named(output: &Path) -> bool {
     output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ply"))
 }
@@ -73,7 +73,7 @@ pub fn run(args: &Args, input: &Path, output: &Path, global: &GlobalArgs) -> Res
         })
         .collect();
     let pixels: u64 = images.iter().map(|&at| reference.images[at].size.map(u64::from).iter().product::<u64>()).sum();
-    // While the points grow they may be copied.
+    // Growing the list of points may copy it.
     let fixed = pixels.saturating_mul(2 * POINT_BYTES);
     let need = Need { what: "a point cloud", fixed, each: 0, instead: "fewer probes" };
     args.memory.get().at_once(&need, 1)?;
@@ -83,7 +83,7 @@ pub fn run(args: &Args, input: &Path, output: &Path, global: &GlobalArgs) -> Res
     let steps = frames.iter().map(|frame| in_frame(&reference, frame).len() as u64).sum();
     let progress = Progress::start(global, "decoding", steps)?;
     let mut report = Report { frames: frames.count(), points: 0, bytes_out: 0, seconds: 0.0 };
-    // All appear at once.
+    // All files are moved into place together.
     let folder = OutputFolder::create(parent_of(output))?;
     for frame in frames.iter() {
         let path = folder.work_path().join(pattern.path(frame));

@@ -1,7 +1,7 @@
-//! Poses and lenses of proposed probes from a file of cameras that lies beside the images.
+//! Poses and lenses of proposed probes, from a camera file next to the images.
 //!
-//! Enters: a proposal whose images do not state their cameras. Leaves: the same with the cameras of the file, by name of the probe,
-//! or by frame where there is one probe.
+//! Takes a proposal whose images do not state their cameras. Sets the cameras of its probes from the file, by probe
+//! name, or by frame if there is only one probe.
 
 use std::path::{Path, PathBuf};
 
@@ -13,10 +13,10 @@ use crate::evaluate::cameras::{self, FileCamera};
 use crate::image::Projection;
 use crate::image::sequence::split_number;
 
-/// Names of files of cameras; any of USD in text, too.
+/// Names of camera files. Text files of USD are recognised under any name.
 const NAMES: [&str; 2] = ["transforms.json", "images.txt"];
 
-/// Gives probes the cameras of a file in the folder, if there is one, and says so.
+/// Assigns the cameras of a file in the folder to the probes, if there is exactly one, and notes it.
 pub fn place(folder: &Path, proposal: &mut Proposal) {
     let [file] = &files(folder)[..] else { return };
     let name = file.file_name().unwrap_or_default().to_string_lossy();
@@ -42,7 +42,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     all.filter(is_of_cameras).collect()
 }
 
-/// The probes with cameras of a file; `None` where its cameras are those of others.
+/// Returns the probes with the cameras of a file. `None` if the cameras do not match the probes.
 fn read(file: &Path, manifest: &Manifest) -> Result<Option<Vec<Probe>>> {
     let cameras = cameras::read(file, manifest.fps)?;
     let named = |probe: &Probe| {
@@ -67,7 +67,7 @@ fn read(file: &Path, manifest: &Manifest) -> Result<Option<Vec<Probe>>> {
     Ok(Some(vec![Probe { position: None, orientation: None, poses, intrinsics, ..probe.clone() }]))
 }
 
-/// The one camera of a frame: by the frames that it states, else by the number in the name of its picture.
+/// Returns the only camera of a frame: by its stated frames, else by the number in the name of its picture.
 fn of_frame(cameras: &[FileCamera], frame: u32) -> Option<&FileCamera> {
     let is_of = |camera: &&FileCamera| match camera.timed.frames {
         Some(frames) => frames.contains(frame),
@@ -77,7 +77,7 @@ fn of_frame(cameras: &[FileCamera], frame: u32) -> Option<&FileCamera> {
     found.next().filter(|_| found.next().is_none())
 }
 
-/// What a camera, or its picture, is called, without folders and ending.
+/// Returns the name of a camera or its picture without folders and extension.
 fn stem(name: &str) -> &str {
     let name = name.rsplit('/').next().unwrap_or(name);
     name.rsplit_once('.').map_or(name, |(stem, _)| stem)
@@ -101,7 +101,7 @@ fn still(probe: &Probe, camera: &FileCamera, manifest: &Manifest) -> Probe {
     }
 }
 
-/// fx, fy, cx, cy of perspective images.
+/// Returns fx, fy, cx, cy for perspective images.
 fn lens(camera: &FileCamera, manifest: &Manifest) -> Option<[f64; 4]> {
     let is_perspective = manifest.projection == Projection::Perspective;
     is_perspective.then(|| camera.timed.camera.intrinsics(manifest.size.map(f64::from)))

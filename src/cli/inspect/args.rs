@@ -80,7 +80,8 @@ impl Args {
         self.per_frame || matches!(self.frames, Some(None))
     }
 
-    /// `what` is the input and its kind, which has no other report than a table or JSON.
+    /// Fails if options other than --json are given. `what` names the input and its kind, which is reported only as a
+    /// table or as JSON.
     pub fn refuse_all_but_json(&self, what: &str) -> Result<()> {
         let selection = &self.selection;
         let is_selective = !selection.probe.is_empty() || !selection.face.is_empty() || !selection.stream.is_empty();

@@ -16,7 +16,7 @@ use crate::encode::{self, ProbePrecision};
 use crate::error::{Result, counted};
 use crate::report::Table;
 
-/// Lines of text are no longer.
+/// Maximum number of characters of a line of text.
 const COLUMNS: u16 = 100;
 
 #[derive(Serialize)]

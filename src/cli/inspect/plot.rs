@@ -1,4 +1,4 @@
-//! `inspect --plot`: coding maps and error maps of streams.
+//! `inspect --plot`: writes coding maps and error maps of streams.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -15,7 +15,7 @@ use crate::files::OutputFolder;
 use crate::image::sequence::FrameRange;
 use crate::report::coding_map::{self, Request, What};
 
-/// More images than this are only counted.
+/// Maximum number of images that are listed; more are only counted.
 const MAX_LINES: usize = 24;
 
 #[derive(Debug, Serialize)]

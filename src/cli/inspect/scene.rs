@@ -1,4 +1,4 @@
-//! `inspect SCENE`: bounds, counts and animations of a scene.
+//! `inspect SCENE`: reports bounds, counts and animations of a scene.
 
 use std::fmt::Write;
 

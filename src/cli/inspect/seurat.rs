@@ -1,4 +1,4 @@
-//! `inspect MANIFEST.json`: views, cameras and depth types of a Seurat manifest.
+//! `inspect MANIFEST.json`: reports views, cameras and depth types of a Seurat manifest.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -25,7 +25,7 @@ struct Document {
     notes: Vec<String>,
 }
 
-/// Views of equal properties.
+/// Number of views with equal properties.
 #[derive(Serialize)]
 struct Images {
     #[serde(flatten)]

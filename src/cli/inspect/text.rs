@@ -1,4 +1,4 @@
-//! The text report of `inspect`.
+//! Text report of `inspect`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -22,9 +22,9 @@ use crate::streams::{
     CodecHeader, ColorBlocks, ColorCoding, ColorFormat, DepthBound, DepthCoding, MissingFrame, NodeHeader,
 };
 
-/// More streams than this are summed up for each probe and kind, unless `--streams` is given.
+/// Maximum number of streams with a row each. More are summed by probe and kind, unless `--streams` is given.
 const MAX_STREAM_ROWS: usize = 24;
-/// Most settings listed for one kind of stream.
+/// Maximum number of settings listed for one kind of stream.
 const MAX_SETTINGS: usize = 4;
 
 pub fn summary(report: &Report<'_>) -> String {
@@ -39,7 +39,7 @@ pub fn summary(report: &Report<'_>) -> String {
     out
 }
 
-/// What holds for the depth of each probe.
+/// Returns the depth error bounds of the probes, one line each.
 fn depth_bounds(report: &Report<'_>) -> String {
     let mut bounds: Vec<(&str, DepthBound)> = Vec::new();
     for stats in &report.inspection.streams {
@@ -90,7 +90,7 @@ fn heading(report: &Report<'_>) -> String {
     out
 }
 
-/// Lines about primaries, clipped pixels and missing frames, where these are not as usual.
+/// Returns lines about unusual primaries, clipped pixels and missing frames.
 fn footage(report: &Report<'_>) -> String {
     let decoder = report.decoder;
     let footage = decoder.footage();
@@ -105,7 +105,7 @@ fn footage(report: &Report<'_>) -> String {
         let _ =
             writeln!(out, "{} did not fit 8 bits and were clipped when it was encoded", counted(count, "colour pixel"));
     }
-    // One line for each stream and what stands in place of its frames.
+    // One line for each stream and replacement of its missing frames.
     let same = |one: &MissingFrame, next: &MissingFrame| {
         (&one.probe, one.kind, one.face, one.held) == (&next.probe, next.kind, next.face, next.held)
     };
@@ -119,7 +119,7 @@ fn footage(report: &Report<'_>) -> String {
     out
 }
 
-/// CALF's table 1.
+/// Table with the columns of CALF table 1.
 fn kinds(report: &Report<'_>) -> Table {
     let all = report.inspection.totals(None);
     let stored = match (all.lzma2_chunks > 0, all.zstd_chunks > 0) {
@@ -149,7 +149,7 @@ fn kinds(report: &Report<'_>) -> Table {
     table
 }
 
-/// A row for each stream, or if there are many for those of one probe and kind.
+/// Table with a row for each stream or, if there are many, for the streams of one probe and kind.
 fn streams(report: &Report<'_>) -> Table {
     let mut streams: Vec<_> = report.inspection.streams.iter().collect();
     let summed = streams.len() > MAX_STREAM_ROWS && !report.args.streams;
@@ -188,7 +188,7 @@ fn streams(report: &Report<'_>) -> Table {
     table
 }
 
-/// Mode statistics of depth: nodes by level and function, with their part of the updated pixels and of the bytes.
+/// Mode statistics of depth: nodes by level and function, with their share of the updated pixels and of the bytes.
 fn nodes(report: &Report<'_>) -> Option<Table> {
     let mut census = ModeStatistics::default();
     report.inspection.streams.iter().for_each(|stats| census.add(&stats.nodes));
@@ -213,7 +213,7 @@ fn nodes(report: &Report<'_>) -> Option<Table> {
     Some(table)
 }
 
-/// Blocks of predictive coding, with their part of the pixels and of the bytes.
+/// Blocks of predictive coding, with their share of the pixels and of the bytes.
 fn predicted(report: &Report<'_>) -> Option<Table> {
     let mut count = PredictiveCount::default();
     report.inspection.streams.iter().for_each(|stats| count.add(&stats.predictive));
@@ -233,7 +233,7 @@ fn predicted(report: &Report<'_>) -> Option<Table> {
     (pixels > 0).then_some(table)
 }
 
-/// Keyframes of colour and block tiles of depth and material that are stored in blocks, by codec.
+/// Keyframes of colour, and block tiles of depth and material, that are stored in blocks, by codec.
 fn blocks(report: &Report<'_>) -> Option<Table> {
     let mut counts: BTreeMap<&str, BlockCount> = BTreeMap::new();
     for stats in report.inspection.streams.iter().filter(|stats| stats.stream.header.in_blocks()) {
@@ -268,7 +268,7 @@ fn transforms(report: &Report<'_>) -> Option<Table> {
     (!counts.is_empty()).then_some(table)
 }
 
-/// Distinct settings of the streams, each with its widest depth range.
+/// Distinct settings of the streams, each with the union of the depth ranges.
 fn settings(report: &Report<'_>) -> String {
     let mut out = String::new();
     for kind in StreamKind::ALL {
@@ -300,7 +300,7 @@ fn settings(report: &Report<'_>) -> String {
     out
 }
 
-/// Four significant digits.
+/// Formats with four significant digits.
 fn metres(value: f32) -> String {
     if value.abs() >= 1e7 {
         return format!("{value:.3e}");

@@ -218,7 +218,7 @@ pub struct Args {
     pub json: bool,
 }
 
-/// Part by which a focus that is named may differ from that of captured images.
+/// Maximum relative difference between a given focus and that of the captured images.
 const SAME_FOCUS: f64 = 1e-3;
 
 const ACQUISITIONS: &Choices<Acquisition> = &[
@@ -231,7 +231,7 @@ const ACQUISITIONS: &Choices<Acquisition> = &[
     ),
 ];
 
-/// How the rows of a grid are made.
+/// How the rows of a grid are interpolated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GridOrder {
     Columns,
@@ -283,7 +283,7 @@ fn parse_reduction(text: &str) -> std::result::Result<LayerReduction, String> {
 }
 
 impl Args {
-    /// Names and values of the options that pictures depend on and people are likely to change.
+    /// Returns names and values of options that affect the pictures and that users are likely to change.
     pub(super) fn options(&self) -> Vec<(&'static str, String)> {
         fn words(value: Option<impl std::fmt::Display>) -> String {
             value.map_or_else(|| "none".to_owned(), |value| value.to_string())
@@ -324,7 +324,7 @@ impl Args {
         ]
     }
 
-    /// Refuses options that this input has not.
+    /// Fails if an option does not apply to the input.
     pub(super) fn check(&self) -> Result<()> {
         let total = u64::from(self.views) * u64::from(self.rows);
         if total > u64::from(MAX_VIEWS) {
@@ -342,22 +342,22 @@ impl Args {
         Ok(())
     }
 
-    /// The rows of views.
+    /// Returns the rows of views.
     pub(super) fn grid_of(&self, views: OutputViews) -> GridViews {
         GridViews::new(views, self.rows, self.baseline_y.unwrap_or(0.0))
     }
 
-    /// Whether columns are interpolated between the outer rows.
+    /// True if columns are interpolated between the outer rows.
     pub(super) fn by_columns(&self) -> bool {
         self.rows > 2 && self.grid == GridOrder::Columns && !self.brute_force
     }
 
-    /// Whether a later run can go on with what this one made: nothing that it makes depends on what it has seen or measured before.
+    /// True if a later run can resume this one: no result depends on pictures or times of earlier views.
     pub(super) fn is_resumable(&self) -> bool {
         !self.compare && self.reduce_layers.is_none() && self.source_ms.is_none()
     }
 
-    /// Name of the part of all pictures that is rendered.
+    /// Returns the name of the rendered part of all pictures.
     pub(super) fn part(&self) -> String {
         let views = self.view_range.map_or(String::new(), |(first, last)| format!(".{first}-{last}"));
         views + &self.frames.frames.map_or(String::new(), |frames| format!(".f{frames}"))
@@ -377,7 +377,7 @@ impl Args {
         }
     }
 
-    /// Output views of a scene or a container.
+    /// Returns the output views of a scene or a container.
     pub(super) fn views_from_eye(&self) -> Result<OutputViews> {
         let (Some(eye), Some(look_at)) = (self.eye, self.look_at) else { return refuse("name --eye and --look-at") };
         let Some(spread) = self.spread() else {
@@ -399,7 +399,7 @@ impl Args {
         OutputViews::new(camera, size, self.views, spread, self.focus.unwrap_or(f64::INFINITY))
     }
 
-    /// Output views between captured images.
+    /// Returns the output views between captured images.
     pub(super) fn views_between(&self, captured: &CapturedSources) -> Result<OutputViews> {
         let spread = self.spread().unwrap_or(Spread::Baseline(captured.length_m));
         let focus_m = captured.focus_m;
@@ -414,7 +414,7 @@ impl Args {
         self.view_cone.map(Spread::Cone).or(self.baseline.map(Spread::Baseline))
     }
 
-    /// The views to render.
+    /// Returns the range of views to render.
     pub(super) fn range(&self) -> Result<std::ops::Range<usize>> {
         let all = self.views * self.rows;
         match self.view_range {
@@ -424,7 +424,7 @@ impl Args {
         }
     }
 
-    /// Refuses what no device does.
+    /// Fails if an option is not supported on devices.
     pub(super) fn check_device(&self) -> Result<()> {
         if !self.gpu.is_on_device(self.device) {
             if self.rasterize {

@@ -1,4 +1,4 @@
-//! The device that interpolates.
+//! Device that interpolates.
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -21,11 +21,11 @@ use crate::monitor::Monitor;
 use crate::scene::SceneAtTime;
 use crate::scene::capture::Viewpoint;
 
-/// A graphics device, or the CPU. With `--device auto` the CPU takes over from a device that fails.
+/// A graphics device, or the CPU. With `--device auto` the CPU takes over if the device fails.
 pub(super) struct Device<'a> {
     gpu: Cell<Option<&'a Gpu>>,
     choice: Option<DeviceChoice>,
-    /// Whether it draws triangles, too.
+    /// True if it also draws triangles.
     rasterizes: bool,
     global: &'a GlobalArgs,
 }
@@ -35,7 +35,7 @@ impl<'a> Device<'a> {
         Device { gpu: Cell::new(gpu), choice: args.device, rasterizes: args.rasterize, global }
     }
 
-    /// What draws the triangles of a scene, where rays are not to be traced.
+    /// Returns the rasteriser of a scene's triangles. `None` if rays are traced.
     pub fn drawing(&self, scene: &SceneAtTime) -> Result<Option<Drawing<'a>>> {
         let (choice, global) = (self.choice, self.global);
         let on_gpu = |gpu: &'a Gpu| {
@@ -46,20 +46,20 @@ impl<'a> Device<'a> {
         Ok(or_on_cpu((gpu, choice), global, on_gpu, || Ok(None))?.0)
     }
 
-    /// Runs work on the graphics device, or on the CPU from where that fails.
+    /// Runs work on the graphics device. If the device fails, runs this and later work on the CPU.
     fn run<T>(&self, on_gpu: impl FnOnce(&Gpu) -> Result<T>, on_cpu: impl FnOnce() -> Result<T>) -> Result<T> {
         let (done, name) = or_on_cpu((self.gpu.get(), self.choice), self.global, on_gpu, on_cpu)?;
         self.gpu.set(self.gpu.get().filter(|gpu| gpu.info.name == name));
         Ok(done)
     }
 
-    /// The name of the graphics device, or `cpu`.
+    /// Returns the name of the graphics device, or `cpu`.
     pub fn name(&self) -> String {
         self.gpu.get().map_or_else(|| "cpu".to_owned(), |gpu| gpu.info.name.clone())
     }
 }
 
-/// Draws until the device fails.
+/// Rasteriser that is used until the device fails.
 pub(super) struct Drawing<'a> {
     triangles: GpuTriangles<'a>,
     choice: Option<DeviceChoice>,
@@ -102,7 +102,7 @@ impl Backend for Device<'_> {
     }
 
     fn eroded(&self, moves: &Moves) -> Result<u64> {
-        // Software devices are slower than the CPU's own code: 157 ms and 2.5 ms for two sources of 480x270.
+        // Software devices are slower than native CPU code: 157 ms against 2.5 ms for two sources of 480x270.
         if self.gpu.get().is_none_or(|gpu| gpu.info.is_software()) {
             return Cpu.eroded(moves);
         }

@@ -1,4 +1,4 @@
-//! What views are interpolated from: a scene, images of probes, or a container.
+//! Inputs of view interpolation: a scene, images of probes, or a container.
 
 use std::path::{Path, PathBuf};
 
@@ -24,22 +24,22 @@ use crate::scene::{LightRays, Play, Scene, SceneAtTime};
 /// Memory of code, stacks and tables.
 const PROGRAM_BYTES: u64 = 32 << 20;
 
-/// Memory of an input that is open.
+/// Memory of an open input.
 pub(super) struct Loaded {
     pub bytes: u64,
-    /// Part of it that loading freed.
+    /// Part of `bytes` that loading freed.
     pub freed: u64,
 }
 
 pub(super) enum Input {
     Scene(Box<Scene>),
-    /// Of probes that are named.
+    /// Images of the selected probes.
     Images(Box<Reference>),
-    /// Rendered at the places of sources.
+    /// Container, rendered at the positions of sources.
     Field(Box<Decoder>),
 }
 
-/// One frame of it.
+/// One frame of the input.
 pub(super) enum FrameInput<'a> {
     Scene(Box<SceneAtTime>),
     Images(Box<CapturedSources>),
@@ -47,7 +47,7 @@ pub(super) enum FrameInput<'a> {
 }
 
 impl Input {
-    /// Notes say what was left out of a scene.
+    /// Opens the input. Notes list the omitted parts of a scene.
     pub fn open(args: &Args, notes: &mut Vec<String>) -> Result<Input> {
         let path = Path::new(&args.input);
         if !args.probe.is_empty() {
@@ -66,7 +66,7 @@ impl Input {
         let budget = args.memory.whole();
         let reading =
             |bytes: u64| Need { what: "reading the scene", fixed: bytes, each: 0, instead: "a smaller scene" };
-        // A file is read whole.
+        // The whole file is read.
         budget.at_once(&reading(path.metadata().map_or(0, |of| of.len())), 1)?;
         let (scene, of_scene) = Scene::open(&args.input, Play::First)?;
         notes.extend(of_scene);
@@ -75,7 +75,7 @@ impl Input {
         Ok(Input::Scene(Box::new(scene)))
     }
 
-    /// Its files, of a dataset those of all frames and kinds.
+    /// Returns the files of the input; for a dataset those of all frames and kinds.
     pub fn files(&self, args: &Args) -> Vec<PathBuf> {
         let path = Path::new(&args.input);
         let mut files = match self {
@@ -86,7 +86,7 @@ impl Input {
         files
     }
 
-    /// Identifies its contents: of files by their sizes and times.
+    /// Returns an identifier of the contents. Files are identified by size and modification time.
     pub fn contents(&self, args: &Args) -> String {
         match self {
             Input::Scene(scene) => scene.contents().to_owned(),
@@ -98,7 +98,7 @@ impl Input {
         }
     }
 
-    /// Memory that it takes, with the program, and the source views that are held beside it.
+    /// Returns the memory of the input and the program, and that of the source views that are held at the same time.
     pub fn need(
         &self,
         args: &Args,
@@ -112,11 +112,12 @@ impl Input {
             Input::Images(_) => (all(), SourceNeed::images(args.probe.len() as u32)),
             Input::Field(_) => (all(), SourceNeed::images(args.max_sources)),
             Input::Scene(scene) => {
-                // What moves a scene is held beside it.
+                // The animation data of a scene is held in memory as well.
                 let is_still = scene.duration_s() == 0.0;
                 let scene = scene.at(0.0);
                 let need = SourceNeed::measured(&scene, views, acquire, monitor)?;
-                // What loading has freed stays with the allocator; views of this thread take it again, other threads hardly.
+                // Memory freed by loading stays with the allocator. Views of this thread reuse it, other threads
+                // hardly.
                 let in_use = PROGRAM_BYTES + scene.bytes();
                 let bytes = resident().max(in_use);
                 let loaded = Loaded { bytes, freed: if is_still { bytes - in_use } else { 0 } };
@@ -125,7 +126,7 @@ impl Input {
         })
     }
 
-    /// Frames of the input; none of a scene, which has all.
+    /// Returns the frames of the input. `None` for a scene, which has all frames.
     fn available(&self, args: &Args) -> Result<Option<FrameRange>> {
         match self {
             Input::Scene(_) => Ok(None),
@@ -134,7 +135,8 @@ impl Input {
         }
     }
 
-    /// Frames to interpolate; unless some were asked for the first of the input, as a note says where there are more.
+    /// Returns the frames to interpolate: the requested ones, else the first of the input, with a note if there are
+    /// more.
     pub fn frames(&self, args: &Args, notes: &mut Vec<String>) -> Result<FrameRange> {
         if let Some(asked) = args.frames.frames {
             return Ok(asked);
@@ -147,7 +149,7 @@ impl Input {
         Ok(FrameRange { first, last: first })
     }
 
-    /// Refuses frames that a dataset or a container lacks.
+    /// Fails if a dataset or a container lacks one of the frames.
     pub fn check_frames(&self, args: &Args, frames: FrameRange) -> Result<()> {
         let of_input = |error: Error| error.in_file(&args.input);
         match self {
@@ -163,7 +165,7 @@ impl Input {
         }
     }
 
-    /// Output views; of images, beside those of a frame.
+    /// Returns the output views. Those of images are relative to the captured views of a frame.
     pub fn views(&mut self, args: &Args, frame: u32) -> Result<OutputViews> {
         match self {
             Input::Images(images) => args.views_between(&captured(args, images, frame)?),

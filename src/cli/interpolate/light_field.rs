@@ -1,4 +1,4 @@
-//! Source views of a container: its pictures from their places, with the distances of their pixels.
+//! Source views of a container: pictures rendered at the sources' positions, with the distances of their pixels.
 
 use std::cell::RefCell;
 
@@ -30,7 +30,7 @@ pub(super) struct LightField<'a> {
 }
 
 impl<'a> LightField<'a> {
-    /// Frames of a container.
+    /// Returns the frames of a container.
     pub fn frames(decoder: &'a Decoder) -> Result<FrameRange> {
         Ok(Playback::new(decoder, PlaybackOptions::default())?.player.frames())
     }
@@ -42,7 +42,7 @@ impl<'a> LightField<'a> {
             return Err(Error::Usage(format!("there is no frame {frame}: the container has {frames}")));
         }
         playback.limit_memory(args.memory.get(), 0);
-        // As many rays across a pixel as down.
+        // Samples form a square grid in each pixel.
         let samples = args.samples.isqrt();
         if samples * samples != args.samples {
             return refuse(format!(
@@ -60,7 +60,7 @@ impl<'a> LightField<'a> {
         self.playback.borrow().player.field.coding.tone()
     }
 
-    /// The source views, by their places.
+    /// Returns the source views, sorted by position.
     pub fn sources(
         &self,
         views: &OutputViews,
@@ -84,7 +84,7 @@ impl<'a> LightField<'a> {
         Ok((sources, counters))
     }
 
-    /// With as many columns more on each side as its pixels call for.
+    /// Returns a source with additional columns on each side, as many as the disparities of its pixels require.
     fn wide_source(&self, views: &OutputViews, offset_m: f64, monitor: &dyn Monitor) -> Result<SourceView> {
         let narrow = self.source(views, offset_m, monitor)?;
         let pixels = narrow.rows.iter().flat_map(|row| &row.pixels);
@@ -104,12 +104,12 @@ impl<'a> LightField<'a> {
             let at = [(f64::from(column) + 0.5) / width, (f64::from(row) + 0.5) / height];
             let planar_m = f64::from(distances_m.get(column, row)) * camera.direction(at).dot(forward);
             let light = image.color.get(column, row).map(f16::from_f32);
-            // Where no probe saw anything nothing is known.
+            // A pixel that no probe saw is unknown.
             (image.alpha.get(column, row) >= 0.5).then_some((planar_m as f32, light))
         }))
     }
 
-    /// The picture from a place.
+    /// Returns the picture at a position.
     pub fn picture(&self, views: &OutputViews, offset_m: f64, monitor: &dyn Monitor) -> Result<RenderedImage> {
         self.show(views, offset_m, monitor).map(|(image, _)| image)
     }
@@ -120,13 +120,13 @@ impl<'a> LightField<'a> {
         let mut renderer = WithDistances { renderer: CpuRenderer::new(options), distances_m: None };
         let shown = self.playback.borrow_mut().show(&request, &mut renderer, &Checked(monitor))?;
         let picture = shown.pictures.into_iter().next();
-        // Interpolation makes pictures of Rec. 709.
+        // Interpolation expects Rec. 709 primaries.
         let both = picture.map(|picture| picture.image.into_rec709()).zip(renderer.distances_m);
         both.ok_or_else(|| Error::invalid("a picture without distances"))
     }
 }
 
-/// Renders pictures on the CPU, and keeps the distances of the last one.
+/// Renders pictures on the CPU, and keeps the distances of the last picture.
 struct WithDistances {
     renderer: CpuRenderer,
     distances_m: Option<Plane<f32>>,
@@ -145,7 +145,7 @@ impl Renderer for WithDistances {
     }
 }
 
-/// Stops with another monitor, and reports no steps to it.
+/// Reports interruption by another monitor, but no steps to it.
 struct Checked<'a>(&'a dyn Monitor);
 
 impl Monitor for Checked<'_> {

@@ -1,4 +1,4 @@
-//! Files of interpolated views: a sequence, or quilts.
+//! Output files of interpolated views: a sequence, or quilts.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -22,13 +22,13 @@ pub(super) struct Outputs {
     files: PictureFiles,
     coding: PictureCoding,
     kind: Kind,
-    /// Whether numbers of files are those of frames.
+    /// True if files are numbered by frame.
     by_frame: bool,
 }
 
 enum Kind {
     Views,
-    /// One for each frame, of so many views; that of the current frame.
+    /// One quilt per frame with `views` views. `tiles` is the quilt of the current frame.
     Quilts {
         layout: QuiltLayout,
         views: usize,
@@ -36,7 +36,7 @@ enum Kind {
     },
 }
 
-/// A quilt of either format, and how many views it has.
+/// A quilt in either format, and the number of views it contains so far.
 struct Tiles {
     pixels: Pixels,
     count: usize,
@@ -48,8 +48,8 @@ enum Pixels {
 }
 
 impl Outputs {
-    /// A pattern takes a sequence; a file one view, or all of them as a quilt. With frames the field is the frame, and `%V` the view.
-    /// Notes say what a display expects.
+    /// Opens the outputs: a sequence for a pattern; one view, or all views as a quilt, for a file name. With frames the
+    /// field is the frame number, and `%V` the view. Notes state the requirements of a display.
     pub fn open(path: &Path, args: &Args, views: &OutputViews, notes: &mut Vec<String>) -> Result<Outputs> {
         let Some(format) = FileFormat::of(path) else {
             return refuse(format!("{}: file names ending in .png or .exr were expected", path.display()));
@@ -96,7 +96,7 @@ impl Outputs {
         Ok(Outputs { files, coding, kind, by_frame: true })
     }
 
-    /// Bytes of a pixel of a quilt, and of what its file is made by; 0 for views of their own.
+    /// Bytes per pixel of a quilt and of the buffers for writing it. 0 for separate views.
     pub fn quilt_pixel_bytes(&self) -> u64 {
         match (&self.kind, self.files.format) {
             (Kind::Views, _) => 0,
@@ -106,18 +106,18 @@ impl Outputs {
         }
     }
 
-    /// How codes follow from light.
+    /// Sets the tone mapping from linear RGB to codes.
     pub fn set_tone(&mut self, tone: ToneMap) {
         self.coding.tone = tone;
     }
 
-    /// Begins anew, or where an earlier run stopped; `all` is the number of frames and views.
+    /// Begins, or resumes where an earlier run stopped. `all` is the number of frames and views.
     pub fn begin(&mut self, now: &Fingerprint, all: (u64, u64), how: (bool, &GlobalArgs)) -> Result<()> {
         let files = self.count(all);
         self.files.begin(now, files, how)
     }
 
-    /// Files of so many frames and views.
+    /// Returns the number of files for a number of frames and views.
     fn count(&self, (frames, views): (u64, u64)) -> u64 {
         match self.kind {
             Kind::Views => frames * views,
@@ -130,13 +130,13 @@ impl Outputs {
         self.files.stopped(error, files)
     }
 
-    /// Whether an earlier run made the file of a view.
+    /// True if an earlier run wrote the file of a view.
     pub fn has(&self, frame: u32, view: usize) -> Result<bool> {
         let (word, number) = self.file_of(frame, view);
         self.files.has(&word, number)
     }
 
-    /// Word and number of the file of a view.
+    /// Returns word and number of the file of a view.
     fn file_of(&self, frame: u32, view: usize) -> (String, u32) {
         match self.kind {
             Kind::Views => (format!("{view:04}"), if self.by_frame { frame } else { view as u32 }),
@@ -163,7 +163,7 @@ impl Outputs {
         }
     }
 
-    /// Whole, or not at all. Answers the quilts: a file, or a pattern.
+    /// Moves the finished files into place. Returns the path of the quilt, or the pattern of quilts.
     pub fn commit(self, frame: Option<u32>) -> Result<Option<PathBuf>> {
         let quilt = match (&self.kind, frame) {
             (Kind::Quilts { .. }, Some(frame)) => Some(self.files.path("", frame)?),
@@ -175,7 +175,7 @@ impl Outputs {
     }
 }
 
-/// Files that a later run may go on with, unless no run can.
+/// Creates files that a later run can resume, if the options allow it.
 fn files(path: &Path, format: FileFormat, args: &Args) -> Result<PictureFiles> {
     if args.is_resumable() {
         PictureFiles::resumable(path, format, &args.part())

@@ -1,4 +1,4 @@
-//! What `interpolate` reports.
+//! Report of `interpolate`.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -15,17 +15,17 @@ use crate::error::{Result, counted};
 use crate::json::{self, Number};
 use crate::report::interpolation::{Quality, QualityReport};
 
-/// What a run measured beside its stages.
+/// Measurements of a run besides its stages.
 #[derive(Debug, Default)]
 pub struct Measured {
-    /// Views that this run made.
+    /// Number of views that this run wrote.
     pub views: usize,
     pub load: Duration,
     pub write: Duration,
-    /// Of all views that were ray cast.
+    /// Total time of ray casting views.
     pub brute_force: Duration,
     pub memory_model_bytes: u64,
-    /// The graphics device that interpolated, or `cpu`.
+    /// Name of the graphics device that interpolated, or `cpu`.
     pub device: String,
     pub quality: Quality,
 }
@@ -50,7 +50,7 @@ pub struct Report {
     size: [u32; 2],
     device: String,
     brute_force: bool,
-    /// Whether triangles of sources and of views at their own eyes are drawn.
+    /// True if the triangles of sources and of reference views are rasterised.
     rasterized: bool,
     holes_percent: f64,
     memory_model_bytes: u64,
@@ -59,10 +59,10 @@ pub struct Report {
     quality: Option<QualityReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     quality_without_fill: Option<QualityReport>,
-    /// Time of ray casting all views, or of drawing them, over that of interpolating them.
+    /// Time of ray casting or rasterising all views, divided by the time of interpolating them.
     #[serde(skip_serializing_if = "Option::is_none")]
     speedup: Option<f64>,
-    /// The quilt that was written: its name has columns, rows and aspect.
+    /// Path of the written quilt. Its name contains columns, rows and aspect.
     #[serde(skip_serializing_if = "Option::is_none")]
     quilt: Option<PathBuf>,
 }
@@ -107,7 +107,7 @@ impl Report {
         Report { quilt, ..self }
     }
 
-    /// Durations and counts of the stages, one on each line.
+    /// Returns durations and counts of the stages, one per line.
     pub fn stats(&self) -> Result<String> {
         output::stage_lines(&self.stages, &self.counters)
     }

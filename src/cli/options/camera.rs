@@ -63,7 +63,7 @@ pub struct CameraArgs {
 }
 
 impl CameraArgs {
-    /// All cameras; `fps` are frames per second, of files that have seconds.
+    /// Returns all cameras. `fps` converts files with times in seconds to frames.
     pub fn cameras(&self, fps: f64) -> Result<Vec<TimedCamera>> {
         let mut cameras = Vec::new();
         for path in &self.camera {
@@ -77,7 +77,7 @@ impl CameraArgs {
         Ok(cameras)
     }
 
-    /// The units of the selection that the cameras see.
+    /// Returns the units of the selection that the cameras see.
     pub fn view(&self, decoder: &Decoder, chosen: &[StreamFrames<'_>]) -> Result<View> {
         let cameras = self.cameras(decoder.reader().index().fps)?;
         let seen = (!cameras.is_empty()).then(|| CameraUnits::find(decoder, chosen, &cameras));
@@ -110,12 +110,12 @@ impl View {
         }
     }
 
-    /// What `--stats` adds to a report in JSON.
+    /// Returns the JSON that `--stats` adds to a report.
     pub fn report(&self) -> Option<CameraUnitsReport> {
         self.stats.then(|| self.counts.report(self.bytes_total))
     }
 
-    /// What `--stats` adds to a report as a second line; empty without it.
+    /// Returns the second line that `--stats` adds to a report. Empty without it.
     pub fn line(&self, summary: &DecodeSummary) -> String {
         let Some(CameraUnitsReport { visible_fraction, bytes_total, .. }) = self.report() else { return String::new() };
         let counts = &self.counts;

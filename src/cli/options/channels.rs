@@ -37,7 +37,7 @@ impl ChannelArgs {
         all.into_iter().all(Option::is_none)
     }
 
-    /// Refuses channels of another kind than that of a sequence.
+    /// Fails if a channel of another kind than that of the sequence is given.
     pub fn check(&self, kind: StreamKind) -> Result<()> {
         let given = [
             (StreamKind::Depth, &self.depth_channel),

@@ -1,17 +1,17 @@
-//! Options that take one word of several.
+//! Options whose value is one of several words.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-/// Words of an option, each with its value and its help; a word without help is a hidden alias.
+/// Words of an option, each with its value and help. A word without help is a hidden alias.
 pub type Choices<T> = [(&'static str, T, &'static str)];
 
-/// A parser of one of these words.
+/// Returns a parser for one of these words.
 pub fn one_of<T: Copy + Send + Sync + 'static>(choices: &'static Choices<T>) -> impl TypedValueParser<Value = T> {
     let word = |&(word, _, help): &(&'static str, T, &'static str)| match help {
         "" => PossibleValue::new(word).hide(true),
         _ => PossibleValue::new(word).help(help),
     };
-    // Clap has found the word, in the case that the option asks for.
+    // Clap has matched the word, with the case sensitivity of the option.
     PossibleValuesParser::new(choices.iter().map(word)).try_map(|given| {
         let found = choices.iter().find(|(word, ..)| word.eq_ignore_ascii_case(&given));
         found.map(|(_, value, _)| *value).ok_or("an unknown word")
@@ -22,5 +22,6 @@ pub fn word_of<T: PartialEq>(choices: &Choices<T>, value: &T) -> &'static str {
     choices.iter().find(|(_, other, _)| other == value).map_or("", |(word, ..)| *word)
 }
 
-/// Whether pixels are stored in texture blocks: another name of `bool`, which clap takes for a switch without a value.
+/// True if pixels are stored in texture blocks. An alias of `bool`, because clap treats `bool` as a switch without a
+/// value.
 pub type InBlocks = bool;

@@ -1,4 +1,4 @@
-//! What of a dataset is encoded, and how.
+//! Selection and coding options of a dataset.
 
 use clap::Args;
 
@@ -29,10 +29,10 @@ pub struct CodingArgs {
 }
 
 impl CodingArgs {
-    /// How files are read and encoded, with those of `store`.
+    /// Returns the settings for reading and encoding files, including those of `store`.
     ///
     /// # Errors
-    /// Options that contradict each other, and tables that cannot be read.
+    /// Fails if options contradict each other, or tables cannot be read.
     pub fn settings(&self, store: &StoreArgs) -> Result<(SourceOptions, EncodeSettings)> {
         let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
         let (mut depth, mut color, mut effort) = (self.depth.clone(), self.color.clone(), self.effort);

@@ -1,4 +1,4 @@
-//! Options of colour.
+//! Colour options.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,8 @@ use crate::image::transfer::{ToneMap, Transfer};
 use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;
 use crate::streams::{ColorBlocks, ColorFormat};
 
-/// Blocks of keyframes, none for raw samples: an alias, as clap takes an `Option` for an option that may be absent.
+/// Block format of keyframes, or none for raw samples. An alias, because clap treats an `Option` as an option that may
+/// be absent.
 type KeyframeBlocks = Option<ColorBlocks>;
 
 const COLOR_BLOCKS: &Choices<KeyframeBlocks> = &[

@@ -1,4 +1,4 @@
-//! Options of datasets: which frames and channels of their files are read.
+//! Dataset options: frames and channels to read.
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ pub struct DatasetArgs {
     /// Encoding of the colour values [default: from the manifest, else linear light of the files' chromaticities for EXR, sRGB for PNG]
     #[arg(long, value_parser = one_of(COLOR_SPACES), help_heading = "Colour")]
     pub color_space: Option<ColorSpace>,
-    // Groups with headings come last: a heading goes on until the next.
+    // Groups with headings come last: a heading continues until the next one.
     #[command(flatten)]
     pub channels: ChannelArgs,
 }
@@ -38,7 +38,7 @@ impl DatasetArgs {
         options.missing = self.missing.missing;
     }
 
-    /// Opens the dataset, which has the frames that were asked for.
+    /// Opens the dataset. Fails if it lacks the requested frames.
     pub fn open(&self, input: &Path, options: &SourceOptions) -> Result<Source> {
         if !input.exists() {
             return Err(Error::not_found(input, "there is no such dataset"));

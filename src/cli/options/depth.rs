@@ -1,4 +1,4 @@
-//! Options of depth.
+//! Depth options.
 
 use std::path::PathBuf;
 
@@ -178,7 +178,7 @@ impl BoundArgs {
     }
 }
 
-/// A number of codes, or percent of the distance.
+/// Parses a number of codes, or a percentage of the distance.
 pub fn parse_bound(text: &str) -> std::result::Result<ErrorBound, String> {
     if text.ends_with('%') {
         return parse_share(text).map(ErrorBound::Relative);
@@ -244,7 +244,7 @@ impl DepthArgs {
         self.model.apply(settings);
         self.steps.apply(settings);
         if self.depth_block {
-            // BC5 is seldom exact.
+            // BC5 is rarely exact.
             settings.temporal.epsilon = self.steps.update_threshold.unwrap_or(NodeSettings::default().bound);
         }
         self.units.apply(source, settings);

@@ -1,11 +1,11 @@
-//! Options of material.
+//! Material options.
 
 use clap::Args;
 
 use super::choice::{Choices, InBlocks, one_of};
 use crate::encode::{EncodeSettings, MaterialSettings};
 
-/// Default error of material in blocks, in steps of 8 bits.
+/// Default error of material in blocks, in 8-bit steps.
 const USUAL_ERROR_IN_BLOCKS: u16 = 8;
 
 const MATERIAL_BLOCKS: &Choices<InBlocks> = &[("none", false, "Raw values"), ("bc1", true, "8 bytes for 4x4 pixels")];

@@ -1,11 +1,11 @@
-//! Numbers on the command line: finite, and in their range.
+//! Parsers for numbers on the command line: finite and within a range.
 
 pub fn parse_number(text: &str) -> Result<f64, String> {
     let value: Option<f64> = text.trim().parse().ok().filter(|value: &f64| value.is_finite());
     value.ok_or_else(|| format!("'{text}' is no number"))
 }
 
-/// Parses a finite number within a range, which `expected` names.
+/// Parses a finite number within a range. `expected` describes the range.
 pub fn parse_number_where(text: &str, is_in: impl Fn(f64) -> bool, expected: &str) -> Result<f64, String> {
     let value = parse_number(text)?;
     if is_in(value) { Ok(value) } else { Err(format!("'{text}': {expected}")) }

@@ -1,4 +1,4 @@
-//! Where a container is written, how, and with how much memory.
+//! Output options of a container: path, compression, memory.
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -51,12 +51,12 @@ pub struct MemoryArgs {
 }
 
 impl MemoryArgs {
-    /// The budget of images, chunks and tables.
+    /// Memory budget for images, chunks and tables.
     pub fn get(self) -> Budget {
         self.whole().of_process(rayon::current_num_threads())
     }
 
-    /// The budget of the process.
+    /// Memory budget of the whole process.
     pub fn whole(self) -> Budget {
         self.memory.unwrap_or(Budget::UNLIMITED)
     }
@@ -73,7 +73,7 @@ pub struct EncodeOutputArgs {
 }
 
 impl StoreArgs {
-    /// What the options say, if anything.
+    /// Returns the compression that the options select, if any.
     pub fn compression(&self) -> Option<Compression> {
         let of_level = self.lzma2.map(Compression::Lzma2).or(self.zstd.map(Compression::Zstd));
         of_level.or(self.no_compression.then_some(Compression::None))
@@ -92,7 +92,7 @@ impl EncodeOutputArgs {
     }
 }
 
-/// An image's name would be given to a container by mistake only.
+/// Parses the path of a container. Rejects extensions of images, which are probably a mistake.
 fn parse_container_path(text: &str) -> std::result::Result<PathBuf, String> {
     const IMAGES: [&str; 4] = ["exr", "png", "jpg", "jpeg"];
     let path = PathBuf::from(text);
@@ -103,7 +103,7 @@ fn parse_container_path(text: &str) -> std::result::Result<PathBuf, String> {
     }
 }
 
-/// Refuses a terminal for what is no text, and standard output where it has a report.
+/// Fails if binary output would go to a terminal, or to standard output together with a report.
 pub fn check_stdout(path: &Path, has_report: bool) -> Result<()> {
     check_report(path, has_report)?;
     match is_terminal(path) {
@@ -113,7 +113,7 @@ pub fn check_stdout(path: &Path, has_report: bool) -> Result<()> {
     }
 }
 
-/// Whether an output is a terminal, by any of its names: `-`, `/dev/stdout`, `/dev/tty`.
+/// True if an output is a terminal, under any of its names: `-`, `/dev/stdout`, `/dev/tty`.
 fn is_terminal(path: &Path) -> bool {
     if path == Path::new("-") {
         return std::io::stdout().is_terminal();
@@ -122,7 +122,7 @@ fn is_terminal(path: &Path) -> bool {
     is_device && DiskFile::device(path).is_ok_and(|file| file.is_terminal())
 }
 
-/// Whether opening it would wait for a reader.
+/// True for a FIFO: opening it would wait for a reader.
 fn is_pipe(meta: &std::fs::Metadata) -> bool {
     #[cfg(unix)]
     {
@@ -136,7 +136,7 @@ fn is_pipe(meta: &std::fs::Metadata) -> bool {
     }
 }
 
-/// Refuses a report and a result on standard output.
+/// Fails if both a report and a result would go to standard output.
 pub fn check_report(path: &Path, has_report: bool) -> Result<()> {
     match has_report && path == Path::new("-") {
         true => refuse("--json and -o - would both write to standard output; name a file"),
@@ -144,19 +144,19 @@ pub fn check_report(path: &Path, has_report: bool) -> Result<()> {
     }
 }
 
-/// What happens to an encode that stops early.
+/// Handling of an encode that stops early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unfinished {
     Discard,
-    /// Complete chunks are kept; the encode starts anew.
+    /// Keeps complete chunks. The encode starts anew.
     Keep,
-    /// Complete chunks are kept; the encode continues behind those of an earlier one.
+    /// Keeps complete chunks. The encode continues after those of an earlier one.
     Resume,
 }
 
 #[derive(Debug, Clone, Copy)]
 pub struct Target<'a> {
-    /// The container, - for standard output.
+    /// Path of the container, - for standard output.
     pub path: &'a Path,
     pub unfinished: Unfinished,
     pub json: bool,

@@ -1,4 +1,4 @@
-//! Presets: settings of an encode under one name, which other options override.
+//! Presets: named sets of encoder settings, which other options override.
 
 use clap::Args;
 
@@ -8,18 +8,18 @@ use crate::color::Target;
 use crate::effort::Effort;
 use crate::encode::{ColorCodec, DepthCodec, ErrorBound};
 
-/// What a preset sets; all else is as by default.
+/// Settings of a preset. All others have their defaults.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Preset {
-    /// In place of --quality and --psnr.
+    /// Replaces --quality and --psnr.
     target: Option<Target>,
-    /// In place of --max-error.
+    /// Replaces --max-error.
     max_error: Option<u16>,
-    /// In place of --effort.
+    /// Replaces --effort.
     effort: Option<Effort>,
-    /// In place of --hdr.
+    /// Replaces --hdr.
     hdr: bool,
-    /// In place of --lzma2.
+    /// Replaces --lzma2.
     lzma2: Option<u32>,
 }
 
@@ -54,12 +54,12 @@ pub struct PresetArgs {
 }
 
 impl PresetArgs {
-    /// Whether the preset is the one of the fewest bytes.
+    /// True for the preset with the smallest output.
     pub fn is_small(self) -> bool {
         PRESETS.first().is_some_and(|(_, smallest, _)| *smallest == self.preset)
     }
 
-    /// Fills in what is not given.
+    /// Sets the options that are not given.
     pub fn fill(
         self,
         (depth, color): (&mut DepthArgs, &mut ColorArgs),

@@ -1,4 +1,4 @@
-//! How progress is shown.
+//! Forms of progress output.
 
 use super::choice::Choices;
 

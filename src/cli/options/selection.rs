@@ -1,4 +1,4 @@
-//! Which streams and frames.
+//! Selection of streams and frames.
 
 use clap::Args;
 

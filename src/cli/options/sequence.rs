@@ -21,10 +21,10 @@ const P3: (&str, ColorSpace, &str) = ("linear-p3-d65", ColorSpace::LinearP3D65, 
 pub const COLOR_SPACES: &Choices<ColorSpace> =
     &[REC709, ("srgb", ColorSpace::Srgb, "sRGB codes"), ACESCG, ACES, REC2020, P3];
 
-/// Those of linear light.
+/// Colour spaces with linear values.
 pub const LIGHT_SPACES: &Choices<ColorSpace> = &[REC709, ACESCG, ACES, REC2020, P3];
 
-/// `--layout`; single images show another face if so asked.
+/// Values of `--layout`. Single images may show another face.
 const LAYOUTS: &Choices<Arrangement> = &[
     ("single", Arrangement::Single(Face::View), "One face, or a perspective image"),
     ("cross", Arrangement::Cross, "Six faces unfolded, 4:3 or 3:4"),
@@ -52,7 +52,7 @@ pub struct SequenceInputArgs {
     pub face: Face,
     #[command(flatten)]
     pub effort: EffortArgs,
-    // Groups with headings come last: a heading goes on until the next.
+    // Groups with headings come last: a heading continues until the next one.
     #[command(flatten)]
     pub images: ImageArgs,
 }
@@ -78,7 +78,7 @@ pub struct ImageArgs {
 }
 
 impl SequenceInputArgs {
-    /// Puts the options where the reader of files and the encoder find them; after those of depth and colour.
+    /// Applies the options to the file reader and the encoder. Call it after those of depth and colour.
     pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) {
         source.frames = self.frames.frames;
         source.missing = self.missing.missing;
@@ -111,7 +111,7 @@ impl SequenceInputArgs {
 }
 
 impl ImageArgs {
-    /// The layout of images of the default probe and face.
+    /// Returns the layout of images of the default probe and face.
     pub fn layout(&self) -> Result<SequenceLayout> {
         let intrinsics = match self.intrinsics.as_deref() {
             None => None,

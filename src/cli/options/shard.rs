@@ -1,4 +1,4 @@
-//! Options of work that several machines share.
+//! Options for work that is split between machines.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ const SHARD_BYS: &Choices<ShardBy> = &[
     ("time", ShardBy::Time, "Frames of all streams"),
 ];
 
-/// `3/8`.
+/// Parses a shard such as `3/8`.
 pub fn parse_shard(text: &str) -> Result<Shard, String> {
     let numbers = text.split_once('/').and_then(|(number, count)| Some((number.parse().ok()?, count.parse().ok()?)));
     match numbers {
@@ -51,7 +51,7 @@ pub struct ShardArgs {
 }
 
 impl ShardArgs {
-    /// The shard that is asked for, without scans.
+    /// Returns the requested shard, without scans.
     pub fn part<'a>(&self, source: &'a dyn FrameSource, settings: &EncodeSettings) -> Result<Option<Part<'a>>> {
         let Some(shard) = self.shard else { return Ok(None) };
         let choice = ShardChoice {

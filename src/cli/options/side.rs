@@ -1,4 +1,4 @@
-//! How compared files are read.
+//! Options for reading the compared files.
 
 use clap::Args;
 
@@ -42,7 +42,7 @@ impl SideArgs {
             && images.channels.is_usual()
     }
 
-    /// Options of both sides and the compared selection.
+    /// Returns the options of both sides and the compared selection.
     pub fn options(&self, selection: Selection) -> Result<SideOptions> {
         let mut source = SourceOptions::default();
         self.depth.apply(&mut source);
@@ -50,7 +50,7 @@ impl SideArgs {
         source.invalid_color = self.invalid_color;
         source.face_size = self.images.face_size;
         self.images.channels.apply(&mut source);
-        // The older form names depth of a dataset.
+        // The older option also names the depth channel of a dataset.
         source.depth_channel = source.depth_channel.or(self.images.channel.clone());
         let sequence_channel = self.images.channel.clone();
         Ok(SideOptions { source, layout: self.images.layout()?, sequence_channel, selection })

@@ -1,4 +1,4 @@
-//! Pictures on standard output, for other programs.
+//! Picture streams on standard output, for other programs.
 
 use std::io::Stdout;
 use std::path::Path;
@@ -28,7 +28,7 @@ pub struct StreamArgs {
 }
 
 impl StreamArgs {
-    /// The stream on standard output; none where the output is another.
+    /// Opens the stream on standard output. `None` if the output is something else.
     pub fn open(self, output: Option<&Path>, has_report: bool, fps: f64) -> Result<Option<PictureStream<Stdout>>> {
         if output != Some(Path::new("-")) {
             return match self.stream_format {

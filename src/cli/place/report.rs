@@ -15,7 +15,7 @@ use crate::report::coding_map::counted;
 use crate::report::placement::Curve;
 use crate::report::{Table, csv};
 
-/// Below this visible fraction of the surface the region is probably misplaced.
+/// Visible fraction of the surface below which the region is probably misplaced.
 const HARDLY_ANYTHING: f64 = 0.01;
 
 #[derive(Serialize)]
@@ -30,9 +30,9 @@ pub struct Report<'a> {
     pub args: &'a Args,
     pub search: &'a Search<'a>,
     pub placement: &'a Placement,
-    /// The same for the other lighting, with --plot or --csv.
+    /// Placement for the other lighting, with --plot or --csv.
     pub comparison: Option<Placement>,
-    /// The same for each K of --compare-k.
+    /// Placement for each K of --compare-k.
     pub decays: Vec<DecayPlacement>,
     pub set: &'a CameraSet,
     pub range: [u32; 2],
@@ -44,7 +44,7 @@ fn percent(share: f64) -> String {
     format!("{:.2}", 100.0 * share)
 }
 
-/// A number with a power of ten only if very small or very large.
+/// Formats a number, with a power of ten only if it is very small or very large.
 fn plain(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()
@@ -56,7 +56,7 @@ fn plain(value: f64) -> String {
     }
 }
 
-/// A length with enough digits to distinguish candidates.
+/// Formats a length with enough digits to distinguish candidates.
 fn metres(value: f64, diagonal_m: f64) -> String {
     let digits = (3.0 - diagonal_m.max(1e-300).log10()).ceil().clamp(0.0, 12.0) as usize;
     format!("{value:.digits$}")
@@ -67,7 +67,7 @@ impl Report<'_> {
         std::iter::once(self.placement).chain(&self.comparison)
     }
 
-    /// A curve for each lighting, the one asked for first.
+    /// Returns a curve for each lighting, the requested one first.
     pub fn curves(&self) -> Vec<Curve> {
         self.placements().map(|placement| self.curve(placement, self.search.problem.rate_per_m)).collect()
     }
@@ -77,7 +77,7 @@ impl Report<'_> {
     }
 
     fn curve(&self, placement: &Placement, rate_per_m: f64) -> Curve {
-        // Without the folder that it is in.
+        // File name without its folder.
         let scene = Path::new(&self.args.scene).file_name().map(|name| name.to_string_lossy().into_owned());
         Curve {
             lighting: placement.lighting,
@@ -181,7 +181,7 @@ impl Report<'_> {
     }
 
     fn table(&self, placement: &Placement) -> Table {
-        // Coverage of specular surfaces is of directions; the column beside it is a part of the surface.
+        // For specular surfaces coverage counts directions; the next column is a fraction of the surface.
         let is_diffuse = placement.lighting == Lighting::Diffuse;
         let beside = if is_diffuse { ">Weighted|>Within" } else { ">Seen" };
         let mut table = Table::new(&format!("Camera|>x|>y|>z|>Gain|>Coverage|{beside}"));

@@ -58,7 +58,7 @@ use crate::gpu::device::DeviceChoice;
     update_ms and render_ms."
 )]
 pub struct Args {
-    // First, as options that are read leave the matches.
+    // Must be first: options that are read are removed from the matches.
     #[command(flatten)]
     pub given: Given,
     /// The container, - for standard input; or a scene that simplify wrote (.glb)
@@ -108,7 +108,7 @@ pub struct Args {
 }
 
 impl Args {
-    /// Whether a graphics device is asked for.
+    /// True if a graphics device is requested.
     pub fn is_on_device(&self) -> bool {
         self.gpu.index.is_on_device(self.device)
     }

@@ -1,4 +1,4 @@
-//! Renders a light field: marching, on the CPU or a device, and what it is compared with.
+//! Renders a light field by ray marching, on the CPU or a device, or with the methods it is compared with.
 
 use std::path::Path;
 
@@ -49,7 +49,7 @@ impl<'a> LightFieldSubject<'a> {
         Ok(LightFieldSubject { args, input, decoder, playback })
     }
 
-    /// Refuses a --far before the default --near.
+    /// Fails if --far is nearer than the default --near.
     fn check_far(&self, job: &Job) -> Result<()> {
         let march = &self.args.march;
         let (Some(far_m), None, Some(camera)) = (march.far, march.near, job.request.cameras.first()) else {
@@ -102,7 +102,7 @@ impl Subject for LightFieldSubject<'_> {
         self.decoder.reader().index().fps
     }
 
-    /// That of the first probe's face nz, or of its perspective image.
+    /// Returns the camera of face nz of the first probe, or of its perspective image.
     fn own_camera(&self, frame: u32) -> Result<(Camera, String)> {
         let probe = self.playback.player.field.views.first().map(|view| view.probe);
         let images = || {
@@ -222,7 +222,7 @@ impl MethodRenderer<'_> {
 }
 
 impl Args {
-    /// Refuses what a light field cannot be drawn with.
+    /// Fails if an option does not apply to light fields.
     pub fn check_container(&self) -> Result<()> {
         if let (Some(near), Some(far)) = (self.march.near, self.march.far)
             && near >= far
@@ -274,7 +274,7 @@ impl Args {
                 most: views.views.map(|views| views as usize),
                 target_ms: views.target_ms,
             },
-            // Normals are fitted to texels beyond those that pictures show.
+            // Normals are fitted to texels around those that pictures show.
             decode: if self.march.aov.contains(&AovKind::Normal) { DecodeScope::All } else { views.decode },
         }
     }

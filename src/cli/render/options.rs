@@ -1,4 +1,4 @@
-//! Groups of options of `render`.
+//! Option groups of `render`.
 
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// Whether rays are marched.
+    /// True if rays are marched.
     pub fn marches(self) -> bool {
         matches!(self, Method::March | Method::Calf)
     }
@@ -92,7 +92,7 @@ pub struct ProjectionArgs {
     pub eye_distance: Option<f64>,
 }
 
-/// Of the pupils of a grown-up, about the mean.
+/// Mean distance between the pupils of adults, in metres.
 const EYE_DISTANCE_M: f64 = 0.063;
 
 impl ProjectionArgs {
@@ -100,12 +100,12 @@ impl ProjectionArgs {
         matches!(self.projection, PictureProjection::Equirect | PictureProjection::Vr180)
     }
 
-    /// Pictures of an eye that are joined.
+    /// Number of pictures that are joined for an eye.
     pub fn faces(&self) -> usize {
         if self.projection == PictureProjection::Cubemap { 6 } else { 1 }
     }
 
-    /// The cameras of a picture: by eye, then by face.
+    /// Returns the cameras of a picture: by eye, then by face.
     pub fn cameras(&self, camera: &Camera) -> Vec<Camera> {
         let half_m = self.eye_distance.unwrap_or(EYE_DISTANCE_M) / 2.0;
         let eyes = if self.stereo.is_some() { vec![-half_m, half_m] } else { vec![0.0] };
@@ -118,7 +118,7 @@ impl ProjectionArgs {
         eyes.into_iter().flat_map(of_eye).collect()
     }
 
-    /// The aspect of a picture of one eye, or of a face; none where the camera has it.
+    /// Returns the aspect of a picture of one eye, or of a face. `None` if the camera defines it.
     pub fn aspect(&self) -> Option<f64> {
         match self.projection {
             PictureProjection::Perspective => None,
@@ -128,7 +128,7 @@ impl ProjectionArgs {
     }
 }
 
-/// Options without a meaning for simplified scenes.
+/// Options that do not apply to simplified scenes.
 pub const OF_LIGHT_FIELDS: &[&str] = &[
     "steps",
     "refine",
@@ -152,7 +152,7 @@ pub const OF_LIGHT_FIELDS: &[&str] = &[
     "decode",
 ];
 
-/// Options that stand on the command line, without dashes: those that have their default value are not among them.
+/// Names, without dashes, of the options given on the command line, as opposed to options with their default value.
 #[derive(Debug, Clone, Default)]
 pub struct Given {
     pub names: Vec<String>,
@@ -333,7 +333,7 @@ fn parse_metres(text: &str) -> Result<f64, String> {
     parse_number_where(text, |metres| (metres as f32).is_normal(), "metres between 1e-37 and 1e38 were expected")
 }
 
-/// Parses `256` or `640x480`, sides of up to 65,536 pixels and 2^28 pixels in all.
+/// Parses `256` or `640x480`: sides of up to 65,536 pixels, and at most 2^28 pixels.
 pub fn parse_size(text: &str) -> Result<(u32, Option<u32>), String> {
     let size = crate::cli::capture::parse_size(text)?;
     let (width, height) = (u64::from(size.0), u64::from(size.1.unwrap_or(size.0)));

@@ -23,16 +23,16 @@ use crate::image::transfer::ToneMap;
 use crate::math::Camera;
 use crate::report::picture::contact_sheet::ContactSheet;
 
-/// Faces of a cube map that lie beside each other.
+/// Number of cube map faces per row.
 const CUBE_COLUMNS: u32 = 3;
 
 const EYES: [&str; 2] = ["left", "right"];
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PictureName {
-    /// Its number in patterns: the frame, or the place of its camera where several look in one frame.
+    /// Number in patterns: the frame, or the index of the camera if several cameras share a frame.
     pub number: u32,
-    /// What it shows, for files in a folder and for the contact sheet: `view`, or probe and face of a reference.
+    /// Content, for files in a folder and for the contact sheet: `view`, or probe and face of a reference.
     pub subject: String,
 }
 
@@ -42,10 +42,10 @@ impl PictureName {
     }
 }
 
-/// Images to render at once, for one frame.
+/// Images of one frame that are rendered at once.
 pub struct Job {
     pub request: FrameRequest,
-    /// Name of each picture: both eyes, and all faces of a cube map, have one.
+    /// Name of each picture. Both eyes, and all faces of a cube map, share a name.
     pub names: Vec<PictureName>,
     pub size: [u32; 2],
     /// Indices of reference images, in the order of the cameras.
@@ -53,7 +53,7 @@ pub struct Job {
 }
 
 impl Job {
-    /// What a picture shows, in which frame and from where in metres.
+    /// Returns a caption with the content of a picture, its frame, and the eye position in metres.
     fn caption(&self, name: &PictureName) -> String {
         let parts = self.request.cameras.len() / self.names.len().max(1);
         let at = self.names.iter().position(|other| other == name).unwrap_or(0) * parts;
@@ -68,9 +68,9 @@ impl Job {
 enum Destination {
     Nowhere,
     StandardOutput(PictureStream<Stdout>),
-    /// The word in their names is the eye.
+    /// Files whose word is the eye.
     Files(PictureFiles),
-    /// The word is what pictures show.
+    /// Files whose word is the content of the picture.
     Folder(PictureFiles),
 }
 
@@ -84,7 +84,7 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// `fps` is the frame rate of streams.
+    /// Opens the destination. `fps` is the frame rate of streams.
     pub fn open(args: &Args, jobs: &[Job], (fps, tone): (f64, ToneMap)) -> Result<Pictures> {
         let stream = args.stream.open(args.output.as_deref(), args.json, fps)?;
         let numbers: Vec<u32> = jobs.iter().flat_map(|job| &job.names).map(|name| name.number).collect();
@@ -163,7 +163,7 @@ impl Pictures {
         Ok(Destination::Files(PictureFiles::create(path, format)?))
     }
 
-    /// The files of a picture, by their words: one, or one for each eye.
+    /// Returns the files of a picture, and its words: one, or one for each eye.
     fn words<'a>(&'a self, name: &'a PictureName) -> (Option<&'a PictureFiles>, Vec<&'a str>) {
         match &self.destination {
             Destination::Nowhere | Destination::StandardOutput(_) => (None, Vec::new()),
@@ -172,13 +172,14 @@ impl Pictures {
         }
     }
 
-    /// The files that a picture is written to, as paths from here.
+    /// Returns the paths, from the current directory, of the files to which a picture is written.
     pub fn files_of(&self, name: &PictureName) -> Result<Vec<PathBuf>> {
         let (files, words) = self.words(name);
         files.map_or(Ok(Vec::new()), |files| words.iter().map(|word| files.path(word, name.number)).collect())
     }
 
-    /// Writes a picture of these images, by eye and then by face: both eyes in one unless the pattern has a field for the eye.
+    /// Writes a picture composed of images, which are sorted by eye and then by face. Both eyes are joined unless the
+    /// pattern has a field for the eye.
     pub fn put(&mut self, name: &PictureName, job: &Job, images: &[RenderedImage]) -> Result<()> {
         let eyes: Vec<RenderedImage> =
             images.chunks(self.projection.faces()).map(|faces| tiled(faces, CUBE_COLUMNS)).collect::<Result<_>>()?;
@@ -215,7 +216,7 @@ impl Pictures {
     }
 }
 
-/// Images of one size as one, row by row.
+/// Tiles images of equal size row by row.
 fn tiled(images: &[RenderedImage], in_row: u32) -> Result<RenderedImage> {
     let [first, rest @ ..] = images else { return Err(Error::invalid("a picture of no eye")) };
     if rest.is_empty() {

@@ -26,13 +26,13 @@ use crate::monitor::Monitor;
 use crate::simplify::raster::{Compositing, DrawSettings, Drawn, draw_picture, drawing_bytes};
 use crate::simplify::read_glb::{QuadScene, read_glb};
 
-/// Samples in each row and column of a pixel of a z-buffer, where they are not given: four steps of alpha.
+/// Default number of samples in each row and column of a pixel for z-buffer rendering: four steps of alpha.
 const Z_BUFFER_SAMPLES: u32 = 2;
 
-/// Frames per second of a scene, which is the same in all.
+/// Frame rate of a scene, which is the same in all frames.
 const STILL_FPS: f64 = 24.0;
 
-/// Whether a file is a mesh, by its name or its first bytes.
+/// True if a file is a mesh, by its extension or its first bytes.
 pub fn is_scene(path: &Path) -> bool {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let starts_as_glb = || {
@@ -137,7 +137,7 @@ struct QuadRenderer<'s> {
     scene: &'s QuadScene,
     settings: DrawSettings,
     on_device: Option<GpuQuads<'s>>,
-    /// Time to send the scene; 0 once the first frame has it.
+    /// Time to upload the scene. 0 after the first frame has reported it.
     sending_ms: f64,
     figures: QuadFigures,
 }

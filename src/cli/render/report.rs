@@ -34,7 +34,7 @@ impl Frames {
         self.milliseconds.iter().filter(|&&ms| ms <= target_ms).count()
     }
 
-    /// `6 probes`, or `2 to 6 probes` if the number varies.
+    /// Returns `6 probes`, or `2 to 6 probes` if the number varies.
     fn probes(&self) -> String {
         match (self.views.iter().min(), self.views.iter().max()) {
             (Some(least), Some(most)) if least < most => format!("{least} to {most} probes"),
@@ -43,7 +43,7 @@ impl Frames {
     }
 }
 
-/// What was drawn, by what it was drawn from.
+/// Rendering figures by kind of input.
 pub enum Figures {
     LightField(Box<LightFieldFigures>),
     Quads(QuadFigures),
@@ -63,7 +63,7 @@ pub struct QuadFigures {
     fragments: u64,
     samples: u64,
     most_fragments: u32,
-    /// Largest mean of a picture.
+    /// Largest mean overdraw of a picture.
     peak_overdraw: f64,
     update_ms: Vec<f64>,
     render_ms: Vec<f64>,
@@ -74,7 +74,7 @@ impl QuadFigures {
         QuadFigures { triangles, ..QuadFigures::default() }
     }
 
-    /// Adds the pictures of a frame, each of so many samples, and the times to send the scene and to draw.
+    /// Adds the pictures of a frame with `samples` samples each, and the times to upload the scene and to draw.
     pub fn add(&mut self, pictures: &[Drawn], samples: u64, [update_ms, render_ms]: [f64; 2]) {
         for drawn in pictures {
             self.fragments += drawn.fragments;
@@ -102,7 +102,7 @@ pub struct Report<'a> {
     pub figures: Figures,
     pub pixels: u64,
     pub pictures: u64,
-    /// Whether near or far distances clip surfaces.
+    /// True if near or far distances clip surfaces.
     pub is_cut_off: bool,
     pub seconds: f64,
     pub bytes_out: u64,
@@ -144,7 +144,7 @@ enum DrawnFrom {
         triangles: usize,
         overdraw_mean: f64,
         fragments_per_pixel_max: u32,
-        /// Largest mean of a picture.
+        /// Largest mean overdraw of a picture.
         peak_overdraw_measured: f64,
     },
 }
@@ -165,7 +165,7 @@ struct Statistics {
     decoded_on: &'static str,
 }
 
-/// Times for a frame, and bytes for all.
+/// Times per frame, and bytes in total.
 #[derive(Serialize)]
 struct GpuCost {
     sending_ms: f64,
@@ -191,8 +191,8 @@ impl GpuCost {
 }
 
 impl Report<'_> {
-    /// Prints the report on standard output, or text on standard error if a result goes there. With --quiet and a file, only
-    /// requested figures.
+    /// Prints the report on standard output, or text on standard error if a result goes to standard output. With
+    /// --quiet and a file, prints only requested figures.
     pub fn print(&self, global: &GlobalArgs) -> Result<()> {
         if self.args.json {
             return output::print_json(&output::with_memory(self.document()));
@@ -329,7 +329,7 @@ impl Report<'_> {
         lines
     }
 
-    /// ` of 6 pictures`, if all frames have the same number above 1.
+    /// Returns ` of 6 pictures`, if all frames have the same number of pictures above 1.
     fn pictures_a_frame(&self) -> String {
         let frames = self.frames() as u64;
         match self.pictures.checked_div(frames) {

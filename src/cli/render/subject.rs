@@ -1,4 +1,4 @@
-//! What `render` draws: a light field or a simplified scene.
+//! Subjects that `render` draws: a light field or a simplified scene.
 
 use super::options::Method;
 use super::pictures::Job;
@@ -18,23 +18,23 @@ use crate::monitor::Monitor;
 pub trait Subject {
     fn method(&self) -> Method;
 
-    /// Its frames; none for a still scene.
+    /// Returns the frames of the input. `None` for a still scene.
     fn frames(&self) -> Option<FrameRange>;
 
-    /// Frames per second, of a stream of pictures.
+    /// Returns the frames per second of a picture stream.
     fn fps(&self) -> f64;
 
-    /// Frames of a reference that are compared, where these are asked for.
+    /// Returns the frames of a reference to compare, given the requested frames.
     fn reference_frames(&self, asked: Option<FrameRange>) -> Option<FrameRange> {
         asked
     }
 
-    /// The camera of a picture of a frame where none is asked for, and its words.
+    /// Returns the default camera of a frame, and its description.
     fn own_camera(&self, frame: u32) -> Result<(Camera, String)>;
 
     fn tone(&self) -> ToneMap;
 
-    /// Refuses pictures that it cannot draw, before anything is written.
+    /// Fails if a picture cannot be drawn. Called before anything is written.
     fn check(&mut self, jobs: &[Job], global: &GlobalArgs) -> Result<()>;
 
     fn renderer<'s>(&'s mut self, gpu: Option<&'s Gpu>) -> Result<Box<dyn JobRenderer + 's>>;
@@ -44,15 +44,15 @@ pub trait JobRenderer {
     /// Renders the images of a job. The monitor advances by one for each row.
     fn render(&mut self, job: &Job, truth: Option<&mut TruthRun>, monitor: &dyn Monitor) -> Result<RenderedJob>;
 
-    /// Figures of all jobs so far.
+    /// Returns the figures of all jobs so far.
     fn figures(&self) -> Figures;
 }
 
 pub struct RenderedJob {
     pub images: Vec<RenderedImage>,
-    /// As they are compared with references, where that differs.
+    /// Images to compare with references, if they differ from `images`.
     pub compared: Option<Vec<RenderedImage>>,
-    /// Of each image, pixels near silhouettes of views, where they are known.
+    /// For each image, a mask of the pixels near silhouettes of views, if known.
     pub near_silhouettes: Vec<Option<Plane<bool>>>,
     pub trace: Option<FrameTrace>,
 }

@@ -130,7 +130,8 @@ impl TruthRun {
         job.references.iter().map(of).collect()
     }
 
-    /// Compares the pictures of a job with its references; masks are of [`near_silhouettes`](crate::march::silhouettes::near_silhouettes).
+    /// Compares the pictures of a job with its references. Masks come from
+    /// [`near_silhouettes`](crate::march::silhouettes::near_silhouettes).
     pub fn compare(
         &mut self,
         job: &Job,

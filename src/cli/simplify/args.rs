@@ -168,7 +168,7 @@ impl Args {
         }
     }
 
-    /// Whether pictures of the scene are compared with the capture.
+    /// True if pictures of the scene are compared with the capture.
     pub(super) fn is_evaluated(&self) -> bool {
         self.json || self.stats || self.plot.is_some()
     }
@@ -178,7 +178,7 @@ impl Args {
         Outputs { scene: self.output.clone(), ktx2: self.ktx2.as_ref().map(ktx2) }
     }
 
-    /// Names and values of the options that tiles depend on.
+    /// Returns names and values of the options that tiles depend on.
     pub(super) fn options(&self) -> Vec<(&'static str, String)> {
         let Budgets { triangles, area, peak_overdraw } = self.budgets();
         let density = self.pixels_per_degree.map_or("default".to_owned(), |density| density.to_string());

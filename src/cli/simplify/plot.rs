@@ -11,7 +11,7 @@ use crate::simplify::capture::Capture;
 use crate::simplify::pipeline::Simplified;
 use crate::simplify::samples::Background;
 
-/// Writes all of them, and answers the files.
+/// Writes all charts and pictures, and returns their paths.
 pub fn write(
     folder: &Path,
     simplified: &Simplified,

@@ -1,4 +1,4 @@
-//! What `simplify` reports.
+//! Report of `simplify`.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -12,12 +12,12 @@ use crate::json::{self, Number};
 use crate::simplify::fidelity::{Evaluation, Fidelity};
 use crate::simplify::pipeline::{Counters, Simplified, Stages};
 
-/// Comparisons with pictures, and files.
+/// Comparisons with pictures, and written files.
 pub struct Compared {
-    /// With the input.
+    /// Comparison with the input.
     pub evaluation: Option<Evaluation>,
     pub held_out: Option<Fidelity>,
-    /// With their bytes.
+    /// Paths and sizes in bytes.
     pub files: Vec<(PathBuf, u64)>,
     /// Charts and pictures.
     pub figures: Vec<PathBuf>,
@@ -27,9 +27,9 @@ pub struct Compared {
 pub struct Report {
     triangles: usize,
     tiles: u64,
-    /// In whole spheres.
+    /// In multiples of the area of a sphere.
     projected_area: f64,
-    /// Of the cost model.
+    /// According to the cost model.
     peak_overdraw: f64,
     atlas_width: u32,
     atlas_height: u32,
@@ -54,10 +54,10 @@ pub struct Report {
     seconds: Duration,
 }
 
-/// Pictures of the scene beside those of the capture.
+/// Comparison of rendered pictures of the scene with those of the capture.
 #[derive(Debug, Serialize)]
 struct EvaluationReport {
-    /// Largest mean of a picture of the capture.
+    /// Largest mean overdraw of a picture of the capture.
     peak_overdraw_measured: f64,
     overdraw_mean: f64,
     fragments_per_pixel_max: u32,
@@ -93,11 +93,11 @@ struct SelectionReport {
     primal: f64,
     gap: f64,
     iterations: usize,
-    /// Part of the budgets that the selection leaves to tiles that are extended over gaps.
+    /// Fraction of the budgets that the selection reserves for tiles that are extended over gaps.
     reserved: f64,
-    /// No selection within the whole budgets has less energy.
+    /// Lower bound on the energy of every selection within the whole budgets.
     dual_of_budgets: f64,
-    /// Budgets with more of which the energy would be less.
+    /// Budgets that limit the result: with a larger one the energy would be lower.
     limited_by: Vec<&'static str>,
 }
 
@@ -114,7 +114,7 @@ struct FileReport {
     bytes: u64,
 }
 
-/// A figure of pictures that were compared; no number where none was.
+/// Returns a figure of compared pictures. NaN if none were compared.
 fn figure(fidelity: &Fidelity, value: f64) -> Number {
     Number(if fidelity.pixels > 0 { value } else { f64::NAN })
 }
@@ -217,7 +217,7 @@ impl Report {
         }
     }
 
-    /// Durations and counts of the stages, one on each line.
+    /// Returns durations and counts of the stages, one per line.
     pub fn stats(&self) -> Result<String> {
         output::stage_lines(&self.stages, &self.counters)
     }

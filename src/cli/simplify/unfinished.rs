@@ -1,4 +1,4 @@
-//! The scene's file while it is made, and beside it the selected tiles, from which `simplify --resume` goes on.
+//! File of a scene under construction, and the selected tiles beside it, from which `simplify --resume` continues.
 
 use std::io::{Read, Write};
 use std::path::Path;
@@ -13,12 +13,12 @@ use crate::memory::Budget;
 use crate::simplify::capture::Capture;
 use crate::simplify::settings::Settings;
 
-/// Everything that tiles depend on: of files their sizes and times.
+/// Returns everything that tiles depend on. Files are identified by size and modification time.
 pub fn fingerprint(args: &Args, settings: &Settings, capture: &Capture) -> Fingerprint {
     let input = &args.input;
     let mut fields = Fingerprint::of_program();
     fields.extend(args.options());
-    // What follows from options and input.
+    // Settings derived from options and input.
     let settings = Settings { memory: Budget::UNLIMITED, ..settings.clone() };
     fields.push(("the set of options", digest(format!("{settings:?}").as_bytes())));
     fields.push(("the frame", capture.frame().to_string()));
@@ -29,7 +29,7 @@ pub fn fingerprint(args: &Args, settings: &Settings, capture: &Capture) -> Finge
     Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
 }
 
-/// A scene's file that is not whole yet.
+/// File of an unfinished scene.
 pub struct UnfinishedScene<'a> {
     pub file: OutputFile,
     path: &'a Path,
@@ -38,7 +38,7 @@ pub struct UnfinishedScene<'a> {
 }
 
 impl<'a> UnfinishedScene<'a> {
-    /// Opens the file, and gives the words of the tiles that an earlier run left, where it is to be resumed.
+    /// Opens the file. If resuming, returns the serialised tiles that an earlier run left.
     pub fn open(
         args: &'a Args,
         fingerprint: Fingerprint,
@@ -84,7 +84,8 @@ impl<'a> UnfinishedScene<'a> {
         Ok((unfinished, words))
     }
 
-    /// The words of an earlier run of the same options; none where they are damaged, as where the power failed.
+    /// Returns the serialised tiles of an earlier run with the same options. `None` if they are damaged, for example by
+    /// a power failure.
     fn words_of(&self, records: &[u8]) -> Result<Option<Vec<u64>>> {
         let Some(end) = records.iter().position(|byte| *byte == b'\n') else { return Ok(None) };
         let (head, body) = (&records[..end], &records[end + 1..]);
@@ -121,7 +122,8 @@ impl<'a> UnfinishedScene<'a> {
         Ok(())
     }
 
-    /// The error that stopped a run; after an interrupt or an error of the system a later process can resume, where there are tiles.
+    /// Returns the error of a stopped run. After an interrupt or a system error, kept tiles allow a later process to
+    /// resume.
     pub fn stopped(&mut self, error: Error) -> Error {
         let may_succeed = matches!(error, Error::Interrupted | Error::Io { .. });
         if may_succeed && self.has_tiles && self.file.is_resumable() { self.kept(error) } else { error }

@@ -1,4 +1,4 @@
-//! Runs commands of this program as processes of their own.
+//! Runs commands of this program as child processes.
 
 use std::ffi::OsString;
 use std::io::{ErrorKind, Read};
@@ -14,24 +14,25 @@ use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::report::tradeoff::runner::{Runner, shell_line};
 
-/// How often a child is looked after. Its own clock tells how long it took.
+/// Polling interval of a child. Its run time comes from its own clock.
 const POLL: Duration = Duration::from_millis(2);
 
-/// Set for children, which hold the other end of a pipe as their standard input: when it ends, their parent is gone.
+/// Set for children. The parent holds the write end of their standard input, a pipe: when it closes, the parent is
+/// gone.
 const ENDS_WITH_INPUT: &str = "LIGHTFOLD_ENDS_WITH_INPUT";
 
-/// Lets this process end with the one that started it, where that asks for it; also where that one was killed.
+/// Ends this process when its parent ends or is killed, if the parent requested it.
 pub fn end_with_parent() {
     if std::env::var_os(ENDS_WITH_INPUT).is_some() {
         std::thread::spawn(|| {
-            // However it ends, it has.
+            // An error also means that the pipe is closed.
             let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
             std::process::exit(EXIT_INTERRUPTED.into());
         });
     }
 }
 
-/// Runs children one after the other, and ends them when the user asks to stop.
+/// Runs children one after another, and ends them when the user asks to stop.
 pub struct Children<'a> {
     program: PathBuf,
     monitor: &'a dyn Monitor,
@@ -39,7 +40,7 @@ pub struct Children<'a> {
 }
 
 impl<'a> Children<'a> {
-    /// Children of this program, which itself began at `start`.
+    /// Creates a runner for children of this program. `start` is the time at which the program began.
     pub fn new(monitor: &'a dyn Monitor, start: Instant) -> Result<Children<'a>> {
         let program = std::env::current_exe()
             .map_err(|error| Error::Usage(format!("where this program is could not be found out: {error}")))?;
@@ -71,17 +72,17 @@ impl Runner for Children<'_> {
             .map_err(|error| Error::io(&self.program, error).context("a process could not be started"))?;
         let mut child = Running(child);
         let (out, said) = (child.0.stdout.take(), child.0.stderr.take());
-        // Both are read while it runs: a full pipe would stop it.
+        // Both pipes are read while the child runs: a full pipe would block it.
         let (status, out, said) = std::thread::scope(|scope| {
             let out = scope.spawn(move || read(out));
             let said = scope.spawn(move || read(said));
             let status = self.wait(&mut child);
-            // Its pipes end with it.
+            // Dropping the child ends it, which closes its pipes.
             drop(child);
             (status, out.join().unwrap_or_default(), said.join().unwrap_or_default())
         });
         let status = status?;
-        // A signal to all of a terminal's processes may reach a child before it knows what to do with it.
+        // A signal to all processes of a terminal may reach a child before its handler is set.
         if status.code() == Some(EXIT_INTERRUPTED.into()) || was_stopped(status) {
             return Err(Error::Interrupted);
         }
@@ -90,7 +91,7 @@ impl Runner for Children<'_> {
             let said = said.trim().lines().last().unwrap_or_default();
             let said = said.strip_prefix("lightfold: ").unwrap_or(said);
             let said = if said.is_empty() { format!("it failed ({status})") } else { said.to_owned() };
-            // What may succeed later is no fault of the point.
+            // A failure that may succeed later is not attributed to the point.
             return Err(match status.code() == Some(EXIT_RETRY.into()) {
                 true => Error::io("", std::io::Error::new(ErrorKind::WouldBlock, said)).context(shell_line(words)),
                 false => failed(said),
@@ -104,7 +105,7 @@ impl Runner for Children<'_> {
     }
 }
 
-/// Whether a process was ended by the signal of Ctrl-C, or by the one that asks it to end.
+/// True if a process was ended by SIGINT or SIGTERM.
 fn was_stopped(status: ExitStatus) -> bool {
     #[cfg(unix)]
     {
@@ -119,12 +120,12 @@ fn was_stopped(status: ExitStatus) -> bool {
     }
 }
 
-/// A child that does not outlive its owner.
+/// A child that is killed when dropped.
 struct Running(Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // It may have ended before.
+        // It may have ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -133,7 +134,7 @@ impl Drop for Running {
 fn read(from: Option<impl Read>) -> Vec<u8> {
     let mut bytes = Vec::new();
     if let Some(mut from) = from {
-        // What could be read before an error is what there is to tell.
+        // If reading fails, the bytes read so far are reported.
         let _ = from.read_to_end(&mut bytes);
     }
     bytes

@@ -1,4 +1,4 @@
-//! Sweeps of coding, and recommendations from their points.
+//! Coding sweeps, and recommendations from their points.
 
 use std::time::Instant;
 
@@ -66,7 +66,7 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
     let footage = input::open(path, &args.stream, &args.fixed, global)?;
     let streams: Vec<StreamKind> = footage.input.kinds.iter().map(|(stream, _)| *stream).collect();
     let nothing = args.sweep.is_empty() && args.preset.is_none();
-    // Demands alone need some points.
+    // Demands without sweeps still need some points.
     let preset = args.preset.or((nothing && demands.is_some()).then_some(Preset::Quick));
     let request = plan::Request { streams: &streams, sweeps: &args.sweep, preset, fixed: &footage.knobs };
     let plan = plan::plan(&request)?;
@@ -75,7 +75,7 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
     let mut opened = Opened::new(args, &plan.studies[0], made_of)?;
     implied(&plan.studies, &footage.knobs).iter().for_each(|note| global.note(note));
     let mut left_out = plan.left_out;
-    // They are first, so that the points have all of the time that is left.
+    // Tiles come first, so that the points get all of the remaining time.
     let tiles = plan.tiles.then(|| tiles::measure(&footage, args.budget_seconds, global)).transpose()?;
     let tiles = tiles.and_then(|tiles| tiles.map_err(|why| left_out.push(why)).ok());
     let sweeping = Sweeping {
@@ -114,7 +114,7 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
     Ok(advised.map_or(ExitStatus::Passed, |advised| advised.status))
 }
 
-/// Settings that knobs require and that were not given, a sentence each.
+/// Returns a sentence for each setting that a knob requires and that was not given.
 fn implied(studies: &[Study], given: &[Setting]) -> Vec<String> {
     let mut told: Vec<String> = Vec::new();
     for study in studies {

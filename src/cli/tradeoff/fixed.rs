@@ -1,4 +1,4 @@
-//! Options after `--`, which all points have.
+//! Options after `--`, which apply to all points.
 
 use std::ffi::OsString;
 
@@ -31,15 +31,15 @@ impl FixedOption {
 
 pub struct OptionsOf<'a> {
     pub command: &'a str,
-    /// Words that make a line of it complete.
+    /// Further words that make its command line complete.
     pub line: &'a [&'a str],
     pub own: &'a [&'a str],
-    /// Options of another subcommand that are taken as well: its name, and theirs.
+    /// Name of another subcommand, and those of its options that are accepted as well.
     pub also: Option<(&'a str, &'a [&'a str])>,
 }
 
 impl OptionsOf<'_> {
-    /// The options among `words`, in the order of the help.
+    /// Parses the options among `words`. Returns them in the order of the help.
     pub fn read(&self, words: &[String], axes: &[Axis]) -> Result<Vec<FixedOption>> {
         let mut root = Cli::command();
         root.build();
@@ -88,7 +88,7 @@ impl OptionsOf<'_> {
     }
 }
 
-/// Settings that swept knobs require where they are neither swept nor among the options.
+/// Returns the settings that swept knobs require, if they are neither swept nor given as options.
 pub fn implied(kind: &SweepKind, axes: &[Axis], options: &[FixedOption]) -> Vec<Setting> {
     let knobs = axes.iter().filter_map(|axis| kind.knob(axis.knob));
     let is_open =
@@ -107,7 +107,7 @@ pub struct FixedSettings {
 }
 
 impl FixedSettings {
-    /// Sorts options, and adds what swept knobs require.
+    /// Sorts options, and adds the settings that swept knobs require.
     pub fn new(kind: &SweepKind, axes: &[Axis], options: &[FixedOption]) -> FixedSettings {
         let mut fixed = FixedSettings { knobs: implied(kind, axes, options), words: Vec::new() };
         for option in options {
@@ -125,7 +125,7 @@ pub fn parse(words: &[OsString]) -> Result<Cli> {
     Cli::try_parse_from(words).map_err(|error| refused(&error))
 }
 
-/// The first sentence of a parser's message.
+/// Returns the first sentence of a parser's message.
 fn refused(error: &clap::Error) -> Error {
     use clap::error::ErrorKind::{DisplayHelp, DisplayVersion};
     if matches!(error.kind(), DisplayHelp | DisplayVersion) {

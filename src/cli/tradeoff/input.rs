@@ -1,4 +1,4 @@
-//! The footage of a sweep of coding and the options of all its points, checked before anything runs.
+//! Footage of a coding sweep and the options of all its points, checked before anything runs.
 
 use std::ffi::OsString;
 use std::io::Read;
@@ -20,12 +20,12 @@ use crate::report::tradeoff::coding::commands::{self, Form, Input, into_file};
 use crate::report::tradeoff::coding::table::KNOBS;
 use crate::report::tradeoff::kind::{Point, Setting};
 
-/// Options of encoding that tradeoff gives itself.
+/// Encoding options that are set by tradeoff.
 const OWN: &[&str] = &["output", "stream", "json", "quiet"];
-/// Options of decoding that may be given to all points.
+/// Decoding options that may be given for all points.
 const OF_DECODING: &[&str] = &["device", "gpu-index"];
 
-/// Options that all points have, by the command that they are for.
+/// Options of all points, by command.
 #[derive(Debug, Default)]
 struct Fixed {
     knobs: Vec<Setting>,
@@ -34,11 +34,11 @@ struct Fixed {
     decode: Vec<String>,
 }
 
-/// The footage, opened, with the settings that all points share.
+/// Open footage, with the settings that all points share.
 pub struct Footage {
     pub input: Input,
     pub source: Source,
-    /// How tiles of depth are modelled on their own: as the options of all points say, fast where they do not.
+    /// Settings for modelling depth tiles on their own: from the options of all points, with effort fast by default.
     pub tiles: EncodeSettings,
     pub tiles_how: String,
     pub knobs: Vec<Setting>,
@@ -56,7 +56,7 @@ fn encoder(form: Form, kinds: &[StreamKind], path: &str) -> Result<&'static str>
     }
 }
 
-/// Opens footage; `kinds` are those that were asked for, and `words` the options of all points.
+/// Opens footage. `kinds` are the requested kinds of streams, and `words` the options of all points.
 pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalArgs) -> Result<Footage> {
     let form = if manifest::is_dataset(Path::new(path)) { Form::Dataset } else { Form::Sequence };
     let subcommand = encoder(form, kinds, path)?;
@@ -66,7 +66,7 @@ pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalA
     }
     let mut line: Vec<OsString> = [subcommand, path, "-o", "point.lfold"].map(OsString::from).to_vec();
     line.extend(fixed.encode.iter().map(OsString::from));
-    // Other knobs say nothing about modelling alone, and might want one that is swept beside them.
+    // Other knobs do not affect modelling alone, and might require a setting that is swept.
     let of_tiles = [("effort", "fast"), ("depth-domain", "log")].map(|(name, usual)| {
         let given = fixed.knobs.iter().find(|(other, _)| *other == name);
         (name, given.map_or(usual, |(_, value)| value.as_str()))
@@ -100,7 +100,7 @@ pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalA
     Ok(Footage { input, source, tiles, tiles_how, knobs: fixed.knobs })
 }
 
-/// Sorts options after `--` by the command that they are for.
+/// Sorts options after `--` by command.
 fn fixed(subcommand: &'static str, path: &str, words: &[String]) -> Result<Fixed> {
     let mut fixed = Fixed::default();
     if words.is_empty() {
@@ -153,8 +153,8 @@ pub fn check(input: &Input, points: &[Point]) -> Result<()> {
     Ok(())
 }
 
-/// Configuration hash of the footage, the fixed options, the program and the processor; times of files do not count. All
-/// files are read.
+/// Returns the configuration hash of the footage, the fixed options, the program and the processor. Reads all files;
+/// their times do not count.
 pub fn made_of(input: &Input, source: &Source) -> Result<u32> {
     let mut hasher = crc32fast::Hasher::new();
     let mut add = |bytes: &[u8]| {
@@ -162,7 +162,7 @@ pub fn made_of(input: &Input, source: &Source) -> Result<u32> {
         hasher.update(bytes);
     };
     add(env!("CARGO_PKG_VERSION").as_bytes());
-    // A program that was built anew may write other bytes.
+    // A rebuilt program may write other bytes.
     let program = std::env::current_exe().map_err(|error| Error::io(Path::new("lightfold"), error))?;
     add(&crc_of(&program)?.to_le_bytes());
     add(machine::processor().as_bytes());
@@ -250,7 +250,7 @@ mod tests {
             let command = if knob.stage == Stage::Decode { "decode" } else { "encode" };
             let found = built.find_subcommand(command).unwrap();
             let option = found.get_arguments().find(|argument| argument.get_long() == Some(knob.name)).unwrap();
-            // Others are said in the text of the option.
+            // Other defaults are stated in the help text of the option.
             if let [default] = option.get_default_values() {
                 assert_eq!(default.to_str(), Some(knob.default), "{}", knob.name);
             }

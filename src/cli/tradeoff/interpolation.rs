@@ -1,4 +1,4 @@
-//! Sweeps of view interpolation, where the input is a scene.
+//! Sweeps of view interpolation. The input is a scene.
 
 use super::args::{Args, refuse_options_of_coding};
 use super::fixed::{FixedSettings, OptionsOf};
@@ -10,10 +10,10 @@ use crate::report::tradeoff::placement::PLACEMENT;
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::study::Axis;
 
-/// Options of `interpolate` that tradeoff gives itself.
+/// Options of `interpolate` that are set by tradeoff.
 const OWN: &[&str] = &["output", "null", "json", "quiet", "compare", "csv", "brute-force"];
 
-/// Whether a knob that is swept is of interpolation, and not of placement.
+/// True if a swept knob belongs to interpolation and not to placement.
 pub fn is_swept(args: &Args) -> bool {
     let names = args.sweep.iter().map(|sweep| sweep.knob.name);
     names.into_iter().any(|name| INTERPOLATION.knob(name).is_some() && PLACEMENT.knob(name).is_none())
@@ -29,7 +29,7 @@ pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<ExitStat
 
 fn fixed(scene: &str, words: &[String], axes: &[Axis]) -> Result<FixedSettings> {
     let mut line = vec![scene, "--null"];
-    // What is required, and swept.
+    // Options that are required, but swept.
     for (knob, option, value) in [("views", "--views", "2"), ("baseline", "--baseline", "1")] {
         if axes.iter().any(|axis| axis.knob == knob) {
             line.extend([option, value]);

@@ -1,4 +1,4 @@
-//! The steps of every sweep: lock the folder, measure, write the files, print.
+//! Steps of every sweep: lock the folder, measure, write the files, print.
 
 use std::path::Path;
 use std::time::Instant;
@@ -57,7 +57,7 @@ impl Opened {
     }
 }
 
-/// Measures a study whose points are one command each, anew each time.
+/// Measures a study whose points are one command each. Earlier results are not reused.
 pub fn measure_grid<B: CommandBench>(args: &Args, study: Study, bench: B, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     let (points, here) = (study.points(), Path::new("."));
@@ -77,7 +77,7 @@ pub struct Sweeping<'a> {
     pub global: &'a GlobalArgs,
     pub start: Instant,
     pub studies: Vec<Study>,
-    /// What a preset has and the input has no streams for.
+    /// One sentence for each study of the preset whose stream the input lacks.
     pub left_out: Vec<String>,
     pub about: String,
     pub commands: Vec<ExampleCommand>,
@@ -91,7 +91,7 @@ pub struct Finished<'a> {
 }
 
 impl<'a> Sweeping<'a> {
-    /// Measures all points. `bench` is given the folder of unfinished work.
+    /// Measures all points. `bench` takes the folder for unfinished work.
     pub fn measure<B: Bench>(self, opened: &mut Opened, bench: impl FnOnce(&Path) -> B) -> Result<Finished<'a>> {
         let Opened { folder, store } = opened;
         let kind = store.kind;
@@ -117,7 +117,7 @@ impl<'a> Sweeping<'a> {
             false => format!("Point {point} failed: {error}"),
         }));
         let points = all_points(&done.studies);
-        // Without a run there is no time to show.
+        // Points without a run have no time to report.
         let timed = points.iter().filter(|point| store.runs(point) > 0);
         let machine = std::iter::once(machine::describe()).chain(bench.devices().iter().cloned());
         let results = Results {
@@ -137,13 +137,14 @@ impl<'a> Sweeping<'a> {
 }
 
 impl Finished<'_> {
-    /// Writes pictures, page and JSON, and prints; `more` has further keys of the JSON, and `words` further text.
+    /// Writes pictures, page and JSON, and prints the report. `more` contains further JSON keys, and `words` further
+    /// text.
     pub fn tell(&self, opened: &Opened, extras: &Extras, more: Value, words: &str) -> Result<()> {
         let (Opened { folder, store }, args) = (opened, self.args);
         let rows = self.results.measured.iter().filter_map(|measured| store.row(&measured.point));
         let mut files = vec![store.path().to_path_buf(), folder.report()];
         files.extend(page::write(&self.results, extras, &args.output)?);
-        // Pictures of other sweeps over the same footage stay, and are listed.
+        // Pictures of other sweeps over the same footage are kept and listed.
         let mut names = folder.files();
         names.extend(files.iter().filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned())));
         names.sort();

@@ -1,4 +1,4 @@
-//! Sweeps of placing cameras, where the input is a scene.
+//! Sweeps of camera placement. The input is a scene.
 
 use super::args::{Args, refuse_options_of_coding};
 use super::fixed::{OptionsOf, implied};
@@ -9,9 +9,9 @@ use crate::report::tradeoff::placement::{PLACEMENT, PlacementBench};
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::study::Axis;
 
-/// Options of `place` that tradeoff gives itself.
+/// Options of `place` that are set by tradeoff.
 const OWN: &[&str] = &["output", "json", "quiet", "plot", "csv", "start", "compare-k"];
-/// Options of the search. All others say what is to be covered, and are given to the comparison, too.
+/// Options of the search. All others define the surface to cover, and also apply to the comparison.
 const OF_THE_SEARCH: &[&str] =
     &["effort", "candidates", "surface-samples", "grid", "cameras", "until", "uniform", "threads"];
 
@@ -26,11 +26,11 @@ pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<ExitStat
 #[derive(Debug, Default)]
 struct Fixed {
     all: Vec<String>,
-    /// Those that say what is to be covered.
+    /// Options that define the surface to cover.
     ruler: Vec<String>,
 }
 
-/// Options after `--`, and those that the swept knobs require.
+/// Returns the options after `--`, and those that the swept knobs require.
 fn fixed(scene: &str, words: &[String], axes: &[Axis]) -> Result<Fixed> {
     let line = [scene, "-o", "a.json"];
     let options = OptionsOf { command: "place", line: &line, own: OWN, also: None }.read(words, axes)?;

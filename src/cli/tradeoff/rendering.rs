@@ -1,4 +1,4 @@
-//! Sweeps of rendering over a dataset, of which one probe is left out.
+//! Sweeps of rendering a dataset from which one probe is left out.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::report::tradeoff::plan;
 use crate::report::tradeoff::rendering::{RENDERING, RenderingBench};
 use crate::report::tradeoff::study::Axis;
 
-/// Options of `render` that tradeoff gives itself.
+/// Options of `render` that are set by tradeoff.
 const OWN: &[&str] = &[
     "output",
     "null",
@@ -34,7 +34,7 @@ const OWN: &[&str] = &[
 #[derive(Debug, Default, PartialEq)]
 struct Fixed {
     words: Vec<String>,
-    /// `--reference-probe` and `--frames`, which other commands are given, too.
+    /// Values of `--reference-probe` and `--frames`, which also apply to other commands.
     probe: Option<String>,
     frames: Option<String>,
 }
@@ -48,7 +48,7 @@ pub fn measure(args: &Args, dataset: &str, global: &GlobalArgs) -> Result<ExitSt
     measure_grid(args, study, bench, global)
 }
 
-/// The probe that is nearest to the middle of all, the first of several.
+/// Returns the probe nearest to the mean position of all; the first if several are equally near.
 fn most_central(dataset: &Path) -> Result<String> {
     let manifest = Manifest::read(dataset)?;
     let position = |at: usize| DVec3::from_array(manifest.probes[at].first_pose(manifest.frame_range()).position);
@@ -65,7 +65,7 @@ fn most_central(dataset: &Path) -> Result<String> {
 }
 
 fn fixed(words: &[String], axes: &[Axis]) -> Result<Fixed> {
-    // The reference stands for that of the points, so that options which need one are accepted.
+    // The reference is a placeholder, so that options which require one are accepted.
     let line = ["field.lfold", "--reference", "set", "--null"];
     let options = OptionsOf { command: "render", line: &line, own: OWN, also: None };
     let mut fixed = Fixed::default();

@@ -1,4 +1,4 @@
-//! Sweeps of simplification over a capture.
+//! Sweeps of simplification. The input is a capture.
 
 use super::args::{Args, refuse_options_of_coding};
 use super::fixed::{FixedSettings, OptionsOf};
@@ -9,7 +9,7 @@ use crate::report::tradeoff::plan;
 use crate::report::tradeoff::simplification::{SIMPLIFICATION, SimplificationBench};
 use crate::report::tradeoff::study::Axis;
 
-/// Options of `simplify` that tradeoff gives itself.
+/// Options of `simplify` that are set by tradeoff.
 const OWN: &[&str] = &["output", "json", "quiet"];
 
 pub fn measure(args: &Args, capture: &str, global: &GlobalArgs) -> Result<ExitStatus> {

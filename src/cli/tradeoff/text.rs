@@ -17,9 +17,9 @@ use crate::report::tradeoff::plan::KINDS;
 use crate::report::tradeoff::study::Results;
 use crate::report::tradeoff::table;
 
-/// Tables of all points, findings that were tested, and the files that were written.
+/// Returns tables of all points, the tested findings, and the written files.
 pub fn report(results: &Results, findings: &[Finding], files: &[PathBuf]) -> String {
-    // Writing into a string does not fail.
+    // Writing into a string cannot fail.
     let mut text = String::new();
     for stream in results.streams() {
         for study in results.studies.iter().filter(|study| study.stream == stream) {
@@ -45,7 +45,8 @@ pub fn report(results: &Results, findings: &[Finding], files: &[PathBuf]) -> Str
     text
 }
 
-/// Recommended points, or those that miss the demands least; `unasked` are kinds of streams without demands.
+/// Returns the recommended points, or those closest to meeting the demands. `unasked` are kinds of streams without
+/// demands.
 pub fn advice(advice: &[Advice<'_>], unasked: &[StreamKind]) -> String {
     let mut text = String::new();
     for Advice { row, aim, misses } in advice {

@@ -1,4 +1,4 @@
-//! Statistics of tiles, within a share of the budget.
+//! Tile statistics, within a share of the time budget.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -11,13 +11,13 @@ use crate::encode::tile_quality;
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 
-/// Part of the budget that the statistics may take; the points have the rest.
+/// Share of the budget that the statistics may take. The points get the rest.
 const SHARE: f64 = 1.0 / 3.0;
 
-/// What is left out for want of time.
+/// Message for statistics omitted for lack of time.
 const LATE: &str = "The statistics of tiles were left out: they did not fit into a third of the budget.";
 
-/// Stops work that will not be done in time.
+/// Monitor that interrupts work which will not finish in time.
 struct Until<'a> {
     progress: &'a dyn Monitor,
     start: Instant,
@@ -27,7 +27,7 @@ struct Until<'a> {
 }
 
 impl Until<'_> {
-    /// Whether it takes too long, or will, as its first steps tell.
+    /// True if the time is exceeded, or will be at the rate of the steps so far.
     fn is_late(&self) -> bool {
         let Some(most) = self.most else { return false };
         let (spent, done) = (self.start.elapsed(), self.done.load(Ordering::Relaxed));
@@ -47,7 +47,7 @@ impl Monitor for Until<'_> {
     }
 }
 
-/// PSNR of all tiles of depth by modelling function, or why there is none.
+/// Measures the PSNR of all depth tiles by modelling function. The inner error states why there is no result.
 pub fn measure(
     footage: &Footage,
     budget_seconds: Option<f64>,

@@ -22,7 +22,7 @@ impl CellBuilder {
         samples.iter().for_each(|sample| sample.put(&mut self.samples));
     }
 
-    /// Adds a keyframe at the next frame, as samples, in a codec of blocks.
+    /// Adds a keyframe at the next frame, stored as samples, in a codec with blocks.
     pub fn push_keyframe_as_samples<S: Sample>(&mut self, samples: &[S]) {
         self.push_keyframe(samples);
         if let Some(row) = self.keyframes.last_mut() {
@@ -52,7 +52,7 @@ impl CellBuilder {
         FIXED_BYTES + KEYFRAME_ROW_BYTES * self.keyframes.len() + self.weights.len() + self.samples.len()
     }
 
-    /// The payload. Weights after the last keyframe that are not zero lead to the next chunk.
+    /// Returns the payload. Weights other than 0 after the last keyframe lead to the next chunk.
     pub fn finish(self) -> Result<Vec<u8>> {
         let Ok(count) = u16::try_from(self.keyframes.len()) else {
             return Err(Error::unsupported(format!("a chunk of {} keyframes", self.keyframes.len())));

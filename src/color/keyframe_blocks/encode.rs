@@ -7,13 +7,13 @@ use crate::effort::Effort;
 #[derive(Debug, Clone, Copy)]
 pub struct KeyframeEncoder<S> {
     pub encode: fn(&[S], [usize; 2], Effort) -> Vec<u8>,
-    /// Efforts that [`Effort::Fast`] tries in turn before samples are stored.
+    /// Efforts that [`Effort::Fast`] tries in turn before it stores samples.
     pub fast: &'static [Effort],
 }
 
-/// Where each effort takes ten times as long as the one before.
+/// For formats whose efforts each take ten times as long as the one before.
 const ONE_HARDER: &[Effort] = &[Effort::Fast, Effort::Normal];
-/// Where the normal effort is the fast one.
+/// For formats whose normal effort is the same as fast.
 const HARDEST: &[Effort] = &[Effort::Fast, Effort::Exhaustive];
 
 impl<S> KeyframeEncoder<S> {

@@ -29,7 +29,7 @@ fn encode_with<S: Sample, Q: Quality<S>>(
     parsed.collect()
 }
 
-/// Decodes every frame from scratch and checks that it reaches `db`.
+/// Decodes every frame from scratch, and checks that it reaches `db` dB.
 fn check_frames<S: Sample, Q: Quality<S>>(chunks: &Chunks<S>, frames: &[Vec<S>], db: f64, quality: &Q) {
     let samples = frames[0].len();
     let limit = quality.max_squared_error(db, samples);
@@ -58,7 +58,7 @@ fn encode(frames: &[Vec<u8>], settings: SearchSettings) -> Chunks<u8> {
     encode_with(frames, CellEncoder::new(settings, CLOSE_AT_BYTES), format, &EightBit)
 }
 
-/// Encodes, checks every frame, and answers the number of keyframes.
+/// Encodes, checks every frame, and returns the number of keyframes.
 fn check(frames: &[Vec<u8>], settings: SearchSettings) -> usize {
     let chunks = encode(frames, settings);
     check_frames(&chunks, frames, settings.target.min_psnr_db(), &EightBit);
@@ -115,7 +115,7 @@ fn long_noise_is_split_into_chunks_that_lead_into_each_other() {
     check(&frames, settings);
 }
 
-/// Encodes with keyframes in blocks, checks every frame, and answers how many keyframes are in blocks and how many are not.
+/// Encodes with keyframes in blocks, checks every frame, and returns the number of keyframes in blocks and in samples.
 fn check_blocks<S: Sample, Q: Quality<S>>(
     frames: &[Vec<S>],
     settings: SearchSettings,
@@ -134,7 +134,7 @@ fn check_blocks<S: Sample, Q: Quality<S>>(
     counts
 }
 
-/// Pictures of a cell: slopes that drift, noise that comes and goes, cuts, and stretches that hold.
+/// Pictures of a cell: drifting gradients, intermittent noise, cuts, and repeated pictures.
 fn pictures(size: [usize; 2], recipe: &[(u8, u8, u8)]) -> Vec<Vec<u8>> {
     let mut seed = 1u32;
     let mut time = 0;
@@ -202,7 +202,7 @@ fn keyframes_are_in_blocks_where_these_serve_and_samples_where_they_do_not() {
     assert_eq!(count(&noise, 5.0), [2, 0]);
 }
 
-/// Stores the samples of whole blocks in rows, each made less by `BIAS`.
+/// Stores the samples of whole blocks in rows, each reduced by `BIAS`.
 const fn biased<const BIAS: u8>() -> KeyframeBlocks<u8> {
     KeyframeBlocks {
         bytes: 48,
@@ -216,8 +216,8 @@ const fn biased<const BIAS: u8>() -> KeyframeBlocks<u8> {
 
 #[test]
 fn a_frame_that_blocks_show_too_badly_becomes_a_keyframe() {
-    // Half of the samples rise, half of them fall; frames between the ends lie 3 above the line, which 38.3 dB allow. The
-    // ends may be off by 1 each, but then what lies between is off by 4.
+    // Half of the samples rise, half of them fall. Frames between the ends lie 3 above the line, which 38.3 dB allow. The
+    // ends may be off by 1 each, but then frames in between are off by 4.
     let sample = |t: usize, at: usize| {
         let above = if t == 0 || t == 19 { 0 } else { 3 };
         (if at.is_multiple_of(2) { 100 + 4 * t } else { 180 - 4 * t } + above) as u8

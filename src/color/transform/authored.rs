@@ -1,5 +1,5 @@
-//! Payloads that no encoder writes, for tests: an author answers each question of a region's reader (color.md 6.4) with a legal
-//! symbol, picked by hand or at random.
+//! Payloads that no encoder writes, for tests: an [`Author`] takes the place of a region's coder (color.md 6.4) and writes a
+//! legal symbol, chosen by the caller or at random, for each symbol that the region reads.
 
 use std::ops::Range;
 
@@ -17,12 +17,12 @@ use crate::color::transform::{Keyed, Tables};
 use crate::entropy::{Encoder, Family};
 use crate::error::{Error, Result};
 
-/// How symbols are chosen at random.
+/// Probabilities of random symbols.
 #[derive(Debug, Clone, Copy)]
 pub struct Taste {
     /// Weights of the kinds of nodes, in the order of their symbols.
     pub nodes: [u32; 4],
-    /// Values are such that nothing wraps, or any.
+    /// Range of values: limited so that nothing wraps, or any.
     pub values: Values,
 }
 
@@ -34,14 +34,14 @@ pub enum Values {
 
 pub const USUAL: Taste = Taste { nodes: [6, 3, 2, 1], values: Values::Usual };
 pub const ANY: Taste = Taste { nodes: [6, 3, 2, 1], values: Values::Any };
-/// Blocks are not split where they need not be.
+/// Blocks are split only if they must be.
 pub const WHOLE: Taste = Taste { nodes: [100, 0, 0, 0], values: Values::Usual };
 pub const PALETTES: Taste = Taste { nodes: [1, 3, 1, 12], values: Values::Usual };
 
-/// Answers a random number below the given one.
+/// Returns a random number below its argument.
 pub type RandomBelow<'a> = &'a mut dyn FnMut(u32) -> u32;
 
-/// Writes what a region's reader asks for.
+/// Coder that writes the symbols that a region reads.
 pub struct Author<'a, P> {
     pub stream: &'a mut Encoder,
     pub tables: &'a TableSet,
@@ -49,18 +49,18 @@ pub struct Author<'a, P> {
     /// Family of the last symbol, and the symbol.
     last: (Family, usize),
     colors: usize,
-    /// Whether a symbol was picked that is not legal, or none is.
+    /// True if the chosen symbol was not legal, or no symbol was.
     strayed: bool,
 }
 
-/// What an author chooses among.
+/// A value that an author chooses.
 #[derive(Debug)]
 pub enum Question<'a> {
-    /// A symbol of a context: the legal ones.
+    /// A symbol of a context, one of these legal ones.
     Symbol(usize, &'a [usize]),
     /// Raw bits: a number below this.
     Bits(u32),
-    /// The number of raw bits of a number: below this.
+    /// The number of raw bits of a number, below this.
     Length(u32),
 }
 
@@ -78,7 +78,7 @@ pub fn contexts_of(family: Family) -> Range<usize> {
     family.first_context..family.first_context + family.contexts
 }
 
-/// Whether the format allows a symbol, whatever its frequency.
+/// True if the format allows a symbol, regardless of its frequency.
 fn is_legal(context: usize, symbol: usize) -> bool {
     if !contexts_of(NODE).contains(&context) {
         return true;
@@ -139,7 +139,7 @@ impl<P: FnMut(Question<'_>) -> u32> SourceCoder for Author<'_, P> {
 }
 
 impl Taste {
-    /// Answers a question by chance.
+    /// Chooses a value at random.
     fn answer(self, question: Question<'_>, random_below: RandomBelow<'_>) -> u32 {
         match question {
             Question::Symbol(context, possible) => self.symbol(context, possible, random_below) as u32,
@@ -152,7 +152,7 @@ impl Taste {
         let Some(&last) = possible.last() else { return 0 };
         let is_in = |family: Family| contexts_of(family).contains(&context);
         let any = possible[random_below(possible.len() as u32) as usize];
-        // The first symbol with one probability, the second with the same of what is left, and so on.
+        // Each symbol in turn is chosen with the same probability, given that those before it were not.
         let mut falling = |percent: u32| possible.iter().copied().find(|_| random_below(100) < percent).unwrap_or(last);
         if is_in(NODE) {
             let weighted: Vec<usize> =
@@ -176,10 +176,10 @@ impl Taste {
     }
 }
 
-/// Trees that are tried for a region before it is given up: few have more leaves than their bytes justify.
+/// Maximum number of trees that are tried for a region; few have more leaves than their bytes allow.
 const MAX_TRIES: usize = 1000;
 
-/// A payload of which all that stands behind its header is chosen by taste. The payload is legal.
+/// Returns a legal payload with this header and random deltas and substreams.
 pub fn random_payload<S: Keyed>(
     size: [usize; 2],
     frames: usize,
@@ -203,7 +203,7 @@ pub fn random_payload<S: Keyed>(
     Ok(header.write::<S>(&deltas, &substreams))
 }
 
-/// A random substream of a region that decoders take.
+/// Returns a random substream of a region that decoders accept.
 fn random_substream(
     root: Block,
     setting: Setting<'_>,

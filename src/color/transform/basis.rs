@@ -1,7 +1,7 @@
-//! Cosine bases in integers (color.md 6.1).
+//! Integer cosine bases (color.md 6.1).
 //!
-//! All transforms use one table of cosines: an angle is a multiple of π/192, which covers 4 to 32 points in space and the lengths in
-//! time.
+//! All transforms use one table of cosines: angles are multiples of π/192, which covers 4 to 32 points in space and the
+//! lengths in time.
 
 /// round(256·√2·cos(jπ/192)) for j from 0 to 96.
 pub const COSINES: [i32; 97] = [
@@ -11,12 +11,12 @@ pub const COSINES: [i32; 97] = [
     155, 149, 144, 139, 133, 128, 122, 116, 111, 105, 99, 94, 88, 82, 76, 71, 65, 59, 53, 47, 41, 35, 30, 24, 18, 12,
     6, 0,
 ];
-/// Bits of the fraction of a basis value: 1.0 is 256.
+/// Fraction bits of a basis value: 1.0 is 256.
 pub const BASIS_BITS: u32 = 8;
 
 /// Numbers of frames that a block may span.
 pub const LENGTHS: [usize; 9] = [1, 2, 3, 4, 6, 8, 12, 16, 24];
-/// Most frames of a block.
+/// Maximum number of frames of a block.
 pub const MAX_LENGTH: usize = 24;
 
 /// Index of a length in [`LENGTHS`].
@@ -24,7 +24,7 @@ pub fn length_index(frames: usize) -> Option<usize> {
     LENGTHS.iter().position(|&length| length == frames)
 }
 
-/// Sample `n` of basis function `k` of `points` points, in 256ths; `points` divides 96.
+/// Sample `n` of basis function `k` of `points` points, in 256ths; `points` must divide 96.
 pub const fn basis(points: usize, k: usize, n: usize) -> i32 {
     if k == 0 {
         return 1 << BASIS_BITS;

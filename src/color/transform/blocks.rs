@@ -1,14 +1,14 @@
-//! How a cell is cut into regions, and a region into blocks (color.md 6.4).
+//! Partition of a cell into regions, and of a region into blocks (color.md 6.4).
 
 /// Side of a region in pixels; regions are coded independently.
 pub const REGION: usize = 32;
-/// Side of the smallest block, and of the squares that means are kept for.
+/// Side of the smallest block, and of the squares that have a mean, in pixels.
 pub const MIN_SIDE: usize = 4;
-/// Most frames of a chunk.
+/// Maximum number of frames of a chunk.
 pub const MAX_FRAMES: u32 = 96;
 
-/// Size of a node: 4·2^level pixels square, over `frames` frames. `level` is the size class, z in color.md 6; a level of a
-/// transform is a quantised coefficient.
+/// Shape of a node: 4·2^level pixels square, over `frames` frames. `level` is the size class, z in color.md 6, whereas a
+/// level of a transform is a quantised coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shape {
     pub level: usize,
@@ -25,7 +25,7 @@ impl Shape {
     }
 }
 
-/// A node's place: offset in its region in pixels, and first frame in the chunk.
+/// Position of a node: offset in its region in pixels, and first frame in the chunk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
     pub x: usize,
@@ -41,13 +41,13 @@ pub struct Block {
 }
 
 impl Block {
-    /// The block that covers a region of this size.
+    /// Returns the block that covers a region of this size.
     pub fn root([width, height]: [usize; 2], frames: usize) -> Block {
         let level = (width.max(height).div_ceil(MIN_SIDE).next_power_of_two()).trailing_zeros() as usize;
         Block { place: Place { x: 0, y: 0, frame: 0 }, shape: Shape { level, frames } }
     }
 
-    /// The quarters of a block in the order of coding: row by row.
+    /// Returns the quarters of a block in coding order: row by row.
     pub fn quarters(self) -> [Block; 4] {
         let Block { place: Place { x, y, frame }, shape } = self;
         let half = shape.side() / 2;
@@ -57,7 +57,7 @@ impl Block {
         })
     }
 
-    /// The parts in time: three single frames of three, else two halves, of which the first is the longer.
+    /// Returns the parts in time: three single frames for three frames, otherwise two halves, the longer one first.
     pub fn parts(self) -> impl Iterator<Item = Block> {
         let Block { place, shape } = self;
         let frames = shape.frames;
@@ -84,10 +84,10 @@ pub fn regions([width, height]: [usize; 2]) -> impl ExactSizeIterator<Item = [us
     })
 }
 
-/// Pixels of the roots of all regions of a cell.
+/// Number of pixels of the roots of all regions of a cell.
 pub fn padded_pixels(size: [usize; 2]) -> u64 {
     let [columns, rows] = size.map(|side| [side / REGION, side % REGION]);
-    // Whole regions in a row or column and their side, then the last and its side.
+    // Number and side of the whole regions in a row or column, then those of the last, smaller region.
     let of = |[whole, rest]: [usize; 2]| [(whole, REGION), (usize::from(rest > 0), rest)];
     let pairs = of(columns).into_iter().flat_map(|column| of(rows).map(move |row| (column, row)));
     let pixels = pairs.map(|((columns, width), (rows, height))| match columns * rows {

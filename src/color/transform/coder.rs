@@ -1,20 +1,21 @@
-//! One description of the syntax for both directions: a coder takes the value to write, or answers the value that it reads.
+//! A single description of the syntax for both directions: a coder takes the value to write, or returns the value that it
+//! reads.
 
 use crate::color::transform::tables::TableSet;
 use crate::entropy;
 
 pub trait Coder {
-    /// Codes a symbol; a decoder ignores `value`. Answers the symbol.
+    /// Codes a symbol and returns it; a decoder ignores `value`.
     fn symbol(&mut self, context: usize, value: usize) -> usize;
 
-    /// Codes `count` raw bits, at most 24.
+    /// Codes `count` raw bits, at most 24, and returns them.
     fn bits(&mut self, value: u32, count: u32) -> u32;
 
     fn flag(&mut self, context: usize, value: bool) -> bool {
         self.symbol(context, usize::from(value)) == 1
     }
 
-    /// A number in a symbol and raw bits (color.md 6.6, numbers); at most 2²³ + 24.
+    /// Codes a number of at most 2²³ + 24 as a symbol and raw bits (color.md 6.6, numbers), and returns it.
     #[inline(always)]
     fn number(&mut self, context: usize, value: u32) -> u32 {
         let (class, low, bits) = number_parts(value);
@@ -35,7 +36,7 @@ pub trait Coder {
 /// Raw bits of the largest number.
 const MAX_NUMBER_BITS: u32 = 22;
 
-/// Class, raw bits and their count of a number.
+/// Class of a number, its raw bits, and their count.
 #[inline(always)]
 pub fn number_parts(value: u32) -> (usize, u32, u32) {
     match value {
@@ -51,7 +52,7 @@ pub fn number_parts(value: u32) -> (usize, u32, u32) {
     }
 }
 
-/// Reads a region's symbols.
+/// Coder that reads the symbols of a region.
 pub struct Reader<'a> {
     pub stream: entropy::Decoder<'a>,
     pub tables: &'a TableSet,
@@ -71,10 +72,10 @@ impl Coder for Reader<'_> {
 
 /// A coder that reads.
 pub trait SourceCoder: Coder {
-    /// Whether more was read than there is.
+    /// True if the coder has read past the end.
     fn is_short(&self) -> bool;
 
-    /// Whether all was read, and nothing more.
+    /// True if the coder has read everything, and nothing past the end.
     fn is_finished(&self) -> bool;
 }
 

@@ -1,49 +1,49 @@
-//! Contexts of symbols (color.md 6.6): which distribution codes a symbol, from what is decoded already.
+//! Contexts of symbols (color.md 6.6): the values decoded before a symbol select its distribution.
 
 use crate::color::transform::basis::{LENGTHS, length_index};
 use crate::color::transform::blocks::Shape;
 use crate::entropy::Family;
 
 const SIZES: usize = 4;
-/// Classes of channels: luma, chroma.
+/// Number of channel classes: luma, chroma.
 const COLORS: usize = 2;
-/// Classes of temporal frequencies: constant, first, later, and those of single frames.
+/// Number of classes of temporal frequencies: constant, first, later, and that of single frames.
 const PLANE_CLASSES: usize = 4;
-/// Classes of positions by the sum of both spatial frequencies.
+/// Number of classes of positions, by the sum of the two spatial frequencies.
 const POSITION_CLASSES: usize = 6;
 const SUM_CLASSES: usize = 8;
 const OTHER_CLASSES: usize = 3;
-/// Logarithms of the last position in a plane of at most 32x32 levels.
+/// Number of logarithms of the last position in a plane of at most 32x32 levels.
 const LOGARITHMS: usize = 11;
-/// Class of a sum of magnitudes; those of greater sums are the last.
+/// Class of a sum of magnitudes; greater sums are in the last class.
 pub const CLASSES_OF_SUMS: [u8; 12] = [0, 1, 2, 3, 4, 5, 5, 6, 6, 6, 6, 7];
 
 /// Kind of a node.
 pub const NODE: Family = Family::first(SIZES * (LENGTHS.len() + 1), 4, 8);
 /// Number of coded planes of a channel.
 pub const PLANES: Family = Family::after(NODE, 3 * SIZES * LENGTHS.len() * 3, 16, 12);
-/// Whether a plane before the last has levels.
+/// Flag: a plane before the last has levels.
 pub const CODED: Family = Family::after(PLANES, 3 * PLANE_CLASSES * SIZES * 2, 2, 8);
 /// Logarithm of the last position.
 pub const LAST: Family = Family::after(CODED, COLORS * SIZES * PLANE_CLASSES * (1 + LOGARITHMS), LOGARITHMS, 12);
-/// The two bits below its highest.
+/// The two bits below the highest bit of the last position.
 pub const LAST_BITS: Family = Family::after(LAST, COLORS * LOGARITHMS, 4, 3);
-/// Levels: the last of a plane, then all others.
+/// Levels: contexts of the last level of a plane, then those of all others.
 pub const LEVELS: Family =
     Family::after(LAST_BITS, COLORS * PLANE_CLASSES * POSITION_CLASSES * OTHER_CLASSES * (1 + SUM_CLASSES), 16, 32);
-/// Colours of a palette, less 1.
+/// Number of colours of a palette, minus 1.
 pub const PALETTE_SIZE: Family = Family::after(LEVELS, SIZES, 16, SIZES);
-/// Place of a colour in the cache.
+/// Position of a colour in the cache.
 pub const PALETTE_COLOR: Family = Family::after(PALETTE_SIZE, 1, 16, 1);
-/// Whether a row of a first frame repeats the one above.
+/// Flag: a row of the first frame repeats the row above.
 pub const ROW: Family = Family::after(PALETTE_COLOR, 2, 2, 2);
-/// Which neighbour a pixel of a first frame repeats.
+/// Neighbour that a pixel of the first frame repeats.
 pub const PIXEL: Family = Family::after(ROW, 16, 3, 16);
-/// Whether a later frame repeats the one before.
+/// Flag: a later frame repeats the frame before.
 pub const LATER_FRAME: Family = Family::after(PIXEL, 2, 2, 2);
-/// Whether a row of a later frame repeats that of the frame before.
+/// Flag: a row of a later frame repeats the same row of the frame before.
 pub const LATER_ROW: Family = Family::after(LATER_FRAME, 2, 2, 2);
-/// Which neighbour a pixel of a later frame repeats.
+/// Neighbour that a pixel of a later frame repeats.
 pub const LATER_PIXEL: Family = Family::after(LATER_ROW, 16, 4, 16);
 
 pub const FAMILIES: [Family; 13] = [
@@ -64,7 +64,7 @@ pub const FAMILIES: [Family; 13] = [
 pub const CONTEXTS: usize = LATER_PIXEL.first_context + LATER_PIXEL.contexts;
 pub const CLUSTERS: usize = LATER_PIXEL.first_cluster + LATER_PIXEL.clusters;
 
-/// Values of symbols of each cluster.
+/// Alphabet size of each cluster.
 pub const ALPHABETS: [u8; CLUSTERS] = Family::alphabets(&FAMILIES);
 
 pub fn node(shape: Shape) -> usize {
@@ -72,24 +72,25 @@ pub fn node(shape: Shape) -> usize {
     NODE.first_context + shape.level * (LENGTHS.len() + 1) + length
 }
 
-/// `before` is the number of planes of the channel that had some last, at most 2.
+/// Context of the number of planes of a channel. `before` is the number of planes, at most 2, of the last channel that had
+/// any.
 pub fn planes(channel: usize, shape: Shape, before: usize) -> usize {
     let length = length_index(shape.frames).unwrap_or(0);
     PLANES.first_context + ((channel * SIZES + shape.level) * LENGTHS.len() + length) * 3 + before
 }
 
-/// Class of the index in the scan of a plane's last level, 0 to 11: 1 more than the logarithm of its number; 0 for a plane without levels.
+/// Class, 0 to 11, of the scan index of a plane's last level: 1 more than log2 of (index + 1); 0 for a plane without levels.
 pub fn last_class(last: Option<usize>) -> usize {
     last.map_or(0, |last| 1 + (last + 1).ilog2() as usize)
 }
 
-/// A plane of a channel of a block: a temporal frequency.
+/// Contexts of a plane of a channel of a block; a plane is a temporal frequency.
 #[derive(Debug, Clone, Copy)]
 pub struct PlaneContext {
     channel: usize,
     size_class: usize,
     class: usize,
-    /// First context of the other levels, first of the last one, by position class.
+    /// First context, over all position classes, of the levels other than the last; `last_levels` is that of the last level.
     levels: usize,
     last_levels: usize,
 }
@@ -114,7 +115,7 @@ impl PlaneContext {
             + usize::from(before)
     }
 
-    /// The logarithm of the last position, with [`last_class`] of the plane before.
+    /// Context of the logarithm of the last position; `class_before` is [`last_class`] of the plane before.
     pub fn last(&self, class_before: usize) -> usize {
         let row = (usize::from(self.channel > 0) * SIZES + self.size_class) * PLANE_CLASSES + self.class;
         LAST.first_context + row * (1 + LOGARITHMS) + class_before
@@ -124,14 +125,14 @@ impl PlaneContext {
         LAST_BITS.first_context + usize::from(self.channel > 0) * LOGARITHMS + class
     }
 
-    /// The level at `position`, with the sum of the magnitudes around it and the one in the plane before.
+    /// Context of the level at `position`, from the sum of the magnitudes around it and the magnitude in the plane before.
     #[inline(always)]
     pub fn level(&self, position: Position, sum: usize, other: usize) -> usize {
         let sum = usize::from(CLASSES_OF_SUMS[sum.min(CLASSES_OF_SUMS.len() - 1)]);
         self.levels + (position.class() * SUM_CLASSES + sum) * OTHER_CLASSES + other.min(OTHER_CLASSES - 1)
     }
 
-    /// The level at the last position.
+    /// Context of the last level, at `position`.
     #[inline(always)]
     pub fn last_level(&self, position: Position, other: usize) -> usize {
         self.last_levels + position.class() * OTHER_CLASSES + other.min(OTHER_CLASSES - 1)

@@ -1,4 +1,4 @@
-//! From samples to channels and back, without loss (color.md 6.2): YCoCg-R of keys, and chroma predicted from luma.
+//! Lossless conversion between samples and channels (color.md 6.2): YCoCg-R of keys, with chroma predicted from luma.
 //!
 //! Based on: Malvar and Sullivan, *YCoCg-R: A color space with RGB reversibility and low dynamic range*, 2003.
 
@@ -6,18 +6,18 @@ use crate::color::blend::{HalfKey, Sample};
 pub use crate::color::transform::steps::CHANNELS;
 use crate::color::transform::steps::{StepTable, step_table};
 
-/// What differs between samples of 8 bits and half floats.
+/// Parameters that differ between 8-bit samples and half floats.
 #[derive(Debug, Clone, Copy)]
 pub struct Domain {
-    /// Bits of the fraction of coefficients and means.
+    /// Fraction bits of coefficients and means.
     pub fraction_bits: u32,
-    /// Bits of the fraction of the channels of pixels where steps follow the eye ([`Domain::pixel_fraction`]).
+    /// Fraction bits of the channels of pixels with frequency offsets ([`Domain::pixel_fraction`]).
     fine_bits: u32,
     /// Bits of a key.
     pub key_bits: u32,
-    /// Key that luma counts from.
+    /// Key whose luma is 0.
     pub middle: i32,
-    /// Least and greatest key that blocks of a transform show: those of finite samples.
+    /// Minimum and maximum key of the output of transformed blocks: those of finite samples.
     pub shown: [i32; 2],
     /// Steps of coefficients.
     pub steps: &'static StepTable,
@@ -29,7 +29,7 @@ static STEPS_OF_HALVES: StepTable = step_table(0);
 impl Domain {
     pub const BYTES: Domain =
         Domain { fraction_bits: 6, fine_bits: 4, key_bits: 8, middle: 128, shown: [0, 255], steps: &STEPS_OF_BYTES };
-    /// Keys of half floats; the middle is that of 1.0, and the keys of -65504 to 65504 are shown.
+    /// Keys of half floats. The middle is the key of 1.0; the output is limited to the keys of -65504 to 65504.
     pub const HALVES: Domain = Domain {
         fraction_bits: 0,
         fine_bits: 0,
@@ -39,18 +39,18 @@ impl Domain {
         steps: &STEPS_OF_HALVES,
     };
 
-    /// Bits of the fraction that the channels of pixels have with a set of frequency offsets. Without any, keys come back without loss;
-    /// with them, samples are rounded once, and not luma and chroma before.
+    /// Fraction bits of the channels of pixels with a set of frequency offsets. Without offsets, keys are lossless. With
+    /// offsets, samples are rounded once, instead of after a rounding of luma and chroma.
     pub fn pixel_fraction(&self, offset_set: usize) -> u32 {
         if offset_set > 0 { self.fine_bits } else { 0 }
     }
 }
 
-/// Samples that the transform codec codes, by their keys.
+/// Samples that the transform codec codes by their keys.
 pub trait Keyed: Sample {
     const DOMAIN: Domain;
 
-    /// The sample of a key of `key_bits` bits.
+    /// Returns the sample of a key of `key_bits` bits.
     fn from_key(key: i32) -> Self;
 }
 
@@ -72,7 +72,7 @@ impl Keyed for HalfKey {
     }
 }
 
-/// Chroma predicted from luma: slopes in 16ths.
+/// Slopes of chroma that is predicted from luma, in 16ths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ChromaSlopes {
     pub green: i8,
@@ -86,7 +86,7 @@ impl ChromaSlopes {
     }
 }
 
-/// Channels of the keys of red, green and blue.
+/// Converts the keys of red, green and blue to channels.
 #[inline(always)]
 pub fn forward([red, green, blue]: [i32; 3], slopes: ChromaSlopes, domain: &Domain) -> [i32; CHANNELS] {
     let orange = red - blue;
@@ -100,7 +100,7 @@ pub fn forward([red, green, blue]: [i32; 3], slopes: ChromaSlopes, domain: &Doma
     ]
 }
 
-/// Channels of keys as an encoder aims at where samples are rounded once: without the roundings of [`forward`].
+/// Converts keys to the channels that an encoder aims at if samples are rounded once: without the rounding of [`forward`].
 #[inline(always)]
 pub fn forward_fine(keys: [i32; 3], slopes: ChromaSlopes, domain: &Domain) -> [f32; CHANNELS] {
     let [red, green, blue] = keys.map(|key| key as f32);
@@ -110,7 +110,7 @@ pub fn forward_fine(keys: [i32; 3], slopes: ChromaSlopes, domain: &Domain) -> [f
     [luma, green - middle - of_green, red - blue - of_orange]
 }
 
-/// The reverse of [`forward`], with channels in units of 2^-`fraction`: keys in these units.
+/// Inverse of [`forward`], with channels in units of 2^-`fraction`. Returns keys in these units.
 #[inline(always)]
 pub fn inverse(
     [luma, green, orange]: [i32; CHANNELS],

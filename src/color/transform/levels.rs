@@ -1,4 +1,4 @@
-//! Transformed blocks: levels of each channel, plane by plane, from the last one back (color.md 6.6).
+//! Levels of transformed blocks: those of each channel, plane by plane, from the last level back (color.md 6.6).
 
 use crate::color::transform::blocks::Shape;
 use crate::color::transform::coder::Coder;
@@ -6,33 +6,33 @@ use crate::color::transform::contexts::{self, PlaneContext, Position};
 use crate::color::transform::domain::CHANNELS;
 use crate::color::transform::scan::{self, Magnitudes};
 
-/// The levels of a block: those to write, or a place for those that are read.
+/// Levels of a block: those to write, or storage for those that are read.
 pub trait Levels {
-    /// Planes of a channel up to the last that has levels.
+    /// Number of planes of a channel, up to the last that has levels.
     fn planes(&self, channel: usize) -> usize;
 
-    /// Index in the scan of a plane's last level other than 0.
+    /// Scan index of a plane's last level other than 0.
     fn last(&self, channel: usize, plane: usize) -> Option<usize>;
 
     fn get(&self, channel: usize, plane: usize, position: Position) -> i32;
 
-    /// Notes a level other than 0.
+    /// Stores a level other than 0.
     fn put(&mut self, channel: usize, plane: usize, position: Position, level: i32);
 }
 
-/// Magnitudes that contexts look at.
+/// Magnitudes that contexts depend on.
 #[derive(Debug, Default)]
 pub struct History {
-    /// Planes of a channel, in turns: one and the one before it.
+    /// Two planes of a channel, used alternately: the current one and the one before it.
     planes: [Magnitudes; 2],
-    /// The greatest of the first planes of the channels so far.
+    /// Maximum magnitudes of the first planes of the channels so far.
     channels: Magnitudes,
 }
 
 impl History {
     pub fn code(&mut self, coder: &mut impl Coder, shape: Shape, levels: &mut impl Levels) {
         let mut planes_before = 0;
-        // The greatest class of the last position in the first planes of the channels before.
+        // Maximum class of the last position in the first planes of the channels before.
         let mut first_class = 0;
         self.channels.clear(shape.side());
         for channel in 0..CHANNELS {
@@ -74,12 +74,12 @@ struct PlaneCoder<'a, L> {
     channel: usize,
     plane: usize,
     magnitudes: &'a mut Magnitudes,
-    /// The plane before; for a channel's first, the greatest of the first planes of the channels so far.
+    /// Magnitudes of the plane before; for a channel's first plane, the maximum of the first planes of the channels so far.
     other: &'a mut Magnitudes,
 }
 
 impl<L: Levels> PlaneCoder<'_, L> {
-    /// `positions` end with the last level other than 0, which comes first.
+    /// `positions` are in scan order and end with the last level other than 0, which is coded first.
     #[inline(always)]
     fn code(mut self, coder: &mut impl Coder, positions: &[Position]) {
         let Some((&last, positions)) = positions.split_last() else { return };
@@ -109,7 +109,7 @@ impl<L: Levels> PlaneCoder<'_, L> {
     }
 }
 
-/// Codes the scan index of a plane's last level: its logarithm, two bits, and the rest raw.
+/// Codes the scan index of a plane's last level: its logarithm, two bits, and the remaining bits raw.
 fn code_last(
     coder: &mut impl Coder,
     (context, class_before): (&PlaneContext, usize),
@@ -128,14 +128,14 @@ fn code_last(
     (index - 1).min(shape.pixels() - 1)
 }
 
-/// Levels of blocks as they are read: only those other than 0, in the order of coding.
+/// Levels of blocks that are read: only those other than 0, in coding order.
 #[derive(Debug)]
 pub struct SparseLevels {
     pub levels: Vec<Level>,
 }
 
 impl SparseLevels {
-    /// The list never grows: a substream that has more levels is shorter than its symbols say, and refused.
+    /// The list never grows: a substream with more levels is too short for its symbols, and is refused.
     pub fn with_capacity(most: usize) -> SparseLevels {
         SparseLevels { levels: Vec::with_capacity(most) }
     }
@@ -143,7 +143,7 @@ impl SparseLevels {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Level {
-    /// As it was read; once its block is, the coefficient.
+    /// The level as it was read; the coefficient once the block is complete.
     pub value: i32,
     pub position: Position,
     pub plane: u8,
@@ -151,7 +151,7 @@ pub struct Level {
 }
 
 impl Level {
-    /// Whether it is the constant one of the first plane, which is coded as a difference.
+    /// True for the constant level of the first plane, which is coded as a difference.
     #[inline(always)]
     pub fn is_mean(&self) -> bool {
         self.plane == 0 && self.position.0 == 0

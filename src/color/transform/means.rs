@@ -1,4 +1,4 @@
-//! Means of squares of 4×4 pixels, from which the mean of the next block is predicted (color.md 6.5).
+//! Means of squares of 4×4 pixels, which predict the mean of the next block (color.md 6.5).
 
 use crate::color::transform::basis::{BASIS_BITS, basis};
 use crate::color::transform::blocks::{Block, MIN_SIDE, REGION};
@@ -7,7 +7,7 @@ use crate::color::transform::steps::STEP_BITS;
 
 const SIDE: usize = REGION / MIN_SIDE;
 
-/// Mean of each square of a region in the last of its coded frames, in units of 2^-fraction.
+/// Mean of each square of a region in its last decoded frame, in units of 2^-fraction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Means([[i32; SIDE * SIDE]; CHANNELS]);
 
@@ -18,7 +18,8 @@ impl Default for Means {
 }
 
 impl Means {
-    /// The level that is predicted for a block's mean: from the frame before, else from the squares on the left and above.
+    /// Predicts the level of a block's mean from the frame before; in the first frame, from the squares on the left and
+    /// above.
     pub fn predict(&self, channel: usize, block: Block, step: i32) -> i32 {
         let means = &self.0[channel];
         let (x, y, squares) = (block.place.x / MIN_SIDE, block.place.y / MIN_SIDE, block.shape.side() / MIN_SIDE);
@@ -36,7 +37,7 @@ impl Means {
         scaled.wrapping_add(step >> 1).div_euclid(step)
     }
 
-    /// Notes the mean of a transformed block from the constant coefficients of its planes.
+    /// Stores the mean of a transformed block, from the constant coefficients of its planes.
     pub fn set_block(&mut self, channel: usize, block: Block, coefficients: &[i32]) {
         let frames = block.shape.frames;
         let sum = coefficients.iter().enumerate().fold(0i32, |sum, (plane, &coefficient)| {
@@ -50,7 +51,7 @@ impl Means {
         }
     }
 
-    /// Notes the means of the square at pixel (x, y) of the region.
+    /// Stores the means of the square at pixel (x, y) of the region.
     pub fn set_square(&mut self, [x, y]: [usize; 2], means: [i32; CHANNELS]) {
         for (channel, mean) in self.0.iter_mut().zip(means) {
             channel[y / MIN_SIDE * SIDE + x / MIN_SIDE] = mean;

@@ -1,11 +1,11 @@
-//! Colour by a transform in space and time, for each cell and chunk (color.md 6).
+//! Colour codec with a transform in space and time, for each cell and chunk (color.md 6).
 //!
-//! A chunk of a cell is decodable alone. It is cut into regions of 32×32 pixels, each with a substream of its own; a region is a
-//! tree of blocks in space and time; a block has integer cosine coefficients, quantised with one step for the whole cell, or
-//! a palette. Nothing is predicted from decoded pixels, so that no error travels.
+//! A chunk of a cell is decoded alone. It is cut into regions of 32×32 pixels, each with its own substream. A region is a
+//! tree of blocks in space and time. A block has integer cosine coefficients, quantised with steps that depend on channel,
+//! frequency and region, or a palette. Nothing is predicted from decoded pixels, so errors do not propagate.
 //!
-//! Based on: block transforms and partitions of HEVC (ITU-T H.265), palettes of its screen content extensions, static
-//! entropy tables in place of adaptation.
+//! Based on: block transforms and partitions of HEVC (ITU-T H.265), palettes of its screen content extensions, and static
+//! entropy tables instead of adaptive ones.
 
 #[cfg(feature = "gpu")]
 pub mod authored;

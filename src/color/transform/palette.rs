@@ -4,15 +4,15 @@ use crate::color::transform::blocks::Shape;
 use crate::color::transform::coder::Coder;
 use crate::color::transform::contexts::{LATER_FRAME, LATER_PIXEL, LATER_ROW, PALETTE_COLOR, PALETTE_SIZE, PIXEL, ROW};
 
-/// Most colours of a palette.
+/// Maximum number of colours of a palette.
 pub const MAX_COLORS: usize = 16;
-/// Colours that a cache holds.
+/// Capacity of the colour cache.
 pub const CACHED: usize = 15;
 
 /// Keys of red, green and blue.
 pub type Color = [i32; 3];
 
-/// Colours that palettes of a region had, the latest first.
+/// Colours of earlier palettes of a region, the latest first.
 #[derive(Debug, Clone, Default)]
 pub struct ColorCache {
     colors: [Color; CACHED],
@@ -20,7 +20,7 @@ pub struct ColorCache {
 }
 
 impl ColorCache {
-    /// The cache that a region starts with: the payload's colours, at most [`CACHED`].
+    /// Returns the initial cache of a region: the payload's colours, at most [`CACHED`].
     pub fn new(colors: &[Color]) -> ColorCache {
         let mut cache = ColorCache { held: colors.len().min(CACHED), ..ColorCache::default() };
         for (slot, &color) in cache.colors.iter_mut().zip(colors) {
@@ -33,7 +33,7 @@ impl ColorCache {
         self.colors[..self.held].iter().position(|&held| held == color)
     }
 
-    /// Moves a color to the front; the last one is dropped where it is new and the cache is full.
+    /// Moves a colour to the front. If it is new and the cache is full, the last colour is dropped.
     fn touch(&mut self, color: Color) {
         let place = self.place(color).unwrap_or(self.held.min(CACHED - 1));
         self.held = self.held.max(place + 1);
@@ -45,12 +45,12 @@ impl ColorCache {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Palette {
     pub colors: Vec<Color>,
-    /// By frame, then row by row; empty for one colour.
+    /// Indices by frame, then row by row; empty for one colour.
     pub indices: Vec<u8>,
 }
 
 impl Palette {
-    /// Codes a palette and its indices; a decoder passes an empty one.
+    /// Codes a palette and its indices; a decoder calls it on an empty palette.
     pub fn code(&mut self, coder: &mut impl Coder, shape: Shape, cache: &mut ColorCache, key_bits: u32) {
         let count = coder.symbol(PALETTE_SIZE.first_context + shape.level, self.colors.len().wrapping_sub(1)) + 1;
         self.colors.reserve_exact(count.saturating_sub(self.colors.len()));
@@ -115,14 +115,14 @@ impl Palette {
         }
     }
 
-    /// Indices of a frame of the block; `None` for one colour.
+    /// Returns the indices of a frame of the block; `None` for one colour.
     pub fn frame(&self, shape: Shape, frame: usize) -> Option<&[u8]> {
         let pixels = shape.pixels();
         self.indices.get(frame * pixels..(frame + 1) * pixels)
     }
 }
 
-/// Distinct indices that a pixel probably has, the likeliest first.
+/// Distinct indices that a pixel probably has, the most probable first.
 struct Neighbours {
     indices: [u8; 3],
     count: usize,
@@ -163,7 +163,7 @@ impl Neighbours {
         (LATER_PIXEL.first_context + context, Neighbours::distinct(&[held, left, above]))
     }
 
-    /// Codes an index as a neighbour's, by the last of `SYMBOLS` symbols as another one, in raw bits.
+    /// Codes an index as that of a neighbour, or by the last of `SYMBOLS` symbols and raw bits.
     fn code<const SYMBOLS: usize>(&self, coder: &mut impl Coder, context: usize, index: &mut u8, index_bits: u32) {
         let known = &self.indices[..self.count];
         let place = known.iter().position(|known| known == index).unwrap_or(SYMBOLS - 1);

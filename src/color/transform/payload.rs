@@ -1,4 +1,4 @@
-//! The payload of a chunk of one cell: its header, and a substream for each region (color.md 6.4).
+//! Payload of a chunk of one cell: its header, and a substream for each region (color.md 6.4).
 
 use std::ops::Range;
 
@@ -11,34 +11,34 @@ use crate::container::fields::Fields;
 use crate::error::{Error, Result};
 
 pub const SECTION: &str = "color.md 6.4";
-/// First byte of a payload that holds keyframes and weights (color.md 4) in place of regions.
+/// First byte of a payload with keyframes and weights (color.md 4) instead of regions.
 pub const CELLS: u8 = 255;
-/// Bit of the choices of a payload whose regions have deltas.
+/// Bit of the byte `choices`: regions have deltas.
 const HAS_DELTAS: u8 = 0x80;
 
-/// How a cell's chunk is coded.
+/// Coding parameters of a cell's chunk.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Header {
     /// Index of the table set.
     pub set: usize,
     pub steps: StepIndices,
     pub slopes: ChromaSlopes,
-    /// Index of the offsets of steps by frequency.
+    /// Index of the set of frequency offsets.
     pub offset_set: usize,
-    /// Colours that the palettes of all regions may refer to.
+    /// Initial colours of the caches of all regions.
     pub colors: Vec<Color>,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Layout {
     pub header: Header,
-    /// Deltas of the step indices of each region.
+    /// Delta of the step indices of each region.
     pub deltas: Vec<i8>,
-    /// Places of the substreams in the payload.
+    /// Byte ranges of the substreams in the payload.
     pub substreams: Vec<Range<usize>>,
 }
 
-/// Whether a payload holds keyframes and weights (color.md 4), from its second byte on.
+/// True if a payload has keyframes and weights (color.md 4), which start at its second byte.
 pub fn holds_cells(payload: &[u8]) -> bool {
     payload.first() == Some(&CELLS)
 }
@@ -94,7 +94,7 @@ impl Layout {
 
 #[cfg(feature = "encode")]
 impl Header {
-    /// A payload of this header, and the deltas and substreams of all regions.
+    /// Returns a payload with this header, and the deltas and substreams of all regions.
     pub fn write<S: Keyed>(&self, deltas: &[i8], substreams: &[Vec<u8>]) -> Vec<u8> {
         use crate::container::serialize::PutFields;
 

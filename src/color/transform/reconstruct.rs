@@ -1,4 +1,4 @@
-//! From levels to samples: one frame of a cell's chunk (color.md 6.3).
+//! Reconstructs the samples of one frame of a cell's chunk from its levels (color.md 6.3).
 
 use std::collections::BTreeMap;
 
@@ -14,11 +14,11 @@ use crate::color::transform::region::{ChannelLevels, Content, Leaf, Region, Sett
 use crate::color::transform::tables::Tables;
 use crate::error::Result;
 
-/// Frequencies from one row to the next, as of `Position`.
+/// Distance between rows of coefficients, as in `Position`.
 const ROW: usize = 32;
 const MAX_PIXELS: usize = ROW * ROW;
 
-/// Weights of planes by frame, for each length: [`MAX_LENGTH`] of them a frame.
+/// Weights of planes by frame, for each length; a frame has [`MAX_LENGTH`] weights.
 static TIME_BASES: [[i32; MAX_LENGTH * MAX_LENGTH]; LENGTHS.len()] = {
     let mut bases = [[0; MAX_LENGTH * MAX_LENGTH]; LENGTHS.len()];
     let mut at = 0;
@@ -37,12 +37,12 @@ static TIME_BASES: [[i32; MAX_LENGTH * MAX_LENGTH]; LENGTHS.len()] = {
     bases
 };
 
-/// A chunk of a cell, as it was read: any of its frames can be shown.
+/// A parsed chunk of a cell, of which any frame can be decoded.
 #[derive(Debug)]
 pub struct TransformChunk {
     size: [usize; 2],
     slopes: ChromaSlopes,
-    /// Bits of the fraction of the channels of pixels.
+    /// Fraction bits of the channels of pixels.
     pixel_fraction: u32,
     regions: Vec<Region>,
 }
@@ -73,8 +73,8 @@ impl TransformChunk {
         &self.regions
     }
 
-    /// Writes a frame into `out`, three samples a pixel; blocks that show the same in `shown`, which is in `out`, are
-    /// left alone. Answers the number of pixels written.
+    /// Decodes a frame into `out`, three samples per pixel. Blocks that are equal in frame `shown`, whose samples are in
+    /// `out`, are not written. Returns the number of pixels written.
     pub fn show<S: Keyed>(&self, frame: usize, shown: Option<usize>, out: &mut [S]) -> u64 {
         let mut updated = 0;
         let mut planes = Planes::default();
@@ -96,7 +96,7 @@ impl TransformChunk {
         updated
     }
 
-    /// Pixels that [`TransformChunk::show`] writes.
+    /// Number of pixels that [`TransformChunk::show`] writes.
     pub fn updated_pixels(&self, frame: usize, shown: Option<usize>) -> u64 {
         self.changed_leaves(frame, shown).map(|(_, [_, _, columns, rows])| (columns * rows) as u64).sum()
     }
@@ -106,7 +106,7 @@ impl TransformChunk {
         self.changes(frame, shown).map(|(_, leaf, rect)| (leaf, rect))
     }
 
-    /// Pixels of blocks that look the same in a set of frames, by that set: bit f is frame f.
+    /// Number of pixels by the set of frames in which their block is equal; bit f of a set is frame f.
     pub fn pixels_of_frames(&self) -> BTreeMap<u128, u64> {
         let mut pixels = BTreeMap::new();
         for (_, leaf, [_, _, columns, rows]) in self.leaves() {
@@ -132,7 +132,7 @@ impl TransformChunk {
         })
     }
 
-    /// Blocks with the left, top, width and height in the cell of what lies in it: blocks may lie beyond its edge.
+    /// Blocks with left, top, width and height in the cell of their part inside the cell; blocks may extend beyond its edge.
     fn leaves(&self) -> impl Iterator<Item = (&Region, &Leaf, [usize; 4])> {
         regions(self.size).zip(&self.regions).flat_map(move |([left, top, width, height], region)| {
             region.leaves().filter_map(move |leaf| {
@@ -166,7 +166,7 @@ impl TransformChunk {
     }
 }
 
-/// What of a block lies in its cell, and the samples between two rows of the cell.
+/// The part of a block inside its cell, and the number of samples from one row of the cell to the next.
 struct Window {
     columns: usize,
     rows: usize,
@@ -175,7 +175,7 @@ struct Window {
 }
 
 impl Window {
-    /// Rows of the block, and where they go.
+    /// Rows of the block, and the rows of the output.
     #[inline(always)]
     fn rows<'a, T, S>(&self, block: &'a [T], out: &'a mut [S]) -> impl Iterator<Item = (&'a [T], &'a mut [[S; 3]])> {
         let columns = self.columns;
@@ -202,17 +202,17 @@ impl Window {
     }
 }
 
-/// Writes what of a block lies in its cell, from its channels.
+/// Writes the part of a block inside its cell, from its channels.
 struct PixelWriter<'a, S> {
     window: Window,
     channels: &'a [[i32; MAX_PIXELS]; CHANNELS],
     slopes: ChromaSlopes,
-    /// Bits of the fraction of the channels.
+    /// Fraction bits of the channels.
     fraction: u32,
     out: &'a mut [S],
 }
 
-// All of it is inlined, so that it is compiled for each kind of vectors.
+// Everything is inlined, so that it is compiled for each vector instruction set.
 impl<S: Keyed> NullaryFnOnce for PixelWriter<'_, S> {
     type Output = ();
 
@@ -232,7 +232,7 @@ impl<S: Keyed> NullaryFnOnce for PixelWriter<'_, S> {
 }
 
 impl Leaf {
-    /// Whether two frames of the chunk show the same in this block.
+    /// True if two frames of the chunk are equal in this block.
     fn is_same(&self, frame: usize, other: usize) -> bool {
         let block = self.block();
         if !block.contains_frame(other) {
@@ -248,9 +248,9 @@ impl Leaf {
     }
 }
 
-/// Room for the channels of a block.
+/// Buffers for the channels of a block.
 struct Planes {
-    /// The widest vectors of the processor, with which the same code is compiled again.
+    /// The widest vector instruction set of the processor; the same code is compiled for each.
     vectors: Arch,
     coefficients: [i32; MAX_PIXELS],
     channels: [[i32; MAX_PIXELS]; CHANNELS],
@@ -262,16 +262,16 @@ impl Default for Planes {
     }
 }
 
-/// The levels of a channel, for one frame of the block.
+/// Levels of a channel, for one frame of the block.
 struct FrameLevels<'a> {
     levels: &'a [Level],
     of: &'a ChannelLevels,
-    /// What each plane weighs in the frame.
+    /// Weight of each plane in the frame.
     weights: &'a [i32],
 }
 
 impl FrameLevels<'_> {
-    /// The inverse transform in time: the frame's spatial coefficients, times 256, by `Position`.
+    /// Inverse transform in time: computes the frame's spatial coefficients, times 256, by `Position`.
     fn coefficients(&self, out: &mut [i32; MAX_PIXELS]) {
         let [columns, rows] = self.of.extent();
         for row in out.as_chunks_mut::<ROW>().0.iter_mut().take(rows) {
@@ -285,23 +285,23 @@ impl FrameLevels<'_> {
     }
 }
 
-/// The inverse transform in space: all columns that have coefficients, then all rows.
+/// Inverse transform in space: all columns with coefficients, then all rows.
 ///
-/// Functions of even frequency are symmetric, those of odd frequency antisymmetric: half of each line is computed, and the
-/// other half is the difference where this one is the sum. Sums wrap, so that their order does not matter.
+/// Functions of even frequency are symmetric, those of odd frequency antisymmetric. The sum of the even and the odd part is
+/// the first half of a line, and their difference the second half. Sums wrap, so that their order does not matter.
 struct InverseTransform<'a> {
-    /// As of [`Shape`].
+    /// Size class as in [`Shape`].
     size_class: usize,
-    /// Times 256, by `Position`.
+    /// Coefficients times 256, by `Position`.
     coefficients: &'a [i32; MAX_PIXELS],
-    /// Columns and rows that have coefficients.
+    /// Number of columns and rows with coefficients.
     extent: [usize; 2],
-    /// Bits of the fraction that are rounded off.
+    /// Fraction bits that are rounded off.
     fraction_bits: u32,
     out: &'a mut [i32; MAX_PIXELS],
 }
 
-// All of it is inlined, so that it is compiled for each kind of vectors.
+// Everything is inlined, so that it is compiled for each vector instruction set.
 impl NullaryFnOnce for InverseTransform<'_> {
     type Output = ();
 
@@ -334,9 +334,10 @@ fn inverse_transform<const N: usize, const HALF: usize, const LANES: usize>(of: 
     inverse_lines::<N, HALF, LANES>(columns, shift, |column, row| half[column][row], &mut out[..N * N]);
 }
 
-/// Inverse transforms of lines of N samples, from their first frequencies: `value` is that of a frequency and a line.
+/// Inverse transforms of lines of N samples, from their first `frequencies` frequencies; `value` returns the coefficient of a
+/// frequency and a line.
 ///
-/// `HALF` is N / 2. `LANES` hold half a line as often as it fits, so that short lines are computed together.
+/// `HALF` is N / 2. `LANES` is a multiple of `HALF`, so that several short lines are computed together.
 #[inline(always)]
 fn inverse_lines<const N: usize, const HALF: usize, const LANES: usize>(
     frequencies: usize,
@@ -366,7 +367,7 @@ fn inverse_lines<const N: usize, const HALF: usize, const LANES: usize>(
     }
 }
 
-/// The first half of each function of N points, as often as it fits.
+/// First half of each function of N points, repeated to fill `LANES`.
 struct Halves<const N: usize, const LANES: usize>;
 
 impl<const N: usize, const LANES: usize> Halves<N, LANES> {
@@ -385,7 +386,7 @@ impl<const N: usize, const LANES: usize> Halves<N, LANES> {
     };
 }
 
-/// Adds products, lane by lane.
+/// Adds products lane by lane.
 #[inline(always)]
 fn add_product<const LANES: usize>(sums: &mut [i32; LANES], values: &[i32; LANES], weights: &[i32; LANES]) {
     for ((sum, &value), &weight) in sums.iter_mut().zip(values).zip(weights) {
@@ -397,7 +398,7 @@ fn add_product<const LANES: usize>(sums: &mut [i32; LANES], values: &[i32; LANES
 mod tests {
     use super::*;
 
-    /// The two passes of color.md 6.3 as they are written.
+    /// The two passes of color.md 6.3, exactly as specified.
     fn plain(side: usize, coefficients: &[i32; MAX_PIXELS], extent: [usize; 2], fraction_bits: u32) -> Vec<i32> {
         let round = |value: i64, bits: u32| (value + (1 << (bits - 1))) >> bits;
         let shift = BASIS_BITS + fraction_bits + side.trailing_zeros();
@@ -420,7 +421,7 @@ mod tests {
         };
         for (size_class, round) in (0..4).flat_map(|size_class| (0..50).map(move |round| (size_class, round))) {
             let side = 4 << size_class;
-            // Coefficients beyond the extent do not count.
+            // Coefficients outside the extent are ignored.
             let mut coefficients = [0; MAX_PIXELS];
             coefficients.fill_with(|| (next() as i32 - (1 << 23)) >> (round % 4));
             let extent = if round == 0 { [1, 1] } else { [(); 2].map(|()| 1 + next() as usize % side) };

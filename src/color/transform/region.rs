@@ -22,17 +22,17 @@ pub const QUARTERS: usize = 1;
 pub const PARTS: usize = 2;
 pub const PALETTE: usize = 3;
 
-/// Blocks without children, and colours of their palettes, that a region may have whatever the size of its substream.
+/// Number of leaves, and of colours of their palettes, that a region may have regardless of the size of its substream.
 pub const FREE_ITEMS: u64 = 64;
-/// Those that it may have for each byte of its substream on top (color.md 6.4): symbols can take no bits.
+/// Additional leaves and colours per byte of the substream (color.md 6.4). Symbols may take no bits, so a limit is needed.
 pub const ITEMS_A_BYTE: u64 = 8;
 
-/// Leaves and colours that a substream may have.
+/// Maximum number of leaves and colours of a substream.
 pub fn most_items(substream: &[u8]) -> u64 {
     FREE_ITEMS + ITEMS_A_BYTE * substream.len() as u64
 }
 
-/// What a region may hold (color.md 6.4).
+/// Maximum content of a region (color.md 6.4).
 #[derive(Debug, Clone, Copy)]
 struct MostContent {
     /// Leaves, and colours of palettes.
@@ -42,13 +42,13 @@ struct MostContent {
 }
 
 impl MostContent {
-    /// Each level takes a raw bit of its substream for its sign.
+    /// Each level takes at least one raw bit of the substream, for its sign.
     fn of_substream(bytes: &[u8]) -> MostContent {
         MostContent { items: most_items(bytes), levels: 8 * bytes.len() as u64 }
     }
 }
 
-/// A block without children, in few bytes.
+/// A block without children, in compact form.
 #[derive(Debug)]
 pub struct Leaf {
     /// Column, row and first frame.
@@ -78,7 +78,7 @@ impl Leaf {
 pub enum Content {
     Transform {
         channels: [ChannelLevels; CHANNELS],
-        /// Whether all frames are one picture.
+        /// True if all frames are the same picture.
         still: bool,
     },
     Palette(Box<Palette>),
@@ -87,9 +87,9 @@ pub enum Content {
 /// Levels of a channel of a block.
 #[derive(Debug, Clone, Default)]
 pub struct ChannelLevels {
-    /// Where they are among the region's.
+    /// Range of the levels among those of the region.
     levels: Range<u32>,
-    /// Coefficient of the mean; the level that is coded for it counts 0.
+    /// Coefficient of the mean; the level that was coded for it is stored as 0.
     pub mean: i32,
     extent: [u8; 2],
 }
@@ -99,29 +99,29 @@ impl ChannelLevels {
         &region.levels[self.levels.start as usize..self.levels.end as usize]
     }
 
-    /// Columns and rows of spatial frequencies that have levels, at least 1.
+    /// Number of columns and rows of spatial frequencies with levels, at least 1.
     pub fn extent(&self) -> [usize; 2] {
         self.extent.map(usize::from)
     }
 }
 
-/// What a region is read with.
+/// Parameters for reading a region.
 #[derive(Debug, Clone, Copy)]
 pub struct Setting<'a> {
     pub header: &'a Header,
-    /// Delta of the region's steps.
+    /// Delta of the region's step indices.
     pub delta: i8,
     pub domain: &'a Domain,
 }
 
-/// A region as it was read.
+/// A parsed region.
 #[derive(Debug, Default)]
 pub struct Region {
     leaves: Leaves,
     levels: Vec<Level>,
 }
 
-/// Leaves in lists that never grow, so that no leaf is held twice while more are read.
+/// Leaves in lists that are never reallocated, so that no leaf is held twice while more are read.
 #[derive(Debug, Default)]
 struct Leaves {
     lists: Vec<Vec<Leaf>>,
@@ -152,7 +152,7 @@ impl Region {
         &self.levels
     }
 
-    /// Reads a whole substream; `at` is its offset in the payload.
+    /// Reads a complete substream; `at` is its offset in the payload.
     pub fn read(substream: (&[u8], usize), root: Block, setting: Setting<'_>, tables: &TableSet) -> Result<Region> {
         let (bytes, at) = substream;
         let coder = Reader { stream: entropy::Decoder::new(bytes), tables };
@@ -161,7 +161,7 @@ impl Region {
             .map_err(|message| Error::invalid_at(SECTION, at as u64, message))
     }
 
-    /// As [`Region::read`], by any coder, at most so many leaves and colours.
+    /// As [`Region::read`], with any coder, and at most `most_items` leaves and colours.
     pub fn read_by<C: SourceCoder>(
         coder: C,
         most_items: u64,
@@ -207,10 +207,10 @@ impl Region {
 
 #[cfg(test)]
 impl Region {
-    /// What an allocation takes on top of its bytes.
+    /// Overhead of an allocation in bytes.
     const ALLOCATION: usize = 16;
 
-    /// Bytes that the region takes, itself among them.
+    /// Bytes that the region occupies, including the struct itself.
     pub fn allocated_bytes(&self) -> usize {
         let room = |count: usize, bytes: usize| if count == 0 { 0 } else { count * bytes + Region::ALLOCATION };
         let palette = |palette: &Palette| {
@@ -248,7 +248,7 @@ struct RegionReader<'a, C> {
 
 impl<C: SourceCoder> RegionReader<'_, C> {
     fn node(&mut self, block: Block) {
-        // What follows the end of a substream that is too short is not worth reading.
+        // Nothing is read past the end of a substream that is too short.
         if self.illegal.is_some() || self.coder.is_short() {
             return;
         }
@@ -318,31 +318,31 @@ impl<C: SourceCoder> RegionReader<'_, C> {
     }
 }
 
-/// A list of leaves has room for one in so many of those that there are, and for at least [`MIN_LIST`].
+/// A new list of leaves has capacity for 1 / `SPARE_SHARE` of the existing leaves, and for at least [`MIN_LIST`].
 const SPARE_SHARE: usize = 8;
 const MIN_LIST: usize = 8;
 
-/// Most bytes of a leaf or of a colour of a palette: a leaf of which there is no other counts one, with a palette of one colour two.
+/// Maximum bytes per item: a leaf counts as one item, and each colour of its palette as one more.
 const ITEM_BYTES: u64 = 88;
-/// A level is held twice when the list is cut to its length.
+/// Bytes of a level, which is held twice when the list is shrunk to its length.
 const LEVEL_BYTES: u64 = 2 * size_of::<Level>() as u64;
-/// Most bytes of a leaf with a palette of sixteen colours.
+/// Maximum bytes of a leaf with a palette of sixteen colours.
 const MAX_LEAF_BYTES: u64 = 384;
-/// Most bytes of a region without its leaves and levels: spare room for leaves, the place of its substream.
+/// Maximum bytes of a region without its leaves and levels: spare capacity for leaves, and the range of its substream.
 const REGION_BYTES: u64 = 640;
 
-/// Upper bound of the bytes that a chunk of `frames` frames of a cell of `size` pixels holds with its payload, when and while it is
-/// parsed (container.md 2).
+/// Upper bound of the bytes of a chunk of `frames` frames of a cell of `size` pixels, with its payload, during and after
+/// parsing (container.md 2).
 pub fn held_bytes(payload_bytes: u64, size: [usize; 2], frames: u32) -> u64 {
     bound(payload_bytes, size, frames, LEVEL_BYTES, BYTES_A_PIXEL)
 }
 
-/// Upper bound of the bytes of a parsed chunk with its payload. Levels are counted once: lists are cut to length.
+/// Upper bound of the bytes of a parsed chunk with its payload. Levels are counted once, because lists are shrunk.
 pub fn parsed_bytes(payload_bytes: u64, size: [usize; 2], frames: u32) -> u64 {
     bound(payload_bytes, size, frames, size_of::<Level>() as u64, PARSED_BYTES_A_PIXEL)
 }
 
-/// Bytes that parsing takes on top: a list with room for all levels of one region.
+/// Additional bytes during parsing: a list with capacity for all levels of one region.
 pub fn parsing_bytes(payload_bytes: u64, size: [usize; 2], frames: u32) -> u64 {
     let pixels = padded_pixels(size).min(padded_pixels([REGION, REGION])) * u64::from(frames);
     (CHANNELS as u64 * pixels).min(payload_bytes.saturating_mul(8)) * size_of::<Level>() as u64
@@ -353,21 +353,21 @@ fn bound(payload_bytes: u64, size: [usize; 2], frames: u32, level_bytes: u64, by
     let pixels = padded_pixels(size) * u64::from(frames);
     let by_payload = payload_bytes.saturating_mul(ITEMS_A_BYTE * ITEM_BYTES + 8 * level_bytes);
     let by_payload = by_payload.saturating_add(regions * FREE_ITEMS * ITEM_BYTES);
-    // An index of a palette for each pixel.
+    // The second term is a palette index for each pixel.
     by_payload.min(pixels * bytes_a_pixel) + pixels + regions * REGION_BYTES + payload_bytes
 }
 
-/// Leaves of the least size with the largest palettes, and levels of all coefficients.
+/// Leaves of the minimum size with the largest palettes, plus levels of all coefficients.
 const BYTES_A_PIXEL: u64 = MAX_LEAF_BYTES / (MIN_SIDE * MIN_SIDE) as u64 + CHANNELS as u64 * LEVEL_BYTES;
 
-/// Leaves of the least size, each with the largest palette or with levels of all coefficients.
+/// Leaves of the minimum size, each with the largest palette or with levels of all coefficients.
 const PARSED_BYTES_A_PIXEL: u64 = {
     let palette = MAX_LEAF_BYTES / (MIN_SIDE * MIN_SIDE) as u64;
     let levels = ITEM_BYTES.div_ceil((MIN_SIDE * MIN_SIDE) as u64) + (CHANNELS * size_of::<Level>()) as u64;
     if palette > levels { palette } else { levels }
 };
 
-/// Notes the means of a palette's last frame (color.md 6.5).
+/// Stores the means of a palette's last frame (color.md 6.5).
 pub fn note_palette(palette: &Palette, block: Block, header: &Header, domain: &Domain, means: &mut Means) {
     let side = block.shape.side();
     let indices = palette.frame(block.shape, block.shape.frames - 1);

@@ -1,14 +1,14 @@
-//! The order of levels in a plane, and the magnitudes around a level (color.md 6.6).
+//! Scan order of the levels of a plane, and the magnitudes around a level (color.md 6.6).
 
 use crate::color::transform::contexts::Position;
 
 const SIDE: usize = 32;
-/// Row length of magnitudes: two more positions on the right and below are always 0.
+/// Row length of magnitudes: two additional positions on the right and below are always 0.
 const ROW: usize = SIDE + 2;
-/// Magnitudes are counted up to this.
+/// Maximum stored magnitude; larger ones are clamped.
 const MAX_HELD: u32 = 15;
 
-/// Positions of a plane of a size in zigzag order along the diagonals.
+/// Positions of a plane of `side` × `side` levels in zigzag order along the diagonals.
 const fn zigzag<const N: usize>(side: usize) -> [Position; N] {
     let mut order = [Position(0); N];
     let (mut at, mut diagonal) = (0, 0);
@@ -33,7 +33,7 @@ static ZIGZAG_8: [Position; 64] = zigzag(8);
 static ZIGZAG_16: [Position; 256] = zigzag(16);
 static ZIGZAG_32: [Position; 1024] = zigzag(32);
 
-/// The order of the positions of a block of 4·2^size_class pixels square.
+/// Scan order of the positions of a block of 4·2^size_class pixels square.
 pub fn order(size_class: usize) -> &'static [Position] {
     match size_class {
         0 => &ZIGZAG_4,
@@ -59,12 +59,12 @@ impl Magnitudes {
         position.y() * ROW + position.x()
     }
 
-    /// Clears what a block of `side` pixels reads.
+    /// Clears the part that a block of `side` pixels reads.
     pub fn clear(&mut self, side: usize) {
         self.0[..ROW * (side + 2)].fill(0);
     }
 
-    /// Copies what a block of `side` pixels reads.
+    /// Copies the part that a block of `side` pixels reads.
     pub fn copy_from(&mut self, other: &Magnitudes, side: usize) {
         for (row, other) in self.0.chunks_exact_mut(ROW).zip(other.0.chunks_exact(ROW)).take(side + 2) {
             row[..side + 2].copy_from_slice(&other[..side + 2]);
@@ -87,7 +87,7 @@ impl Magnitudes {
         *held = (*held).max(magnitude.min(MAX_HELD) as u8);
     }
 
-    /// Raises each magnitude to that of another plane.
+    /// Raises each magnitude to at least that of another plane.
     pub fn raise_all(&mut self, other: &Magnitudes) {
         self.0.iter_mut().zip(&other.0).for_each(|(held, &other)| *held = (*held).max(other));
     }

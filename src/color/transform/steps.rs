@@ -1,4 +1,4 @@
-//! Quantiser steps (color.md 6.3): 16 an octave, by channel and by length in time.
+//! Quantiser steps (color.md 6.3): 16 per octave, by channel, by frequency, and by length in time.
 
 use std::ops::RangeInclusive;
 
@@ -11,22 +11,23 @@ pub const OCTAVE: [u32; 16] =
     [4096, 4277, 4467, 4664, 4871, 5087, 5312, 5547, 5793, 6049, 6317, 6597, 6889, 7194, 7512, 7845];
 /// round(4096/√length) of each of [`LENGTHS`].
 pub const INVERSE_ROOTS: [u32; LENGTHS.len()] = [4096, 2896, 2365, 2048, 1672, 1448, 1182, 1024, 836];
-/// Bits of the fraction of a step, beyond those of the domain.
+/// Fraction bits of a step, in addition to those of the domain.
 pub const STEP_BITS: u32 = 3;
-/// What a chroma channel's step index is above the payload's: green, orange.
+/// Offsets of the step indices of green and orange from the payload's chroma index.
 const CHROMA_OFFSETS: [u8; 2] = [3, 8];
 
-/// Step indices of a payload: index i is a step of 2^(i/16 − 2) sample values.
+/// Step indices of a payload: index i is a step of 2^(i/16 − 2) keys in a block of one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StepIndices {
     pub luma: u8,
     pub chroma: u8,
 }
 
-/// Changes of the step index by frequency (color.md 6.3), for luma and for chroma.
+/// Offsets of the step index by frequency (color.md 6.3), for luma and for chroma.
 pub type FrequencyOffsets = [[u8; 64]; 2];
 
-/// The sets of offsets that a payload chooses from: the same step for all frequencies; coarser steps where an eye sees less.
+/// Sets of frequency offsets that a payload selects from: equal steps for all frequencies; coarser steps where the eye is
+/// less sensitive.
 pub static OFFSET_SETS: [FrequencyOffsets; 2] = [
     [[0; 64]; 2],
     [
@@ -43,15 +44,15 @@ pub static OFFSET_SETS: [FrequencyOffsets; 2] = [
     ],
 ];
 
-/// Units of a region's delta, in indices.
+/// Step indices per unit of a region's delta.
 pub const DELTA_UNIT: i32 = 4;
-/// Deltas that a payload can give a region.
+/// Range of a region's delta.
 pub const DELTAS: RangeInclusive<i8> = -8..=7;
 
 /// Steps of the coefficients of a region.
 #[derive(Debug, Clone)]
 pub struct Steps {
-    /// By channel.
+    /// Step indices by channel, with the region's delta.
     indices: [i32; CHANNELS],
     offsets: &'static FrequencyOffsets,
     table: &'static StepTable,
@@ -65,12 +66,12 @@ impl Steps {
         Steps { indices: [indices.luma.into(), green, orange].map(moved), offsets, table }
     }
 
-    /// Step indices of the channels without offsets.
+    /// Step indices of the channels, without frequency offsets.
     pub fn indices(&self) -> [i32; CHANNELS] {
         self.indices
     }
 
-    /// Steps of a channel of blocks of a size class and length.
+    /// Steps of a channel for blocks of a size class and length.
     #[inline(always)]
     pub fn of(&self, channel: usize, size_class: usize, length_index: usize) -> ChannelSteps {
         ChannelSteps {
@@ -91,30 +92,31 @@ pub struct ChannelSteps {
 }
 
 impl ChannelSteps {
-    /// The step of a spatial frequency, the sum of the vertical and the horizontal one.
+    /// Step of a spatial frequency, which is the sum of the vertical and the horizontal one.
     #[inline(always)]
     pub fn at(&self, frequency: usize) -> i32 {
         let offset = self.offsets[offset_class(self.size_class, frequency)];
         self.steps[(self.index + i32::from(offset)).clamp(0, 255) as usize]
     }
 
-    /// The coefficient of a level: units of 2^-fraction.
+    /// Coefficient of a level, in units of 2^-fraction.
     #[inline(always)]
     pub fn coefficient(&self, frequency: usize, level: i32) -> i32 {
         dequantise(level, self.at(frequency))
     }
 }
 
-/// The place in a table of offsets of a frequency of blocks of a size class: that of the largest blocks, half a step further.
+/// Index in a table of offsets for a frequency in blocks of a size class: the centre of its band, as a frequency of the
+/// largest blocks.
 #[inline(always)]
 pub fn offset_class(size_class: usize, frequency: usize) -> usize {
     ((2 * frequency + 1) << (3 - size_class.min(3)) >> 1) & 63
 }
 
-/// Steps by index of the length and step index.
+/// Steps by length index and step index.
 pub type StepTable = [[i32; 256]; LENGTHS.len()];
 
-/// The steps of samples with so many bits of fraction.
+/// Step table of samples with `fraction_bits` fraction bits.
 pub const fn step_table(fraction_bits: u32) -> StepTable {
     let mut table = [[0; 256]; LENGTHS.len()];
     let mut length = 0;
@@ -122,7 +124,7 @@ pub const fn step_table(fraction_bits: u32) -> StepTable {
         let mut index = 0;
         while index < 256 {
             let mantissa = (OCTAVE[index & 15] * INVERSE_ROOTS[length] + 2048) >> 12;
-            // 4096 · 2^-(fraction + 3) of an index of 32, which is a step of 1.
+            // Index 32 is a step of 1: 4096 · 2² >> shift = 2^(fraction + 3).
             let shift = 14 - (fraction_bits + STEP_BITS);
             let step = ((mantissa << (index >> 4)) + (1 << (shift - 1))) >> shift;
             table[length][index] = if step == 0 { 1 } else { step as i32 };
@@ -133,7 +135,7 @@ pub const fn step_table(fraction_bits: u32) -> StepTable {
     table
 }
 
-/// The coefficient of a level: units of 2^-fraction.
+/// Coefficient of a level, in units of 2^-fraction.
 #[inline(always)]
 pub fn dequantise(level: i32, step: i32) -> i32 {
     level.wrapping_mul(step).wrapping_add(1 << (STEP_BITS - 1)) >> STEP_BITS

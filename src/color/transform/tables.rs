@@ -1,4 +1,4 @@
-//! The entropy model of the transform codec: formats/color-tables.txt (color.md 6.7).
+//! Entropy model of the transform codec: formats/color-tables.txt (color.md 6.7).
 
 use std::sync::LazyLock;
 
@@ -6,16 +6,16 @@ use crate::color::transform::contexts::{ALPHABETS, CLUSTERS, CONTEXTS, FAMILIES}
 use crate::entropy::built_in::BuiltIn;
 use crate::entropy::{self, Family, Model};
 
-/// Built-in sets.
+/// Number of built-in sets.
 pub const BUILT_IN: usize = 10;
 
 static FORMAT: BuiltIn<CONTEXTS, CLUSTERS, BUILT_IN> =
     BuiltIn::parse(include_bytes!("../../../formats/color-tables.txt"), &FAMILIES, &ALPHABETS);
 
-/// Distribution of each context.
+/// Index of the distribution of each context.
 pub static CLUSTER_OF: [u8; CONTEXTS] = FORMAT.cluster_of;
 
-/// The model of the transform codec.
+/// Entropy model of the transform codec.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Transform;
 

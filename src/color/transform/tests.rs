@@ -1,4 +1,4 @@
-//! Payloads that no encoder writes: no panic, and no more memory and symbols than a cell and its frames justify.
+//! Tests with payloads that no encoder writes: no panic, and no more memory and symbols than a cell and its frames justify.
 
 use crate::color::HalfKey;
 use crate::color::transform::basis::length_index;
@@ -16,7 +16,7 @@ use crate::container::serialize::PutFields;
 use crate::entropy;
 use crate::error::Result;
 
-/// Tables in which every distribution is certain of one symbol, which takes no bits: `of` says which by cluster.
+/// Tables in which every distribution has one certain symbol, which takes no bits; `of` returns the symbol of a cluster.
 fn certain(of: impl Fn(usize) -> usize) -> Tables {
     let mut bytes = Vec::new();
     for (cluster, alphabet) in ALPHABETS.into_iter().enumerate() {
@@ -27,7 +27,7 @@ fn certain(of: impl Fn(usize) -> usize) -> Tables {
     Tables::read(&mut Fields::new(&bytes, 0, ""), 1).unwrap()
 }
 
-/// A payload of the stream's own set for so many regions, whose substreams are all the same.
+/// A payload that uses the stream's own set, with `regions` regions whose substreams are equal.
 fn payload(regions: usize, substream: &[u8]) -> Vec<u8> {
     let mut bytes = [vec![BUILT_IN as u8, 80, 80, 3, 0xfd, 0x80], vec![0x88; regions.div_ceil(2)]].concat();
     (1..regions).for_each(|_| bytes.put_varint(substream.len() as u64));
@@ -35,7 +35,7 @@ fn payload(regions: usize, substream: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// What a chunk of a payload may hold.
+/// Parameters that limit the content of a chunk.
 #[derive(Debug, Clone, Copy)]
 struct Limits {
     size: [usize; 2],
@@ -61,7 +61,7 @@ impl Limits {
     }
 }
 
-/// Counts symbols and raw bits.
+/// Coder that counts symbols and raw values.
 struct Counting<'a> {
     coder: Reader<'a>,
     count: &'a mut usize,
@@ -89,7 +89,8 @@ impl SourceCoder for Counting<'_> {
     }
 }
 
-/// Symbols and raw bits that are read of a payload's regions, and the pixels of all blocks and frames.
+/// Returns the number of symbols and raw values that are read from a payload's regions, and of pixels of all blocks and
+/// frames.
 fn work(payload: &[u8], limits: Limits, tables: &Tables) -> (usize, usize) {
     let layout = Layout::parse::<HalfKey>(payload, limits.size, tables).unwrap();
     let (mut count, mut pixels) = (0, 0);
@@ -101,7 +102,7 @@ fn work(payload: &[u8], limits: Limits, tables: &Tables) -> (usize, usize) {
         let bytes = &payload[substream.clone()];
         let stream = entropy::Decoder::new(bytes);
         let coder = Counting { coder: Reader { stream, tables: set }, count: &mut count };
-        // Whether it is legal, the other reader says.
+        // The result is ignored: `TransformChunk::parse` decides whether the payload is legal.
         let setting = Setting { header: &layout.header, delta, domain: &HalfKey::DOMAIN };
         let _ = Region::read_by(coder, most_items(bytes), root, setting);
     }
@@ -110,11 +111,11 @@ fn work(payload: &[u8], limits: Limits, tables: &Tables) -> (usize, usize) {
 
 #[test]
 fn symbols_that_take_no_bits_end_with_the_tree() {
-    // The state of a coder before any symbol.
+    // State of a coder before any symbol.
     const EMPTY: &[u8] = &[0, 0, 1, 0];
     for kind in [TRANSFORM, QUARTERS, PARTS, PALETTE, 4] {
         for other in 0..16 {
-            // Of the fourth kind nodes are split and coded by their distribution, in all ways.
+            // For kind 4, nodes are split or coded depending on their distribution, in all ways.
             let mixed = |cluster: usize| (other >> (cluster % 3)) + cluster;
             let tables = certain(|cluster| match (cluster < NODE.clusters, kind) {
                 (true, 4) => mixed(cluster) % 4,
@@ -126,7 +127,7 @@ fn symbols_that_take_no_bits_end_with_the_tree() {
                 for substream in [&[][..], &[7], EMPTY, &[1, 2, 3, 4, 5, 6, 7, 8]] {
                     let payload = payload(regions, substream);
                     let limits = Limits { size, frames, payload_bytes: payload.len() };
-                    // Each coefficient is a symbol and three raw numbers at most; a square of 4×4 pixels has some for itself.
+                    // Each coefficient takes at most a symbol and three raw values; a square of 4×4 pixels takes some more.
                     let (count, pixels) = work(&payload, limits, &tables);
                     assert!(count <= 16 * pixels, "{count} symbols for {limits:?}");
                     let chunk = TransformChunk::parse::<HalfKey>(&payload, size, frames, &tables);
@@ -134,7 +135,7 @@ fn symbols_that_take_no_bits_end_with_the_tree() {
                         limits.check(chunk);
                         chunk.show(0, None, &mut vec![HalfKey(0); 3 * size[0] * size[1]]);
                     }
-                    // No levels, or one colour of the cache: none of them takes raw bits.
+                    // No levels, or one colour from the cache: neither takes raw bits.
                     let is_legal = kind == PALETTE || kind == TRANSFORM && length_index(frames as usize).is_some();
                     if other == 0 && is_legal && substream == EMPTY {
                         assert!(chunk.is_ok(), "{limits:?}: {:?}", chunk.err());

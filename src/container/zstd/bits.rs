@@ -1,13 +1,14 @@
-//! Bit streams of a frame: forward ones of table descriptions (RFC 8878, 4.1.1), and those that are read from their end (4.1.2, 4.2.2).
+//! Bit streams of a frame: forward streams of table descriptions (RFC 8878, 4.1.1), and streams that are read from their end
+//! (4.1.2, 4.2.2).
 
 use crate::error::{Error, Result};
 
-/// An error of the frame; `why` is a clause.
+/// Returns an error about the frame; `why` is a clause.
 pub fn damaged(why: impl std::fmt::Display) -> Error {
     Error::invalid(format!("the chunk's Zstandard frame is damaged: {why}"))
 }
 
-/// Bits from the first byte on, the lowest first.
+/// Bits from the first byte on, lowest bit first.
 pub struct ForwardBits<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -18,7 +19,7 @@ impl<'a> ForwardBits<'a> {
         ForwardBits { bytes, at: 0 }
     }
 
-    /// The next `count` bits, 16 at most.
+    /// Takes the next `count` bits, at most 16.
     pub fn take(&mut self, count: u32) -> Result<u32> {
         let end = self.at + count as usize;
         if end > 8 * self.bytes.len() {
@@ -31,13 +32,13 @@ impl<'a> ForwardBits<'a> {
         Ok(value)
     }
 
-    /// Bytes of which bits were taken.
+    /// Number of bytes that were read, the last one possibly in part.
     pub fn used_bytes(&self) -> usize {
         self.at.div_ceil(8)
     }
 }
 
-/// Bits from the last byte back, below the highest one that is set. Bits before the first byte are 0.
+/// Bits from the last byte backwards, starting below its highest set bit. Bits before the first byte are 0.
 pub struct BackwardBits<'a> {
     bytes: &'a [u8],
     left: isize,
@@ -54,12 +55,12 @@ impl<'a> BackwardBits<'a> {
         }
     }
 
-    /// Bits that are left; negative once more were taken than there were.
+    /// Number of remaining bits; negative if more bits were taken than exist.
     pub fn left(&self) -> isize {
         self.left
     }
 
-    /// The next 57 bits or more, from the highest bit of the word on.
+    /// Returns at least the next 57 bits, in the highest bits of the word.
     #[inline]
     pub fn peek(&self) -> u64 {
         let Ok(left) = usize::try_from(self.left) else { return 0 };
@@ -80,10 +81,10 @@ impl<'a> BackwardBits<'a> {
         self.left -= count as isize;
     }
 
-    /// The next `count` bits, 31 at most.
+    /// Takes the next `count` bits, at most 31.
     #[inline]
     pub fn take(&mut self, count: u32) -> u32 {
-        // Two shifts, as one of 64 bits is none.
+        // Two shifts, because for 0 bits a single shift would be one by 64, which overflows.
         let value = self.peek() >> 1 >> (63 - count);
         self.skip(count);
         value as u32

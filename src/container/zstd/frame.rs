@@ -11,7 +11,7 @@ const MAGIC: u32 = 0xfd2f_b528;
 const MAX_BLOCK_BYTES: u64 = 1 << 17;
 const SECTION: &str = "container.md 6.2";
 
-/// Decodes a frame of exactly `raw_bytes` whose window is `max_window` at most.
+/// Decodes a frame of exactly `raw_bytes` bytes with a window of at most `max_window` bytes.
 pub fn decode(stored: &[u8], raw_bytes: u32, max_window: u64) -> Result<Vec<u8>> {
     let mut fields = Fields::new(stored, 0, SECTION);
     let window = read_header(&mut fields, raw_bytes, max_window)?;
@@ -58,7 +58,8 @@ fn size_differs(raw_bytes: u32) -> Error {
     Error::invalid(format!("the chunk's Zstandard frame does not mean the {raw_bytes} bytes that the table says"))
 }
 
-/// Reads the header (RFC 8878, 3.1.1.1): its content size, window, and that it has neither dictionary nor checksum. Returns the window.
+/// Reads the header (RFC 8878, 3.1.1.1) and returns the window size in bytes. Checks the content size and the window, and
+/// that there is neither a dictionary nor a checksum.
 fn read_header(fields: &mut Fields<'_>, raw_bytes: u32, max_window: u64) -> Result<u64> {
     if early(fields.u32())? != MAGIC {
         return Err(damaged("its magic number is other"));

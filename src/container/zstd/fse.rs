@@ -1,9 +1,9 @@
-//! FSE codes (RFC 8878, 4.1): distributions of symbols and the states that decode them.
+//! FSE codes (RFC 8878, 4.1): distributions of symbols, and their decoding tables.
 
 use super::bits::{BackwardBits, ForwardBits, damaged};
 use crate::error::Result;
 
-/// The symbol of a state, and the next state: a base plus so many bits.
+/// Entry of a decoding table: the symbol of a state, and the next state as a base plus `bits` bits.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Row {
     pub symbol: u8,
@@ -11,7 +11,7 @@ pub struct Row {
     base: u16,
 }
 
-/// Largest accuracy and number of symbols of a code.
+/// Maximum accuracy, which is log2 of the table size, and maximum number of symbols of a code.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
     pub accuracy: u32,
@@ -25,12 +25,12 @@ pub struct Table {
 }
 
 impl Table {
-    /// The code of one symbol, which takes no bits.
+    /// Builds the code of a single symbol, which takes no bits.
     pub fn of_one(symbol: u8) -> Self {
         Table { accuracy: 0, rows: vec![Row { symbol, bits: 0, base: 0 }] }
     }
 
-    /// The code of a distribution whose magnitudes sum to 2^accuracy; −1 is a probability below 1.
+    /// Builds the code of a distribution whose magnitudes sum to 2^accuracy; −1 is a probability below 1.
     pub fn new(accuracy: u32, counts: &[i16]) -> Self {
         let size = 1usize << accuracy;
         let mut rows = vec![Row::default(); size];
@@ -60,7 +60,7 @@ impl Table {
         Table { accuracy, rows }
     }
 
-    /// Reads a distribution; returns its code and the number of bytes that it takes.
+    /// Reads a distribution. Returns its code and the number of bytes read.
     pub fn read(bytes: &[u8], limits: Limits) -> Result<(Table, usize)> {
         let mut bits = ForwardBits::new(bytes);
         let accuracy = bits.take(4)? + 5;
@@ -91,7 +91,7 @@ impl Table {
         Ok((Table::new(accuracy, &counts), bits.used_bytes()))
     }
 
-    /// The first state.
+    /// Reads the initial state.
     pub fn start(&self, bits: &mut BackwardBits<'_>) -> usize {
         bits.take(self.accuracy) as usize
     }

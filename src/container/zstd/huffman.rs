@@ -4,18 +4,18 @@ use super::bits::{BackwardBits, damaged};
 use super::fse;
 use crate::error::Result;
 
-/// Longest code, in bits.
+/// Maximum code length in bits.
 const MAX_BITS: u32 = 11;
 const ROWS: usize = 1 << MAX_BITS;
-/// Weights of a description; that of the last symbol follows from them.
+/// Maximum number of weights in a description; the weight of the last symbol follows from them.
 const MAX_WEIGHTS: usize = 255;
 const WEIGHT_LIMITS: fse::Limits = fse::Limits { accuracy: 6, symbols: 256 };
 
-/// The symbol that each value of 11 bits starts with, times 16, plus the bits of its code.
+/// Decoding table, indexed by the next 11 bits: the symbol times 16, plus the length of its code in bits.
 pub struct Table(Box<[u16; ROWS]>);
 
 impl Table {
-    /// Reads a description; returns its code and the number of bytes that it takes.
+    /// Reads a table description. Returns its code and the number of bytes read.
     pub fn read(bytes: &[u8]) -> Result<(Table, usize)> {
         let early = || damaged("a Huffman table ends early");
         let (&head, rest) = bytes.split_first().ok_or_else(early)?;
@@ -38,7 +38,7 @@ impl Table {
         let longest = 32 - total.leading_zeros();
         let rest = (1 << longest) - total;
         weights.push(32 - rest.leading_zeros() as u8);
-        // A code of which no symbol has the longest length is one of fewer bits.
+        // Without a symbol of the maximum length, the code would be one of fewer bits.
         let is_deepest = weights.contains(&1);
         if total == 0 || longest > MAX_BITS || !rest.is_power_of_two() || !is_deepest {
             return Err(illegal());
@@ -56,10 +56,10 @@ impl Table {
         Ok(Table(rows))
     }
 
-    /// Decodes a stream that fills `out` exactly.
+    /// Decodes a stream, which must fill `out` exactly.
     pub fn decode(&self, bytes: &[u8], out: &mut [u8]) -> Result<()> {
         let mut bits = BackwardBits::new(bytes)?;
-        // A word has the bits of five codes.
+        // A word has the bits of at least five codes.
         for symbols in out.chunks_mut(5) {
             let mut word = bits.peek();
             let mut used = 0;
@@ -79,7 +79,7 @@ impl Table {
     }
 }
 
-/// Weights in an FSE code, of two states in turn.
+/// Reads weights in an FSE code with two interleaved states.
 fn compressed_weights(packed: &[u8]) -> Result<Vec<u8>> {
     let (table, used) = fse::Table::read(packed, WEIGHT_LIMITS)?;
     let mut bits = BackwardBits::new(&packed[used..])?;

@@ -4,17 +4,18 @@ use super::bits::damaged;
 use super::huffman::Table;
 use crate::error::Result;
 
-/// Smallest number of literals in four streams.
+/// Minimum number of literals in four streams.
 const MIN_OF_FOUR_STREAMS: usize = 6;
-/// Sizes of the first three of four streams.
+/// Bytes of the jump table: the sizes of the first three of four streams.
 const JUMP_TABLE_BYTES: usize = 6;
 
-/// Reads a block's literals into `out`, `max` at most; returns the number of bytes that they take. `table` is that of the blocks before.
+/// Reads a block's literals, at most `max` bytes, into `out`. Returns the number of bytes read. `table` is the Huffman table
+/// of earlier blocks.
 pub fn read(block: &[u8], table: &mut Option<Table>, out: &mut Vec<u8>, max: usize) -> Result<usize> {
     let early = || damaged("literals end early");
     let first = *block.first().ok_or_else(early)?;
     let (kind, form) = (first & 3, usize::from(first >> 2 & 3));
-    // Bytes of the header, and bits of each size in it.
+    // Bytes of the header, position of the sizes in it in bits, and bits of each size.
     let (head, shift, width) = match kind {
         0 | 1 => [(1, 3, 5), (2, 4, 12), (1, 3, 5), (3, 4, 20)][form],
         _ => [(3, 4, 10), (3, 4, 10), (4, 4, 14), (5, 4, 18)][form],
@@ -69,6 +70,6 @@ fn four_streams(table: &Table, body: &[u8], out: &mut [u8]) -> Result<()> {
         table.decode(stream, parts.next().unwrap_or_default())?;
         rest = others;
     }
-    // Six literals, and nine, leave none for the last stream.
+    // With six or nine literals, the last stream has none.
     table.decode(rest, parts.next().unwrap_or_default())
 }

@@ -1,9 +1,9 @@
-//! Decompresses Zstandard chunks (container.md 6.2): one frame of RFC 8878, of which every rule is enforced.
+//! Zstandard decompression of chunks (container.md 6.2): one frame of RFC 8878, with every rule enforced.
 //!
-//! The decoder is ours since no library refuses all that the RFC forbids, and readers must agree about every frame. libzstd ignores
-//! what is left of a Huffman stream and matches that leave the window; `ruzstd` ignores the window, the sizes of the four streams,
-//! and reserved bits. It is as fast as libzstd on chunks of quadtrees, and `ruzstd` takes twice as long. `inspect --verify` compares it with
-//! `ruzstd`, and tests with both.
+//! We have our own decoder because no library refuses all that the RFC forbids, and readers must agree about every frame.
+//! libzstd ignores bits that remain in a Huffman stream, and matches outside the window; `ruzstd` ignores the window, the
+//! sizes of the four streams, and reserved bits. On chunks of quadtrees this decoder is as fast as libzstd; `ruzstd` takes
+//! twice as long. `inspect --verify` compares it with `ruzstd`, and tests compare it with both.
 
 mod bits;
 mod frame;
@@ -14,13 +14,13 @@ mod sequences;
 
 use crate::error::Result;
 
-/// Largest window of a frame.
+/// Maximum window of a frame in bytes.
 pub const MAX_WINDOW_BYTES: u64 = 1 << 24;
 
-/// Decompresses exactly `raw_bytes`, which are reserved at once.
+/// Decompresses exactly `raw_bytes` bytes, for which memory is reserved at once.
 ///
 /// # Errors
-/// A frame that breaks RFC 8878 or container.md 6.2, holds more or fewer bytes, or is followed by others.
+/// If the frame breaks RFC 8878 or container.md 6.2, has more or fewer bytes, or is followed by other bytes.
 pub fn decompress(stored: &[u8], raw_bytes: u32) -> Result<Vec<u8>> {
     frame::decode(stored, raw_bytes, MAX_WINDOW_BYTES)
 }

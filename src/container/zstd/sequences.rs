@@ -6,14 +6,14 @@ use super::bits::{BackwardBits, damaged};
 use super::fse::{Limits, Table};
 use crate::error::Result;
 
-/// Offsets of larger codes leave every window.
+/// Maximum offset code; offsets of larger codes exceed every window.
 const MAX_OFFSET_CODE: u8 = 24;
 
-/// Codes of literal lengths, offsets and match lengths, in this order.
+/// Limits of the codes of literal lengths, offsets and match lengths, in this order.
 const LIMITS: [Limits; 3] =
     [Limits { accuracy: 9, symbols: 36 }, Limits { accuracy: 8, symbols: 32 }, Limits { accuracy: 9, symbols: 53 }];
 
-/// RFC 8878, 3.1.1.3.2.2.
+/// Default distributions (RFC 8878, 3.1.1.3.2.2).
 static DEFAULTS: LazyLock<[Table; 3]> = LazyLock::new(|| {
     [
         Table::new(
@@ -37,13 +37,13 @@ static DEFAULTS: LazyLock<[Table; 3]> = LazyLock::new(|| {
 /// Smallest value and number of extra bits of each code.
 type LengthCodes<const N: usize> = [(u32, u8); N];
 
-/// RFC 8878, 3.1.1.3.2.1.1.
+/// Codes of literal lengths (RFC 8878, 3.1.1.3.2.1.1).
 const LITERAL_LENGTHS: LengthCodes<36> =
     length_codes(0, 16, [1, 1, 1, 1, 2, 2, 3, 3, 4, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16]);
 const MATCH_LENGTHS: LengthCodes<53> =
     length_codes(3, 32, [1, 1, 1, 1, 2, 2, 3, 3, 4, 4, 5, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16]);
 
-/// Codes without extra bits, `plain` of them, and those with.
+/// Builds `plain` codes without extra bits, followed by codes with extra bits.
 const fn length_codes<const N: usize, const M: usize>(first: u32, plain: usize, extra: [u8; M]) -> LengthCodes<N> {
     let mut codes = [(0, 0); N];
     let (mut value, mut code) = (first, 0);
@@ -56,18 +56,18 @@ const fn length_codes<const N: usize, const M: usize>(first: u32, plain: usize, 
     codes
 }
 
-/// Tables and offsets that the sequences of a block leave to those of later ones.
+/// State that is kept between the blocks of a frame: tables and repeated offsets.
 pub struct State {
     tables: [Option<Table>; 3],
     repeats: [usize; 3],
 }
 
-/// Bounds of what a block writes.
+/// Limits of the output of a block.
 #[derive(Clone, Copy)]
 pub struct Bounds {
-    /// Largest distance of a match.
+    /// Maximum distance of a match.
     pub window: usize,
-    /// Largest number of bytes of all blocks up to this one.
+    /// Maximum output bytes of all blocks up to this one.
     pub end: usize,
 }
 
@@ -76,7 +76,7 @@ impl State {
         State { tables: [None, None, None], repeats: [1, 4, 8] }
     }
 
-    /// Writes what the literals and the sequences in `bytes` stand for.
+    /// Executes the sequences in `bytes` and appends their literals and matches to `out`.
     pub fn write(&mut self, bytes: &[u8], literals: &[u8], out: &mut Vec<u8>, bounds: Bounds) -> Result<()> {
         let early = || damaged("sequences end early");
         let byte = |at: usize| bytes.get(at).copied().map(usize::from).ok_or_else(early);
@@ -99,7 +99,7 @@ impl State {
         Ok(())
     }
 
-    /// Reads the tables from the byte of their modes on; returns where they end.
+    /// Reads the tables, from the byte of their modes on. Returns the offset of their end.
     fn read_tables(&mut self, bytes: &[u8], head: usize) -> Result<usize> {
         let illegal = || damaged("the modes of sequences are illegal");
         let modes = bytes.get(head).copied().filter(|modes| modes & 3 == 0).ok_or_else(illegal)?;
@@ -122,7 +122,7 @@ impl State {
         Ok(used)
     }
 
-    /// Writes `count` sequences; leaves the literals behind the last.
+    /// Executes `count` sequences. `literals` is left with those after the last sequence.
     fn execute(
         &mut self,
         bytes: &[u8],
@@ -179,7 +179,7 @@ fn too_far() -> crate::error::Error {
     damaged("a match reaches farther back than the window")
 }
 
-/// The distance of a match, which may be one of the last three (RFC 8878, 3.1.1.5).
+/// Returns the distance of a match, which may be one of the last three distances (RFC 8878, 3.1.1.5).
 fn distance(repeats: &mut [usize; 3], value: usize, literal_length: usize) -> Result<usize> {
     let [first, second, third] = *repeats;
     let which = if value > 3 { 3 } else { value - 1 + usize::from(literal_length == 0) };
@@ -201,7 +201,7 @@ fn distance(repeats: &mut [usize; 3], value: usize, literal_length: usize) -> Re
     Ok(chosen)
 }
 
-/// Appends a match, which may overlap with what it writes.
+/// Appends a match, which may overlap its own output.
 fn copy(out: &mut Vec<u8>, distance: usize, count: usize, window: usize) -> Result<()> {
     if distance > window.min(out.len()) {
         return Err(too_far());
@@ -209,7 +209,7 @@ fn copy(out: &mut Vec<u8>, distance: usize, count: usize, window: usize) -> Resu
     let start = out.len() - distance;
     let mut left = count;
     while left > 0 {
-        // What was copied repeats with the same period.
+        // The copied part repeats with the same period.
         let part = left.min(out.len() - start);
         out.extend_from_within(start..start + part);
         left -= part;

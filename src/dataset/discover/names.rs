@@ -1,4 +1,4 @@
-//! One pattern for many sequences: which parts of their names are faces, and which are probes.
+//! Derives one pattern for many sequences: finds which parts of their names are faces and which are probes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,10 +6,10 @@ use crate::dataset::manifest::is_probe_name;
 use crate::error::{Error, Result};
 use crate::image::Face;
 
-/// Name of the only probe.
+/// Name of the probe if there is only one.
 const ONLY_PROBE: &str = "00";
 
-/// Words for faces; the first two sets mean nothing else.
+/// Words for faces. Words of the first two sets are unambiguous.
 const FACE_WORDS: [[&[&str]; 6]; 3] = [
     [&["px"], &["nx"], &["py"], &["ny"], &["pz"], &["nz"]],
     [&["posx", "xpos"], &["negx", "xneg"], &["posy", "ypos"], &["negy", "yneg"], &["posz", "zpos"], &["negz", "zneg"]],
@@ -18,13 +18,13 @@ const FACE_WORDS: [[&[&str]; 6]; 3] = [
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Named {
-    /// The pattern.
+    /// The pattern, with `{probe}` and `{face}`.
     pub text: String,
-    /// Index of the sequence of each probe and face; [`Face::View`] where the names have no faces.
+    /// Index of the sequence of each probe and face; [`Face::View`] if the names contain no faces.
     pub members: BTreeMap<(String, Face), usize>,
-    /// What the names call the faces.
+    /// Words for the faces in the names.
     pub faces: BTreeMap<Face, String>,
-    /// Indices of sequences whose names are of another form.
+    /// Indices of sequences whose names have another form.
     pub left_out: Vec<usize>,
 }
 
@@ -34,7 +34,7 @@ impl Named {
     }
 }
 
-/// Finds the pattern of sequences, given as patterns without probes and faces.
+/// Finds the common pattern of sequences. Each text is the pattern of one sequence, without `{probe}` and `{face}`.
 pub fn name(texts: &[&str]) -> Result<Named> {
     let split: Vec<Vec<String>> = texts.iter().map(|text| tokens(text)).collect();
     let mut forms: BTreeMap<Vec<String>, Vec<usize>> = BTreeMap::new();
@@ -58,7 +58,7 @@ pub fn name(texts: &[&str]) -> Result<Named> {
     Ok(Named { text, members, faces, left_out })
 }
 
-/// Runs of letters and digits, and the characters between them.
+/// Splits a text into runs of letters and digits, and single other characters.
 fn tokens(text: &str) -> Vec<String> {
     let mut tokens: Vec<String> = Vec::new();
     let mut was_word = false;
@@ -73,7 +73,7 @@ fn tokens(text: &str) -> Vec<String> {
     tokens
 }
 
-/// The tokens, with the same word for all words but the width of the frame number and the ending.
+/// Returns the tokens with every word replaced by the same one, except the width of the frame number and the file extension.
 fn form(tokens: &[String]) -> Vec<String> {
     let last = tokens.len().saturating_sub(1);
     let varies = |at: usize| {
@@ -88,7 +88,7 @@ fn face_of(token: &str, words: &[&[&str]; 6]) -> Option<Face> {
     words.iter().position(|names| names.contains(&lower.as_str())).map(|at| Face::CUBE[at])
 }
 
-/// Puts `{face}` in the place of the words for faces; answers face and word of each row.
+/// Replaces words for faces by `{face}`; returns the face and the word of each row.
 fn take_faces(rows: &mut [Vec<String>]) -> Vec<Option<(Face, String)>> {
     let width = rows.first().map_or(0, Vec::len);
     for (set, words) in FACE_WORDS.iter().enumerate() {
@@ -96,7 +96,7 @@ fn take_faces(rows: &mut [Vec<String>]) -> Vec<Option<(Face, String)>> {
             let found: Option<Vec<Face>> = rows.iter().map(|row| face_of(&row[column], words)).collect();
             let Some(found) = found else { continue };
             let distinct: BTreeSet<&Face> = found.iter().collect();
-            // Left and right alone are eyes.
+            // Left and right without other faces are eyes.
             if set == 2 && (distinct.len() < 2 || distinct.iter().all(|face| [Face::Px, Face::Nx].contains(face))) {
                 continue;
             }
@@ -112,7 +112,7 @@ fn take_faces(rows: &mut [Vec<String>]) -> Vec<Option<(Face, String)>> {
     vec![None; rows.len()]
 }
 
-/// Puts `{probe}` in the place of what differs; answers the probe of each row.
+/// Replaces the parts that differ by `{probe}`; returns the probe of each row.
 fn take_probes(rows: &mut [Vec<String>]) -> Result<Vec<String>> {
     let width = rows.first().map_or(0, Vec::len);
     let differs: Vec<usize> =
@@ -166,7 +166,7 @@ mod tests {
     fn words_for_faces() {
         let named = name(&["Left.%d.exr", "Right.%d.exr", "Top.%d.exr"]).unwrap();
         assert_eq!((named.text.as_str(), named.faces[&Face::Nx].as_str()), ("{face}.%d.exr", "Left"));
-        // Two eyes.
+        // Left and right without other faces are two eyes.
         let named = name(&["left.%d.exr", "right.%d.exr"]).unwrap();
         assert_eq!((named.text.as_str(), named.faces.len(), named.probes().len()), ("{probe}.%d.exr", 0, 2));
         assert_eq!(name(&["px_%03d.exr"]).unwrap().faces.len(), 1);

@@ -1,12 +1,13 @@
-//! Panoramas of two eyes in one image, by its shape and by what is alike in it.
+//! Detects panoramas with two eyes in one image, from the shape of the image and the similarity of its halves.
 
 use crate::image::{Plane, StereoLayout};
 
-/// Agreement of the pictures of two eyes at least, where 1 is that of equal ones (concordance, Lin 1989). Halves of other images have
-/// sky and ground, or different walls.
+/// Min concordance (Lin 1989) of the pictures of two eyes, 1 for equal pictures. The halves of other images show sky and ground,
+/// or different walls.
 const ALIKE: f64 = 0.8;
 
-/// Where the eyes would be in an image of this shape, each with a panorama twice as wide as high, and in words.
+/// Returns the stereo layout that an image of this size could have, each eye with a panorama twice as wide as high, and a
+/// description.
 pub fn stereo((width, height): (u32, u32)) -> Option<(StereoLayout, &'static str)> {
     if width == height && width % 2 == 0 {
         let words = "square images with equal halves were taken for panoramas of two eyes, the left above the right";
@@ -19,7 +20,7 @@ pub fn stereo((width, height): (u32, u32)) -> Option<(StereoLayout, &'static str
     }
 }
 
-/// Whether both halves of an image show about the same. Of one value alone, they show nothing.
+/// Returns true if both halves of an image show about the same. False for constant halves, which prove nothing.
 pub fn are_alike(shades: &Plane<f32>, layout: StereoLayout) -> bool {
     let (width, height) = (shades.width(), shades.height());
     let [[columns, rows], [right, down]] = match layout {

@@ -1,7 +1,7 @@
-//! Poses of cameras from the attribute `worldToCamera` of EXR files, and their lenses from `worldToNDC` beside it.
+//! Camera poses from the attribute `worldToCamera` of EXR files, and lenses from the attribute `worldToNDC`.
 //!
-//! The matrix is for row vectors; x of the camera is right, y is up. Its z is not used, as some renderers look along it and
-//! others along its opposite: in a right-handed world the viewing direction is that of up × right.
+//! Matrices are for row vectors; camera x points right, y up. Camera z is ignored, because some renderers look along +z and
+//! others along −z: in a right-handed world the viewing direction is up × right.
 
 use glam::{DMat3, DMat4, DQuat, DVec3};
 
@@ -10,7 +10,7 @@ use crate::dataset::manifest::{Pose, Probe};
 use crate::error::Result;
 use crate::image::{Face, FrameRange, ReadLimits, exr};
 
-/// Pose of a probe, or poses where it moves, in a [`Probe`] without a name; `None` where files state none.
+/// Returns the pose of a probe, or the poses if it moves, in a [`Probe`] without a name; `None` if the files state none.
 pub fn of(files: &Found, face: Face, frames: [u32; 2], limits: &ReadLimits) -> Result<Option<Probe>> {
     let pose = |frame: u32| -> Result<Option<Pose>> {
         let header = exr::read_header(&files.file(frame)?, limits)?;
@@ -37,7 +37,7 @@ pub fn of(files: &Found, face: Face, frames: [u32; 2], limits: &ReadLimits) -> R
     Ok(is_whole.then(|| Probe { poses, ..Probe::default() }))
 }
 
-/// fx, fy, cx, cy in pixels of images of a size; `None` where the first file does not state them, or another lens than the last.
+/// Returns fx, fy, cx, cy in pixels of images of `size`; `None` if the first or last file states none, or the two differ.
 pub fn lens(files: &Found, size: (u32, u32), frames: [u32; 2], limits: &ReadLimits) -> Option<[f64; 4]> {
     let of = |frame: u32| {
         let header = exr::read_header(&files.file(frame).ok()?, limits).ok()?;
@@ -49,14 +49,14 @@ pub fn lens(files: &Found, size: (u32, u32), frames: [u32; 2], limits: &ReadLimi
 }
 
 fn intrinsics(to_camera: [f32; 16], to_ndc: [f32; 16], size: [f64; 2]) -> Option<[f64; 4]> {
-    // As they stand there, column by column, these are matrices for column vectors.
+    // Read column by column as stored, these row-vector matrices become matrices for column vectors.
     let [to_camera, to_ndc] = [to_camera, to_ndc].map(|matrix| DMat4::from_cols_array(&matrix.map(f64::from)));
     let matrices = match is_transposed(|row, column| to_camera.col(row)[column]) {
         true => [to_camera.transpose(), to_ndc.transpose()],
         false => [to_camera, to_ndc],
     };
     let projection = matrices[1] * matrices[0].inverse();
-    // All is divided by a multiple of the camera's z.
+    // Clip w is a multiple of camera z.
     let weight = projection.z_axis.w;
     let is_perspective = projection.x_axis.w.abs().max(projection.y_axis.w.abs()) < 1e-3 * weight.abs();
     if !is_perspective || !projection.is_finite() {
@@ -71,13 +71,13 @@ fn intrinsics(to_camera: [f32; 16], to_ndc: [f32; 16], size: [f64; 2]) -> Option
     let [across, up] = [projection.x_axis.x / weight, projection.y_axis.y / weight];
     let [fx, fy] = [(across, size[0]), (up, size[1])].map(|(scale, pixels)| scale.abs() / span * pixels);
     let [left, bottom] = centre.map(|at| (at - least) / span);
-    // Where x grows to the right, y does so upward or downward.
+    // With x to the right, NDC y may point up or down.
     let top = if (across > 0.0) == (up > 0.0) { 1.0 - bottom } else { bottom };
     let found = [fx, fy, left * size[0], top * size[1]];
     (found.iter().all(|value| value.is_finite()) && fx > 0.0 && fy > 0.0).then_some(found)
 }
 
-/// Whether a matrix is for column vectors, as some write it.
+/// Returns true if a matrix is for column vectors, as some renderers write it.
 fn is_transposed(at: impl Fn(usize, usize) -> f64) -> bool {
     (0..3).all(|axis| at(3, axis) == 0.0) && (0..3).any(|axis| at(axis, 3) != 0.0)
 }
@@ -97,12 +97,12 @@ fn pose(matrix: [f32; 16], face: Face, frame: u32) -> Option<Pose> {
         return None;
     }
     let position: DVec3 = (0..3).map(|axis| -unit[axis] * at(3, axis) / lengths[axis]).sum();
-    // Images of faces may be mirrored, so that only the viewing direction and down count.
+    // Faces may be mirrored, so only the viewing direction and the down axis are used.
     let basis = |forward: DVec3, down: DVec3| DMat3::from_cols(forward, down, forward.cross(down));
     let [forward, _, down] = face.axes();
     let turn = basis(up.cross(right), -up) * basis(forward, down).transpose();
     let orientation = DQuat::from_mat3(&turn).normalize();
-    // Rounding of 32-bit matrices would make a turn of none.
+    // Rounding in 32-bit matrices would turn the identity into a small rotation.
     let orientation = if orientation.angle_between(DQuat::IDENTITY) < 1e-5 { DQuat::IDENTITY } else { orientation };
     (position.is_finite() && orientation.is_finite()).then(|| Pose {
         frame,
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn cameras_of_both_conventions_and_faces() {
-        // At (1, 2, 3), looking along -Z with +Y up, then along +X.
+        // Camera at (1, 2, 3), looking along -Z with +Y up, then along +X.
         for z in [1.0, -1.0] {
             let along_z = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, z, 0.0, -1.0, -2.0, -3.0 * z, 1.0];
             let found = pose(along_z, Face::View, 7).unwrap();
@@ -139,7 +139,7 @@ mod tests {
     fn lenses_of_images_of_both_ranges() {
         let (size, wanted) = ([200.0, 100.0], [150.0, 120.0, 110.0, 40.0]);
         let to_camera = DMat4::from_translation(DVec3::new(-1.0, -2.0, -3.0));
-        // Of a camera that looks along -Z; then along +Z, of which the matrix of the camera has the other sign.
+        // First a camera that looks along -Z, then one along +Z, whose camera matrix has the other sign.
         for z in [-1.0, 1.0] {
             let to_camera = DMat4::from_scale(DVec3::new(1.0, 1.0, -z)) * to_camera;
             for (least, span, up) in [(-1.0, 2.0, 1.0), (0.0, 1.0, 1.0), (0.0, 1.0, -1.0)] {

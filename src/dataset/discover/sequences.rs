@@ -1,4 +1,4 @@
-//! Image sequences below a folder, and what their first files hold.
+//! Finds the image sequences below a folder, and the kinds of images in their first files.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -12,13 +12,13 @@ use crate::image::{ChannelSelect, Pattern, ReadLimits, StreamKind, exr, png};
 
 /// Names of the parts or views of stereo files.
 pub const EYES: [&str; 2] = ["left", "right"];
-/// Folders below folders, at most.
+/// Max nesting depth of folders.
 const MAX_FOLDERS: usize = 8;
-/// Files that are looked at, at most.
+/// Max number of image files.
 const MAX_FILES: usize = 2_000_000;
-/// Words in names of files of depth.
+/// Words that mark depth files by name.
 const DEPTH_WORDS: [&str; 6] = ["depth", "zdepth", "z", "dist", "distance", "range"];
-/// Words in names of files that look like colour and are something else.
+/// Words in the names of files that look like colour but hold another render pass.
 const OTHER_WORDS: [&str; 22] = [
     "albedo",
     "normal",
@@ -44,7 +44,7 @@ const OTHER_WORDS: [&str; 22] = [
     "alpha",
 ];
 
-/// Files that differ in their frame number alone.
+/// Files whose names differ only in the frame number.
 #[derive(Debug, Clone)]
 pub struct Found {
     /// Pattern, relative to the folder, with `/` between folders.
@@ -52,11 +52,11 @@ pub struct Found {
     pub first: PathBuf,
     pub frames: BTreeSet<u32>,
     pub size: (u32, u32),
-    /// What its images hold.
+    /// Kinds of streams in the images.
     pub kinds: BTreeSet<StreamKind>,
-    /// Whether colour has to be chosen by the names of two eyes.
+    /// True if colour has to be selected by the name of an eye.
     pub has_eyes: bool,
-    /// None of a PNG file.
+    /// EXR header of the first file; `None` for PNG files.
     pub header: Option<FileHeader>,
 }
 
@@ -68,12 +68,12 @@ impl Found {
         if names.is_empty() { "of a PNG file".into() } else { names.join(", ") }
     }
 
-    /// What is read of them to look at: of two eyes the left one.
+    /// Channels to read for inspection; the left of two eyes.
     pub fn select(&self) -> ChannelSelect {
         if self.has_eyes { ChannelSelect::Named(EYES[0].into()) } else { ChannelSelect::Auto }
     }
 
-    /// The file of a frame.
+    /// Returns the file of a frame.
     pub fn file(&self, frame: u32) -> Result<PathBuf> {
         let name = self.text.rsplit('/').next().unwrap_or_default();
         let folder = self.first.parent().unwrap_or(Path::new(""));
@@ -81,7 +81,7 @@ impl Found {
     }
 }
 
-/// All sequences, by name. A file that cannot be part of one is noted.
+/// Finds all sequences, sorted by name. Files that cannot be part of a sequence are noted in `unsure`.
 pub fn find(folder: &Path, limits: &ReadLimits, unsure: &mut Vec<String>) -> Result<Vec<Found>> {
     let mut groups: BTreeMap<[String; 3], BTreeMap<u32, String>> = BTreeMap::new();
     let mut unnumbered = Vec::new();
@@ -118,7 +118,7 @@ pub fn find(folder: &Path, limits: &ReadLimits, unsure: &mut Vec<String>) -> Res
         }
         found.push(look(text, first, frames, limits)?);
     }
-    // Passes such as albedo are colour only where nothing else is.
+    // Other render passes, such as albedo, are used as colour only if no other colour is found.
     let is_other = |of: &Found| words(&of.text).iter().any(|word| OTHER_WORDS.contains(&word.as_str()));
     if found.iter().any(|of| of.kinds.contains(&StreamKind::Color) && !is_other(of)) {
         for of in found.iter_mut().filter(|of| of.kinds.contains(&StreamKind::Color) && is_other(of)) {
@@ -129,7 +129,7 @@ pub fn find(folder: &Path, limits: &ReadLimits, unsure: &mut Vec<String>) -> Res
     Ok(found)
 }
 
-/// Image files below a folder, relative to it, with `/` between folders, in order.
+/// Returns the image files below a folder, sorted, as paths relative to it with `/` between folders.
 fn images_below(folder: &Path) -> Result<Vec<String>> {
     let mut files = Vec::new();
     let mut folders = vec![(String::new(), 0)];
@@ -160,7 +160,7 @@ fn images_below(folder: &Path) -> Result<Vec<String>> {
     Ok(files)
 }
 
-/// Words of a path, in small letters.
+/// Splits a path into words, in lower case.
 fn words(text: &str) -> Vec<String> {
     text.to_ascii_lowercase().split(|c: char| !c.is_ascii_alphanumeric()).map(str::to_owned).collect()
 }

@@ -1,4 +1,4 @@
-//! Whether a manifest contradicts itself; its files are not opened.
+//! Checks the consistency of a manifest without opening its files.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -212,7 +212,7 @@ impl Manifest {
         }
         let own = self.frames_of(probe);
         let mut inside = frames.range(own.first..=own.last);
-        // Ordered and distinct: the first frame that is not the expected one follows the hole.
+        // Poses are sorted and distinct: the first frame that differs from the expected one follows the gap.
         if let Some(missing) = own.iter().find(|expected| inside.next() != Some(expected)) {
             return Err(Error::invalid(format!("\"poses\" lacks frame {missing}, of the frames {own}")));
         }

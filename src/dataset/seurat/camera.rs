@@ -1,7 +1,7 @@
-//! Cameras of Seurat manifests: the ray through the centre of a pixel, and where a stored depth lies on it.
+//! Cameras of Seurat manifests: the ray through a pixel centre, and the position of a stored depth on it.
 //!
-//! Matrices are OpenGL's: eye space is right-handed, clip coordinates −w to w are the image from left to right and from bottom
-//! to top, and window depth 0 to 1 is clip depth −w to w. A matrix and its multiples are one camera.
+//! Matrices follow OpenGL: eye space is right-handed, clip coordinates −w to w cover the image from left to right and from bottom
+//! to top, and window depth 0 to 1 is clip depth −w to w. Multiples of a matrix describe the same camera.
 
 use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4, Vec4Swizzles};
 use serde::Serialize;
@@ -9,29 +9,29 @@ use serde::Serialize;
 use crate::error::{Error, Result};
 use crate::math::{Camera, Lens};
 
-/// Least determinant of an invertible matrix whose largest entry in each column is 1.
+/// Min determinant of an invertible matrix that is scaled so that the largest entry of each column is 1.
 const MIN_DETERMINANT: f64 = 1e-10;
-/// Entries that are this much smaller than the last one of their row are rounding of 0.
+/// Entries smaller than this fraction of the last entry of their row are rounding errors of 0.
 const ROUNDING: f64 = 1e-9;
-/// Share of its terms below which the w of an unprojected point is 0: the rounding of 64-bit sums.
+/// If the w of an unprojected point is below this fraction of its terms, it is 0 up to rounding of 64-bit sums.
 const INFINITE_W: f64 = 1e-12;
-/// The same below 0: matrices of 32-bit numbers put a distant far plane a little beyond infinity.
+/// As [`INFINITE_W`], for negative w: matrices rounded to 32 bits put a distant far plane slightly beyond infinity.
 const BEYOND_INFINITY: f64 = 1e-6;
-/// A pose that changes lengths by less is a rotation: what it rounds must not change a stored distance.
+/// Max relative change of length by a pose that counts as a rotation, so that its rounding does not change a stored distance.
 const RIGID: f64 = 1e-12;
-/// Cosine of the angle between rows and columns of an image that has no skew.
+/// Max cosine of the angle between rows and columns of an image without skew.
 const MAX_SKEW: f64 = 1e-6;
 
-/// What a stored depth measures. In every type 0 and +inf are infinitely far.
+/// Quantity of a stored depth. For every type, 0 and +inf mean infinitely far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub enum DepthType {
     /// Window depth, 0 to 1.
     #[serde(rename = "WINDOW_Z")]
     WindowZ,
-    /// Distance from the eye's plane along −z of eye space.
+    /// Distance from the eye plane along −z of eye space.
     #[serde(rename = "EYE_Z")]
     EyeZ,
-    /// Distance in eye space along the ray: from the centre of projection, or from the eye's plane of an orthographic camera.
+    /// Distance in eye space along the ray: from the centre of projection, or for an orthographic camera from the eye plane.
     #[serde(rename = "RAY_DEPTH")]
     RayDepth,
 }
@@ -39,7 +39,7 @@ pub enum DepthType {
 impl DepthType {
     pub const ALL: [DepthType; 3] = [DepthType::WindowZ, DepthType::EyeZ, DepthType::RayDepth];
 
-    /// As in manifests.
+    /// Returns the name used in manifests.
     pub fn name(self) -> &'static str {
         match self {
             DepthType::WindowZ => "WINDOW_Z",
@@ -49,22 +49,22 @@ impl DepthType {
     }
 }
 
-/// The matrices of a camera, 16 numbers in row-major order each.
+/// The matrices of a camera, each with 16 numbers in row-major order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraMatrices {
     pub clip_from_eye: [f64; 16],
     pub world_from_eye: [f64; 16],
 }
 
-/// The ray of a pixel in the world, in metres.
+/// World-space ray of a pixel, in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelRay {
-    /// The camera's centre. Of an orthographic camera a point on the eye's plane, or for [`DepthType::WindowZ`] on the near
-    /// plane, which may lie behind the eye.
+    /// Centre of the camera. For an orthographic camera, a point on the eye plane, or for [`DepthType::WindowZ`] on the near
+    /// plane, which may be behind the eye.
     pub origin: DVec3,
-    /// Of length 1.
+    /// Unit vector.
     pub direction: DVec3,
-    /// From the origin to the surface, above 0; +inf where it is infinitely far.
+    /// Distance from the origin to the surface, positive; +inf if infinitely far.
     pub distance_m: f64,
 }
 
@@ -78,15 +78,15 @@ enum Sight {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Pencil {
     centre: DVec3,
-    /// The direction of the ray at clip coordinates (x, y) is this times (x, y, 1). The largest entry of its last column is 1,
-    /// so that cube faces have the directions of [`crate::image::Face::direction`] to the bit.
+    /// The direction of the ray at clip coordinates (x, y) is this matrix times (x, y, 1). The largest entry of its last column
+    /// is 1, so that directions on cube faces are bit-identical to [`crate::image::Face::direction`].
     steps: DMat3,
-    /// A point of the ray is centre + step · unit / w, where w is that of its unprojected clip coordinates: the reciprocal of
-    /// its own clip w, which is above 0 in front of the camera.
+    /// A point on the ray is centre + step · unit / w, where w belongs to its unprojected clip coordinates and is the reciprocal
+    /// of its clip w, positive in front of the camera.
     unit: f64,
 }
 
-/// A valid camera.
+/// A validated camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeuratCamera {
     size: [u32; 2],
@@ -97,7 +97,8 @@ pub struct SeuratCamera {
 }
 
 impl SeuratCamera {
-    /// `size` is the image's width and height in pixels. Singular matrices are errors, and poses with a perspective row.
+    /// Creates a camera; `size` is the width and height of the image in pixels. Fails if a matrix is singular, or the pose has a
+    /// perspective row.
     pub fn new(size: [u32; 2], depth_type: DepthType, matrices: &CameraMatrices) -> Result<SeuratCamera> {
         let clip_from_eye = row_major(&matrices.clip_from_eye);
         let eye_from_clip = inverse(clip_from_eye).ok_or_else(|| {
@@ -125,7 +126,7 @@ impl SeuratCamera {
         self.sight == Sight::Orthographic
     }
 
-    /// Centre of projection, or of an orthographic camera the origin of eye space, in the world in metres.
+    /// Centre of projection, or for an orthographic camera the origin of eye space; in world space, in metres.
     pub fn position(&self) -> DVec3 {
         let eye = match self.sight {
             Sight::Perspective(pencil) => pencil.centre,
@@ -134,8 +135,8 @@ impl SeuratCamera {
         self.world_from_eye.transform_point3(eye)
     }
 
-    /// The ray through the centre of a pixel, row 0 at the top, and the distance of a stored depth on it. The error says what
-    /// is wrong with the depth.
+    /// Returns the ray through the centre of a pixel, row 0 at the top, with the distance of a stored depth along it. Fails if
+    /// the depth is invalid; the error states why.
     pub fn ray(&self, pixel: [u32; 2], depth: f32) -> Result<PixelRay> {
         let depth_type = self.depth_type.name();
         if depth.is_nan() {
@@ -165,12 +166,12 @@ impl SeuratCamera {
         }
         let stretch = length / along.step.length();
         let stretch = if (stretch - 1.0).abs() < RIGID { 1.0 } else { stretch };
-        // A distance that is too small for 64 bits is not that of the origin.
+        // Clamp a distance that underflows 64 bits, so that it stays positive.
         let distance_m = (along.distance * stretch).max(f64::MIN_POSITIVE);
         Ok(PixelRay { origin, direction, distance_m })
     }
 
-    /// `middle_w` is the w of the unprojected point of clip depth 0; `depth` is none where it is infinitely far.
+    /// `middle_w` is the w of the unprojected point at clip depth 0; `depth` is `None` if infinitely far.
     fn perspective_ray(&self, pencil: Pencil, step: DVec3, middle_w: f64, depth: Option<f64>) -> Result<EyeRay> {
         if self.depth_type == DepthType::EyeZ && step.z >= 0.0 {
             return Err(Error::invalid("EYE_Z is a distance along -z of eye space, but its ray goes along +z"));
@@ -197,7 +198,7 @@ impl SeuratCamera {
     }
 
     fn orthographic_ray(&self, at: DVec4, depth: Option<f64>) -> Result<EyeRay> {
-        // From one clip depth to the next; both points have the same w.
+        // Step from one clip depth to the next; both points have the same w.
         let step = self.eye_from_clip.z_axis.xyz() / at.w;
         let middle = at.xyz() / at.w;
         if self.depth_type == DepthType::WindowZ {
@@ -213,8 +214,8 @@ impl SeuratCamera {
         Ok(EyeRay { origin, step, distance: depth.map_or(f64::INFINITY, |depth| depth * slant) })
     }
 
-    /// The camera of a perspective image whose rows and columns are at right angles; it may be mirrored. Near and far are those
-    /// of [`Lens::new`].
+    /// Returns the camera of a perspective image whose rows and columns are orthogonal; the image may be mirrored. Near and far
+    /// are those of [`Lens::new`].
     pub fn perspective(&self) -> Option<Camera> {
         let Sight::Perspective(Pencil { steps, .. }) = self.sight else { return None };
         let [across, upward, middle] =
@@ -236,9 +237,9 @@ impl SeuratCamera {
 /// A ray in eye space.
 struct EyeRay {
     origin: DVec3,
-    /// Its direction, of any length.
+    /// Direction of any length.
     step: DVec3,
-    /// From the origin to the surface.
+    /// Distance from the origin to the surface.
     distance: f64,
 }
 
@@ -246,14 +247,14 @@ fn row_major(numbers: &[f64; 16]) -> DMat4 {
     DMat4::from_cols_array(numbers).transpose()
 }
 
-/// The largest power of two that is not above the largest entry, so that dividing by it rounds nothing.
+/// Returns the largest power of two that is at most the largest entry; dividing by it is exact.
 fn magnitude(entries: impl IntoIterator<Item = f64>) -> f64 {
     let largest = entries.into_iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
     f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits())
 }
 
-/// The inverse times a number above 0, so that its largest entry is 1 to 2; none of a singular matrix, which the determinant of
-/// a scaled one tells.
+/// Returns a positive multiple of the inverse whose largest entry is 1 to 2; `None` for a singular matrix, as determined by the
+/// determinant of the scaled matrix.
 fn inverse(matrix: DMat4) -> Option<DMat4> {
     let reciprocal = |vector: DVec4| 1.0 / magnitude(vector.to_array());
     let of_rows = DVec4::from_array([0, 1, 2, 3].map(|row| reciprocal(matrix.row(row))));
@@ -267,19 +268,19 @@ fn inverse(matrix: DMat4) -> Option<DMat4> {
     if !scaled.is_finite() || scaled.determinant().abs() < MIN_DETERMINANT {
         return None;
     }
-    // A factor of all entries is no part of the projection, and must not overflow.
+    // A common factor of all entries does not change the projection; remove it to avoid overflow.
     let of_rows = of_rows / of_rows.max_element();
     let of_columns = of_columns / of_columns.max_element();
     let inverse = DMat4::from_diagonal(of_columns) * scaled.inverse() * DMat4::from_diagonal(of_rows);
     Some(inverse * (1.0 / magnitude(inverse.to_cols_array()))).filter(|inverse| inverse.is_finite())
 }
 
-/// `w_row` is the last row of `clip_from_eye`.
+/// Determines the type of projection. `w_row` is the last row of `clip_from_eye`.
 fn sight(w_row: DVec4, eye_from_clip: DMat4) -> Result<Sight> {
     if w_row.xyz().abs().max_element() <= ROUNDING * w_row.w.abs() {
         return Ok(Sight::Orthographic);
     }
-    // The rays of all pixels meet where clip x, y and w are 0.
+    // The rays of all pixels meet at the point with clip x, y and w equal to 0.
     let meeting = eye_from_clip.z_axis;
     let centre = meeting.xyz() / meeting.w;
     if meeting.w.abs() <= INFINITE_W * meeting.xyz().length() || !centre.is_finite() {

@@ -6,17 +6,17 @@ use serde_json::{Map, Value};
 
 use crate::error::{Error, Result, escaped};
 
-/// Characters of an unknown key in a note.
+/// Max characters of an unknown key in a note.
 const KEY_CHARACTERS: usize = 60;
-/// Notes are no more; the rest is counted.
+/// Max number of notes that are listed; further ones are only counted.
 const MAX_NOTES: usize = 20;
 
-/// What to tell about a document, by what and how often.
+/// Notes about a document, with the number of occurrences of each.
 #[derive(Debug, Default)]
 pub struct Notes(BTreeMap<String, usize>);
 
 impl Notes {
-    /// Counts an occurrence of what is told; it holds no index, so that equal ones are told once.
+    /// Counts an occurrence of a note. Notes contain no indices, so that equal ones are merged.
     pub fn add(&mut self, what: String) {
         *self.0.entry(what).or_default() += 1;
     }
@@ -34,10 +34,10 @@ impl Notes {
     }
 }
 
-/// A value and where it stands.
+/// A value and its path.
 pub struct Node<'a> {
     value: &'a Value,
-    /// Empty for the whole document.
+    /// Path of the value; empty for the whole document.
     path: String,
 }
 
@@ -50,19 +50,19 @@ impl<'a> Node<'a> {
         &self.path
     }
 
-    /// An error about this value.
+    /// Creates an error about this value.
     pub fn fault(&self, message: impl std::fmt::Display) -> Error {
         let place = if self.path.is_empty() { "the document" } else { &self.path };
         Error::invalid(format!("{place}: {message}"))
     }
 
-    /// The path without the indices of lists.
+    /// Returns the path without list indices.
     pub fn kind(&self) -> String {
         let parts = self.path.split('[').map(|part| part.split_once(']').map_or(part, |(_, behind)| behind));
         parts.collect::<Vec<_>>().join("[]")
     }
 
-    /// An error that says what was expected and what was found.
+    /// Creates an error that states what was expected and what was found.
     pub fn expected(&self, what: &str) -> Error {
         let found = match self.value {
             Value::Null => "null".to_owned(),
@@ -79,7 +79,7 @@ impl<'a> Node<'a> {
         self.value.as_object().ok_or_else(|| self.expected("an object"))
     }
 
-    /// Notes all keys but these.
+    /// Adds a note for each key that is not `known`.
     pub fn note_unknown(&self, known: &[&str], notes: &mut Notes) -> Result<()> {
         for key in self.map()?.keys().filter(|key| !known.contains(&key.as_str())) {
             let key = shortened(key);
@@ -89,7 +89,7 @@ impl<'a> Node<'a> {
         Ok(())
     }
 
-    /// The value of a key; none where it is absent or null.
+    /// Returns the value of a key; `None` if it is absent or null.
     pub fn get(&self, key: &str) -> Result<Option<Node<'a>>> {
         let value = self.map()?.get(key).filter(|value| !value.is_null());
         let path = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
@@ -106,7 +106,7 @@ impl<'a> Node<'a> {
         Ok(values.iter().enumerate().map(move |(at, value)| Node { value, path: format!("{path}[{at}]") }))
     }
 
-    /// Exactly so many numbers.
+    /// Returns a list of exactly `N` numbers.
     pub fn numbers<const N: usize>(&self) -> Result<[f64; N]> {
         let list = self.value.as_array().filter(|list| list.len() == N);
         if list.is_none() {
@@ -119,7 +119,7 @@ impl<'a> Node<'a> {
         Ok(numbers)
     }
 
-    /// A whole number of 1 to `most`.
+    /// Returns an integer from 1 to `most`.
     pub fn count(&self, most: u32) -> Result<u32> {
         let number = self.value.as_f64().filter(|number| number.fract() == 0.0);
         let in_range = number.filter(|number| (1.0..=f64::from(most)).contains(number));

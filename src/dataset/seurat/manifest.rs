@@ -1,4 +1,4 @@
-//! The JSON manifest of a Seurat capture (formats/manifest.md 5). Keys that the release ignored are noted.
+//! The JSON manifest of a Seurat capture (formats/manifest.md 5). Keys that the Seurat release ignores are noted.
 
 use std::path::Path;
 
@@ -13,22 +13,23 @@ use super::view::{Channel, ImageFile, SeuratView};
 use crate::dataset::manifest::{MANIFEST_NAME, MAX_SIDE, read_text};
 use crate::error::{Error, Result};
 
-/// Names of channels that stand for a value.
+/// Channel names that denote a constant value.
 const CONSTANTS: [(&str, f32); 2] = [("CONSTANT_ZERO", 0.0), ("CONSTANT_ONE", 1.0)];
 
-/// A manifest; its images are read one by one.
+/// A parsed manifest. Images are read separately, view by view.
 #[derive(Debug, Clone)]
 pub struct SeuratCapture {
     /// Centre of the viewing region in metres, in the space of the cameras.
     pub headbox_center: Option<DVec3>,
     pub group_count: usize,
-    /// By group.
+    /// All views, ordered by group.
     pub views: Vec<SeuratView>,
-    /// Keys that are not read and values that are probably wrong, a sentence each.
+    /// Keys that are ignored, and values that are probably wrong; one sentence each.
     pub notes: Vec<String>,
 }
 
-/// Whether a file is to be read as a Seurat manifest: JSON by its name, and no `lightfield.json` by name or content.
+/// Returns true if a file should be read as a Seurat manifest: it has the extension .json, and neither its name nor its content
+/// is that of a `lightfield.json`.
 pub fn is_manifest(path: &Path) -> bool {
     #[derive(Deserialize)]
     struct Head {
@@ -42,7 +43,7 @@ pub fn is_manifest(path: &Path) -> bool {
     serde_json::from_slice::<Head>(without_mark(&text)).map_or(true, |head| head.lightfield.is_none())
 }
 
-/// Editors put a byte order mark before UTF-8.
+/// Removes the byte order mark that editors may put before UTF-8.
 fn without_mark(text: &[u8]) -> &[u8] {
     text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
 }
@@ -53,7 +54,7 @@ impl SeuratCapture {
         SeuratCapture::from_json(&read_text(path)?, folder).map_err(|error| error.in_file(path))
     }
 
-    /// Parses and checks the text of a manifest; files are relative to `folder`.
+    /// Parses and checks a manifest; file paths are relative to `folder`.
     pub fn from_json(text: &[u8], folder: &Path) -> Result<SeuratCapture> {
         let value: Value = serde_json::from_slice(without_mark(text))
             .map_err(|error| Error::invalid(format!("this is not JSON: {error}")))?;
@@ -79,7 +80,7 @@ impl SeuratCapture {
         Ok(SeuratCapture { headbox_center, group_count, views, notes: notes.lines() })
     }
 
-    /// Least and greatest coordinates of the cameras in metres; none without views.
+    /// Returns the bounding box of the camera positions in metres, minimum and maximum; `None` without views.
     pub fn cameras_box(&self) -> Option<[DVec3; 2]> {
         let positions = self.views.iter().map(|view| view.camera.position());
         positions.fold(None, |found, at| {
@@ -127,7 +128,7 @@ impl ViewReader<'_> {
         if is_read && path.is_empty() {
             return Err(node.fault("\"path\" names no file, and not all channels are constants"));
         }
-        // An absolute path stays as it is.
+        // `join` keeps an absolute path unchanged.
         Ok(ImageFile { path: self.folder.join(path), channels })
     }
 }

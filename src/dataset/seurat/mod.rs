@@ -1,4 +1,4 @@
-//! Captures for Seurat: its JSON manifest, its cameras, and the rays of their images (formats/manifest.md 5).
+//! Seurat captures: the JSON manifest, its cameras, and the rays of their images (formats/manifest.md 5).
 
 mod camera;
 mod json;

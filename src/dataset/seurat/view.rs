@@ -1,4 +1,4 @@
-//! A view of a Seurat capture: the image files of a camera, read as rays.
+//! A view of a Seurat capture: the images of one camera, read as rays.
 
 use std::array::from_fn;
 use std::path::{Path, PathBuf};
@@ -17,29 +17,29 @@ use crate::math::Camera;
 const PNG_CHANNELS: [&str; 4] = ["R", "G", "B", "A"];
 const PNG_ALPHA: usize = 3;
 
-/// What the ray of a pixel sees, where the pixel is a sample.
+/// Ray of a pixel that is a sample, with the surface that it hits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CaptureRay {
     /// Column and row; row 0 is at the top.
     pub pixel: [u32; 2],
-    /// In metres.
+    /// Origin in metres.
     pub origin: DVec3,
-    /// Of length 1.
+    /// Unit vector.
     pub direction: DVec3,
-    /// From the origin to the surface, above 0; +inf where it is infinitely far.
+    /// Distance from the origin to the surface, positive; +inf if infinitely far.
     pub distance_m: f64,
-    /// Linear light, finite, in the precision of half floats.
+    /// Linear RGB, finite, with half-float precision.
     pub light: [f32; 3],
-    /// Above 0, at most 1.
+    /// Alpha, above 0 and at most 1.
     pub alpha: f32,
 }
 
-/// Where the values of a channel come from.
+/// Source of the values of a channel.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Channel {
-    /// The same value everywhere.
+    /// The same value for all pixels.
     Constant(f32),
-    /// The channel of this name in the file.
+    /// The channel with this name in the file.
     Named(String),
 }
 
@@ -55,7 +55,7 @@ impl Channel {
 /// Channels of an image file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImageFile<const N: usize> {
-    /// Not read where all channels are constants.
+    /// Path of the file; not read if all channels are constants.
     pub path: PathBuf,
     pub channels: [Channel; N],
 }
@@ -66,10 +66,10 @@ impl<const N: usize> ImageFile<N> {
     }
 }
 
-/// An image with depth and its camera.
+/// An image with depth, and its camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeuratView {
-    /// Index of its view group, and its own index there.
+    /// Index of the view group, and index of the view within it.
     pub place: [usize; 2],
     pub camera: SeuratCamera,
     /// Red, green, blue and alpha.
@@ -78,23 +78,23 @@ pub struct SeuratView {
 }
 
 impl SeuratView {
-    /// Its path in the manifest.
+    /// Path of the view in the manifest.
     pub fn json_path(&self) -> String {
         let [group, view] = self.place;
         format!("view_groups[{group}].views[{view}]")
     }
 
-    /// Width and height of its images in pixels.
+    /// Width and height of the images in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.camera.size()
     }
 
-    /// The camera of a perspective image whose rows and columns are at right angles.
+    /// Returns the camera of a perspective image whose rows and columns are orthogonal.
     pub fn perspective(&self) -> Option<Camera> {
         self.camera.perspective()
     }
 
-    /// Reads the image files. The size of a file is compared with the manifest before its pixels are read.
+    /// Reads the image files. The size of a file is checked against the manifest before its pixels are read.
     pub fn image(&self, limits: &ReadLimits) -> Result<ViewImage<'_>> {
         if !self.color.is_read() && !self.depth.is_read() {
             return Err(Error::invalid(format!(
@@ -116,7 +116,7 @@ impl SeuratView {
         Ok(ViewImage { view: self, values })
     }
 
-    /// The rays of all samples, row by row.
+    /// Reads the rays of all samples, row by row.
     pub fn read(&self, limits: &ReadLimits) -> Result<Vec<CaptureRay>> {
         let image = self.image(limits)?;
         let mut rays = Vec::new();
@@ -169,14 +169,14 @@ enum Holds {
     Number,
 }
 
-/// A value of each pixel that a channel gives.
+/// A per-pixel value and the channel that it is read from.
 #[derive(Clone, Copy)]
 struct Slot<'a> {
     channel: &'a Channel,
     holds: Holds,
 }
 
-/// Light from sRGB codes, and other numbers as shares of the largest code.
+/// Reads slots of a PNG file: linear RGB from sRGB codes, other values as fractions of the largest code.
 fn read_png<const N: usize>(path: &Path, slots: [Slot<'_>; N], limits: &ReadLimits) -> Result<Plane<[f32; N]>> {
     let mut sources = [None; N];
     for (source, slot) in sources.iter_mut().zip(&slots) {
@@ -203,7 +203,7 @@ fn read_png<const N: usize>(path: &Path, slots: [Slot<'_>; N], limits: &ReadLimi
 #[derive(Debug)]
 struct Layers<const N: usize> {
     constants: [Option<f32>; N],
-    /// None where all are constants.
+    /// Pixels of the file; `None` if all channels are constants.
     pixels: Option<Plane<[f32; N]>>,
 }
 
@@ -221,7 +221,7 @@ enum Values {
     OfTwoFiles(Layers<4>, Layers<1>),
 }
 
-/// The images of a view, in memory.
+/// The decoded images of a view.
 #[derive(Debug)]
 pub struct ViewImage<'a> {
     view: &'a SeuratView,
@@ -229,7 +229,7 @@ pub struct ViewImage<'a> {
 }
 
 impl ViewImage<'_> {
-    /// The rays of the samples of a row, 0 at the top. A pixel with an alpha of 0 is no sample.
+    /// Returns the rays of the samples of a row, 0 at the top. A pixel with an alpha of 0 is not a sample.
     pub fn row(&self, row: u32) -> Result<Vec<CaptureRay>> {
         let [width, _] = self.view.size();
         let mut rays = Vec::new();

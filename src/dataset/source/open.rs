@@ -1,4 +1,4 @@
-//! Opens datasets and image sequences: finds their files, and settles how they are read.
+//! Opens datasets and image sequences: finds their files and determines how they are read.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,14 +18,14 @@ use crate::image::{DepthKind, Face, FaceLayout, FolderNames, FrameRange, Primari
 const DEFAULT_FPS: f64 = 24.0;
 
 impl Source {
-    /// Maps of faces of panoramas whose filters colour or alpha of these groups is read with.
+    /// Returns the face maps whose filters are used to resample colour or alpha of these groups from panoramas.
     pub fn filtered_maps<'a>(&'a self, groups: &[&SourceGroup]) -> Vec<&'a FaceMap> {
         let is_filtered = |group: &SourceGroup| matches!(group.kind, StreamKind::Color | StreamKind::Alpha);
         let is_used = |map: &&FaceMap| groups.iter().any(|group| is_filtered(group) && group.faces.contains(&map.face));
         self.maps.iter().filter(|_| self.content == Content::Equirect).filter(is_used).collect()
     }
 
-    /// Bytes of the tables that panoramas of these groups are resampled with. Each is made once, and kept.
+    /// Size in bytes of the tables for resampling panoramas of these groups. Each is built once and kept.
     pub fn table_bytes(&self, groups: &[&SourceGroup]) -> u64 {
         let is_nearest = |group: &SourceGroup| matches!(group.kind, StreamKind::Depth | StreamKind::Material);
         let is_used = |map: &&FaceMap| groups.iter().any(|group| is_nearest(group) && group.faces.contains(&map.face));
@@ -34,12 +34,12 @@ impl Source {
         filters.chain(nearest.map(FaceMap::nearest_bytes)).sum()
     }
 
-    /// Opens a dataset by its manifest, or the folder that holds `lightfield.json`.
+    /// Opens a dataset, given its manifest or the folder that contains `lightfield.json`.
     pub fn open(path: &Path, options: &SourceOptions) -> Result<Source> {
         Source::of_manifest(Manifest::read(path)?, &manifest_path(path), options)
     }
 
-    /// Opens the dataset of a manifest that has been validated; `file` is where it is, or will be.
+    /// Opens the dataset of a validated manifest; `file` is its existing or future path.
     pub fn of_manifest(manifest: Manifest, file: &Path, options: &SourceOptions) -> Result<Source> {
         let folder = file.parent().unwrap_or(Path::new(""));
         let content = match (manifest.projection, manifest.face_files()) {
@@ -137,7 +137,7 @@ impl Source {
         Ok(source)
     }
 
-    /// Refuses a channel of images that there are none of.
+    /// Fails if a channel is given for a kind of which there are no images.
     fn check_channels(&self, options: &SourceOptions) -> Result<()> {
         let given = [
             (StreamKind::Color, &options.color_channel),
@@ -157,8 +157,8 @@ impl Source {
         }
     }
 
-    /// Opens a single sequence: `spec` is a pattern, a folder or a file ([`crate::image::Sequence::find`]).
-    /// The size is that of the first image.
+    /// Opens a single sequence: `spec` is a pattern, a folder or a file ([`crate::image::Sequence::find`]). The size is that of
+    /// its first image.
     pub fn from_sequence(
         kind: StreamKind,
         spec: &str,
@@ -213,7 +213,7 @@ impl Source {
         Ok(source)
     }
 
-    /// A source without probes, with everything that the options alone decide.
+    /// Creates a source without probes, initialised from the options only.
     fn new(content: Content, file_size: (u32, u32), depth_kind: DepthKind, options: &SourceOptions) -> Result<Source> {
         if let Some(scale) = options.depth_scale
             && (!scale.is_finite() || scale == 0.0)
@@ -239,7 +239,7 @@ impl Source {
                 (side, side)
             }
             (Content::Equirect, side) => {
-                // A quarter of the width keeps the resolution of the equator.
+                // A quarter of the width preserves the resolution at the equator.
                 let side = side.unwrap_or((width / 4).max(1));
                 if side == 0 || side > MAX_SIDE {
                     return Err(Error::Usage(format!("a face size is 1 to {MAX_SIDE} pixels, not {side}")));
@@ -292,8 +292,8 @@ impl Source {
         })
     }
 
-    /// The primaries of the stated color space, else of the first colour file. A file that cannot be read is reported when its
-    /// pixels are.
+    /// Sets the primaries: those of the stated colour space, or else of the first colour file. If that file cannot be read, the
+    /// error is reported when its pixels are read.
     fn find_primaries(&mut self) {
         let first = self.groups.iter().find(|group| group.kind == StreamKind::Color);
         let files = first.and_then(|group| self.sequences.get(&(group.kind, group.probe, *group.faces.first()?)));
@@ -319,7 +319,7 @@ fn three_channels(text: &str) -> Result<[String; 3]> {
     }
 }
 
-/// What a single sequence is called: its file name up to the frame number, or its folder.
+/// Returns the name of a single sequence: its file name up to the frame number, or its folder.
 fn sequence_name(spec: &str) -> String {
     let path = Path::new(spec);
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();

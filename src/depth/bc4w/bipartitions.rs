@@ -1,18 +1,18 @@
-//! The distinct ways in which lines part the 64 pixels of a block.
+//! Distinct bipartitions of the 64 pixels of a block by lines.
 
 use std::sync::LazyLock;
 
 use crate::depth::bc4w::line::Line;
 
-/// One way to part the pixels, and a line that does so. Which side is called B makes no difference to a search.
+/// A bipartition of the pixels and a line that produces it. A search does not depend on which side is called B.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bipartition {
-    /// The first line, in the order of its bits, that parts the pixels so or the other way round.
+    /// First line, in the order of its bits, with these two sides in either order.
     pub line: Line,
     pub side_b: u64,
 }
 
-/// All distinct bipartitions that lines make, beginning with the one that leaves the block whole.
+/// Returns all distinct bipartitions by lines. The first one has all pixels on one side.
 pub fn bipartitions() -> &'static [Bipartition] {
     static ALL: LazyLock<Vec<Bipartition>> = LazyLock::new(|| {
         let mut seen = std::collections::BTreeSet::new();
@@ -39,7 +39,7 @@ mod tests {
             let count = all.iter().filter(|parted| parted.side_b == side || parted.side_b == !side).count();
             assert_eq!(count, 1, "line {bits:03x}");
         }
-        // The number of ways in which a straight line can part a lattice of 8×8 points.
+        // Number of bipartitions of a lattice of 8×8 points by a straight line.
         assert_eq!(all.len(), 1283);
     }
 
@@ -54,7 +54,7 @@ mod tests {
 
     #[test]
     fn the_sides_of_a_line() {
-        // From (2, 0) down to (2, 7): side B is where x is less.
+        // From (2, 0) down to (2, 7): side B is the pixels with x < 2.
         let line = Line::from_bits(2 | 2 << 6 | 7 << 9);
         assert_eq!(line.points(), [[2, 0], [2, 7]]);
         assert_eq!(line.side_b(), 0x0303_0303_0303_0303);

@@ -1,13 +1,14 @@
-//! The exhaustive search: branch and bound over pairs of endpoints, for all lines at once.
+//! Exhaustive search: branch and bound over pairs of endpoints, for all lines at once.
 //!
-//! The plane of pairs is covered with squares. Over a square, each entry of the palette moves between its values at two
-//! corners, since it grows with both endpoints; a pixel's distance to the nearest of these eight intervals is at most
-//! what any pair of the square costs it. Sums over a side bound the side's cost from below. A line goes once the bounds
-//! of its sides add up to no less than what is known to be possible; a square goes once it helps no line that is left;
-//! the squares that remain are cut in four. Of the lines and pairs that are left in the end, the costs are computed
-//! exactly: the lowest is that of the literal search, or nothing is better than what was known.
+//! The plane of endpoint pairs is divided into squares. Palette entries increase with both endpoints, so over a square each entry
+//! stays between its values at two corners. The distance of a pixel to the nearest of these eight intervals is a lower bound of
+//! its error for all pairs of the square, and the sum of the squared distances over a side is a lower bound of the side's cost. A
+//! line is dropped once the bounds of its sides add up to at least the limit, which is the lowest cost known to be possible. A
+//! square is dropped if it cannot improve any remaining line; the remaining squares are divided into four. At the end the exact
+//! costs of the remaining lines and pairs are computed: either the lowest is that of the literal search, or no solution is better
+//! than the known one.
 //!
-//! Bounds are kept in 16 bits, in units of 2^shift rounded down, so that eight squares are looked at side by side.
+//! Bounds are 16-bit integers in units of 2^shift, rounded down, so that eight squares are processed in parallel.
 
 use crate::depth::bc4w::bipartitions::bipartitions;
 use crate::depth::bc4w::quick::{self, Trials};
@@ -17,14 +18,15 @@ use crate::depth::bc4w::{MAX_ENDPOINT, Pair};
 use crate::depth::quantise::BACKGROUND_CODE;
 
 const LANES: usize = 8;
-/// The first squares are this many in a row, or up to twice as many.
+/// Minimum number of initial squares per axis; there are at most twice as many.
 const FIRST_SQUARES: u16 = 8;
 const TRIALS: Trials = Trials { fitted: 16, polished: 8 };
-/// The limit in units of 2^shift. The square of the largest error that is kept apart is above it at each shift.
+/// Maximum limit in units of 2^shift. Errors are clamped so that their squares fit 15 bits; the clamped square exceeds this
+/// maximum at every shift.
 const MAX_UNITS: u64 = 32_000;
 
-/// Where more squares are left, the search ends with what it knows: on tiles whose codes lie far apart, where whole
-/// families of pairs are about as good as each other.
+/// Maximum number of remaining squares. If there are more, the search ends with the known solution. This happens on tiles with
+/// widely spaced codes, where many pairs have nearly the same cost.
 const MAX_SQUARES: usize = 1 << 13;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,7 +35,7 @@ enum Mode {
     Six,
 }
 
-/// A square of pairs, of a size that its pass knows: the smallest endpoints.
+/// A square of endpoint pairs, given by its smallest endpoints. All squares of a pass have the same size.
 #[derive(Debug, Clone, Copy)]
 struct Square {
     mode: Mode,
@@ -52,7 +54,7 @@ impl Square {
 
 pub fn search(tile: &Tile) -> Option<Solution> {
     let known = quick::best_of(tile, TRIALS);
-    // Within the bound, no solution costs more.
+    // Any solution within the error bound costs less than this.
     let pixels = u64::from(tile.surfaces.count_ones());
     let most = pixels * u64::from(tile.bound) * u64::from(tile.bound) + 1;
     let limit = known.map_or(most, |(cost, _)| cost);
@@ -60,7 +62,7 @@ pub fn search(tile: &Tile) -> Option<Solution> {
     if limit == 0 { known } else { Search::new(tile, limit, known).run() }
 }
 
-/// For each index, its code over a square at least and at most; what the background costs.
+/// Minimum and maximum code of each palette index over a square, and the cost of a background pixel. Each lane is a square.
 struct Levels {
     least: [[u16; LANES]; 8],
     most: [[u16; LANES]; 8],
@@ -79,12 +81,12 @@ struct Search<'a> {
     last: u16,
     lines: Vec<usize>,
     plan: Plan,
-    /// What sides A and B of these lines cost at least, if the line is to be better than the limit.
+    /// Lower bounds of the costs of sides A and B of the remaining lines, for solutions that cost less than the limit.
     bounds: Vec<[i16; 2]>,
-    /// First and last endpoint of sides A and B of these lines.
+    /// First and last endpoint of sides A and B of the remaining lines.
     ranges: Vec<[[i16; 2]; 2]>,
     tried: Vec<usize>,
-    /// Squares of more endpoints say too little about lines to try any.
+    /// Maximum size of squares at which lines are tried: the bounds from larger squares are too loose to select lines.
     try_below: u16,
 }
 
@@ -162,7 +164,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Bounds lines, drops lines, and returns the squares that help those that are left.
+    /// Computes the bounds of lines, drops lines, and returns the squares that may improve a remaining line.
     fn pass(&mut self, squares: &[Square], size: u16) -> Vec<Square> {
         let costs: Vec<_> = squares.chunks(LANES).map(|group| self.costs(&self.levels(group, size))).collect();
         let mut room = Vec::new();
@@ -218,7 +220,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Lowers the limit with good solutions of the lines with the lowest bounds.
+    /// Solves the lines with the lowest bounds heuristically, and lowers the limit to the lowest cost found.
     fn try_lines(&mut self) {
         let mut order: Vec<(i16, usize)> =
             self.bounds.iter().zip(&self.lines).map(|([a, b], &line)| (a.plus(*b), line)).collect();
@@ -247,7 +249,7 @@ impl<'a> Search<'a> {
             if mode == Mode::Six || most_high == MAX_ENDPOINT {
                 levels.background[lane] = 0;
             }
-            // The background is no surface; another code of the palette stands in.
+            // A surface must not use the background code; another code of the palette replaces it.
             let spare = if least[1] == BACKGROUND_CODE { 6 } else { 1 };
             for i in 0..8 {
                 let at = if least[i] == BACKGROUND_CODE { spare } else { i };
@@ -259,7 +261,7 @@ impl<'a> Search<'a> {
     }
 
     fn costs(&self, levels: &Levels) -> Costs<i16, LANES> {
-        // The largest error whose square fits into 15 bits.
+        // Largest error whose square fits into 15 bits, in units of 2^shift.
         let most = ((1u64 << (15 + self.shift)) - 1).isqrt().min(65535) as u16;
         let mut costs = [[0; LANES]; 64];
         for (pixel, costs) in costs.iter_mut().enumerate() {
@@ -328,13 +330,13 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The largest low endpoint and the smallest high endpoint of squares.
+/// Returns the largest low endpoint and the smallest high endpoint of each square.
 fn ends(group: &[Square], size: u16) -> [[i16; LANES]; 2] {
     let at = |lane: usize| group[lane.min(group.len() - 1)];
     [std::array::from_fn(|lane| (at(lane).low + size - 1) as i16), std::array::from_fn(|lane| at(lane).high as i16)]
 }
 
-/// The costs of a side, too much for squares that have no pair within the side's endpoints.
+/// Returns the costs of a side, with `MAX_SUM` for squares without a pair in the endpoint range of the side.
 #[inline(always)]
 fn within([first, last]: [i16; 2], [low, high]: &[[i16; LANES]; 2], mut costs: [i16; LANES]) -> [i16; LANES] {
     for lane in 0..LANES {

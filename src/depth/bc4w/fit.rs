@@ -1,4 +1,4 @@
-//! A good pair of endpoints for the pixels of one side: a least-squares fit and the endpoints around it.
+//! Finds a good pair of endpoints for the pixels of one side: a least-squares fit and a search around it.
 
 use crate::depth::bc4w::tile::{Tile, surface_codes};
 use crate::depth::bc4w::{MAX_ENDPOINT, Pair};
@@ -6,7 +6,7 @@ use crate::depth::quantise::BACKGROUND_CODE;
 
 const LANES: usize = 8;
 
-/// The surfaces of a side, the last one repeated with weight 0 until there is a multiple of [`LANES`].
+/// Surface codes of a side, padded to a multiple of [`LANES`] by repeating the last one with weight 0.
 struct Surfaces {
     codes: [[f32; LANES]; 8],
     weights: [[f32; LANES]; 8],
@@ -45,7 +45,7 @@ impl Surfaces {
         [low.into_iter().fold(f32::MAX, f32::min), high.into_iter().fold(0.0, f32::max)]
     }
 
-    /// Squared differences, to the precision of the sum; infinite beyond the bound.
+    /// Returns the sum of squared differences in single precision; infinite if a difference exceeds the bound.
     fn cost(&self, pair: Pair, bound: f32) -> f32 {
         let levels = surface_codes(pair.palette()).map(f32::from);
         let (mut sum, mut worst) = ([0.0; LANES], [0.0; LANES]);
@@ -65,8 +65,8 @@ impl Surfaces {
         if worst.iter().any(|&worst| worst > bound) { f32::INFINITY } else { sum.iter().sum() }
     }
 
-    /// Ends of the straight line through the codes over their nearest of `steps` + 1 levels from `low` to `high`, and
-    /// again. Codes below `floor` are left to code 0 of the second mode.
+    /// Returns the ends of the least-squares line of the codes over their nearest of `steps` + 1 levels from `low` to `high`,
+    /// after two iterations. Codes below `floor` are excluded: code 0 of the second mode represents them.
     fn ends(&self, [mut low, mut high]: [f32; 2], steps: f32, floor: f32) -> [f32; 2] {
         for _ in 0..2 {
             let scale = if high > low { steps / (high - low) } else { 0.0 };
@@ -102,11 +102,12 @@ impl Surfaces {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Polish {
     None,
-    /// From neighbour to neighbour while the cost falls.
+    /// Moves to neighbouring pairs while the cost falls.
     Neighbours,
 }
 
-/// A good pair for a side within the bound, and about what it costs; polished, a local minimum or close to one.
+/// Returns a good pair for a side within the bound, with its approximate cost. With [`Polish::Neighbours`] the pair is a local
+/// minimum or close to one.
 pub fn best_pair(tile: &Tile, side: u64, polish: Polish) -> Option<(f32, Pair)> {
     let (rounds, reach) = match polish {
         Polish::None => (1, 0),
@@ -126,7 +127,7 @@ pub fn best_pair(tile: &Tile, side: u64, polish: Polish) -> Option<(f32, Pair)> 
         if descending && tile.background & side != 0 && last < i32::from(MAX_ENDPOINT) {
             continue;
         }
-        // The second mode has code 0 besides: the others need not reach that far down.
+        // The second mode also has code 0, so its other codes need not extend down to it.
         let floor = if descending || low > 64.0 { 0.0 } else { 64.0 + f32::from(tile.bound.min(448)) };
         let start = if floor > 0.0 && high > 2.0 * floor { [floor, high] } else { [low, high] };
         let floor = if start[0] > low { floor } else { 0.0 };
@@ -134,7 +135,7 @@ pub fn best_pair(tile: &Tile, side: u64, polish: Polish) -> Option<(f32, Pair)> 
         let at = ends.map(|end| (end * (8191.0 / 65535.0) + 0.5) as i32);
         let mut centre = at.map(|at| at.clamp(first, last));
         if descending && centre[0] == centre[1] {
-            // The first mode needs two endpoints.
+            // The first mode needs two different endpoints.
             if centre[1] < last { centre[1] += 1 } else { centre[0] -= 1 }
         }
         let mut least = f32::INFINITY;

@@ -1,17 +1,17 @@
-//! Lines of a BC4w block and the ways in which they part its 64 pixels (depth.md 8).
+//! Lines of a BC4w block, and the sides into which they divide its 64 pixels (depth.md 8).
 //!
-//! A mask has bit 8y + x for pixel (x, y).
+//! Bit 8y + x of a mask is pixel (x, y).
 
 use std::sync::LazyLock;
 
-/// A line through two pixels, as its 12 bits: x0, y0, x1, y1 from the lowest bit on, three bits each.
+/// A line through two pixels, in 12 bits: x0, y0, x1, y1 from the lowest bit on, three bits each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Line(u16);
 
 static SIDES: LazyLock<Vec<u64>> = LazyLock::new(|| (0..4096).map(|bits| Line(bits).by_cross_product()).collect());
 
 impl Line {
-    /// The line that does not part the block: all pixels are on side A.
+    /// The line that does not divide the block: all pixels are on side A.
     pub const NONE: Line = Line(0);
 
     pub fn from_bits(bits: u16) -> Line {
@@ -31,7 +31,8 @@ impl Line {
         SIDES[usize::from(self.0)]
     }
 
-    /// Side B where (x1 − x0)(y − y0) − (y1 − y0)(x − x0) is above zero. The points' own pixels are on side A.
+    /// Returns the mask of side B: the pixels with (x1 − x0)(y − y0) − (y1 − y0)(x − x0) > 0. The two points themselves are on
+    /// side A.
     fn by_cross_product(self) -> u64 {
         let [[x0, y0], [x1, y1]] = self.points().map(|point| point.map(i32::from));
         (0..64).fold(0, |mask, pixel| {

@@ -1,4 +1,4 @@
-//! The searches for every day: the most promising lines, endpoints around a least-squares fit.
+//! Heuristic searches: the most promising lines, with endpoints around a least-squares fit.
 
 use crate::depth::bc4w::bipartitions::bipartitions;
 use crate::depth::bc4w::fit::{Polish, best_pair};
@@ -32,7 +32,7 @@ pub fn best_of(tile: &Tile, trials: Trials) -> Option<(u64, Solution)> {
     best
 }
 
-/// A good solution with the line of this place, and its squared error.
+/// Returns a good solution for the line at this index of the bipartitions, with its squared error.
 pub fn solve(tile: &Tile, line: usize) -> Option<(u64, Solution)> {
     let parted = bipartitions()[line];
     let solve = |side: u64| {
@@ -44,7 +44,8 @@ pub fn solve(tile: &Tile, line: usize) -> Option<(u64, Solution)> {
     Some((cost_a + cost_b, Solution { line: parted.line, pairs: [a, b] }))
 }
 
-/// The `count` most promising lines: half of them leave the least variance, half the least squared range.
+/// Returns the most promising lines: half of `count` leave the lowest variance, half the lowest squared range. The first
+/// bipartition, which does not divide the block, is always included.
 fn ranked(tile: &Tile, count: usize) -> Vec<usize> {
     let [low, high] = tile.extremes.unwrap_or_default().map(f32::from);
     let middle = (low + high) / 2.0;

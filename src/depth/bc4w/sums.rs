@@ -1,21 +1,21 @@
-//! Sums over both sides of many lines at once.
+//! Computes sums over both sides of many lines at once.
 //!
-//! In each row a side has pixels from one end on, so there are 16 sums for each row; sums of two rows and of four rows
-//! are shared by many lines. Several quantities, the *lanes*, are summed side by side, which is what processors like.
+//! In each row a side is a run of pixels from one end, so there are 16 sums per row; many lines share sums of two rows and of
+//! four rows. Several quantities, the *lanes*, are summed in parallel, in vector instructions.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use crate::depth::bc4w::bipartitions::bipartitions;
 
-/// Sums of a row: of its first 0 to 8 pixels, then of its last 1 to 7; one is left over.
+/// Number of sums per row: over its first 0 to 8 pixels, then over its last 1 to 7.
 const ROW_SUMS: usize = 16;
 const LEAVES: usize = 8 * ROW_SUMS;
 
-/// What is summed. Sums grow with what they are made of, also where they are rounded or saturate.
+/// A quantity that can be summed. Sums are monotonic in their terms, also where they are rounded or saturate.
 pub trait Quantity: Copy + PartialOrd {
     const ZERO: Self;
-    /// Larger than any sum that counts.
+    /// Larger than any valid sum.
     const MAX_SUM: Self;
     fn plus(self, other: Self) -> Self;
 }
@@ -50,7 +50,7 @@ impl Quantity for Greatest {
     }
 }
 
-/// Exact for integers up to 2^53, which 64 squared differences do not reach.
+/// Exact for integers up to 2^53, which is above the sum of 64 squared differences.
 impl Quantity for f64 {
     const ZERO: f64 = 0.0;
     const MAX_SUM: f64 = 1e14;
@@ -60,7 +60,7 @@ impl Quantity for f64 {
     }
 }
 
-/// The lesser; no NaN occurs.
+/// Returns the lesser value; no NaN occurs.
 #[inline(always)]
 pub fn lesser<T: Quantity>(a: T, b: T) -> T {
     if a < b { a } else { b }
@@ -68,9 +68,9 @@ pub fn lesser<T: Quantity>(a: T, b: T) -> T {
 
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// The two sums that each sum after the leaves adds.
+    /// For each sum after the leaves, the two sums that it adds.
     parts: Vec<[u16; 2]>,
-    /// For each line the sums of the upper and the lower half of side A, then of side B.
+    /// For each line, the sums of the upper and the lower half of side A, then of side B.
     sides: Vec<[u16; 4]>,
 }
 
@@ -81,7 +81,7 @@ fn leaf(y: usize, mask: u8) -> u16 {
 }
 
 impl Plan {
-    /// The plan of all bipartitions, in their order.
+    /// Returns the plan of all bipartitions, in their order.
     pub fn all() -> &'static Plan {
         static ALL: LazyLock<Plan> = LazyLock::new(Plan::of_all);
         &ALL
@@ -89,7 +89,7 @@ impl Plan {
 
     fn of_all() -> Plan {
         let (mut parts, mut seen) = (Vec::new(), BTreeMap::new());
-        // Sums of two rows, then of four, in one list: those of two come first, since lines ask in two rounds.
+        // Sums of two rows and of four rows in one list. The parts of a sum precede it.
         let mut add = |of: [u16; 2]| {
             *seen.entry(of).or_insert_with(|| {
                 parts.push(of);
@@ -115,7 +115,7 @@ impl Plan {
         Plan { parts, sides }
     }
 
-    /// The plan of some of these lines, given by their places in ascending order, with no sum that they do not need.
+    /// Returns the plan of some of these lines, given by their indices in ascending order, with only the sums that they need.
     pub fn of_some(&self, lines: &[usize]) -> Plan {
         let mut wanted = vec![false; LEAVES + self.parts.len()];
         let sides: Vec<[u16; 4]> = lines.iter().map(|&line| self.sides[line]).collect();
@@ -140,7 +140,8 @@ impl Plan {
         self.sides.len()
     }
 
-    /// Calls `each` with every line's place and the sums of its sides A and B. `room` is kept between calls.
+    /// Calls `each` with the index of every line and the sums of its sides A and B. `room` is scratch memory, reused between
+    /// calls.
     #[inline(always)]
     pub fn for_each_line<T: Quantity, const L: usize>(
         &self,

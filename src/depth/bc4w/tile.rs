@@ -1,4 +1,4 @@
-//! A block as its searches see it, and what a choice of line and endpoints costs.
+//! Block as input of the searches, and the cost of a line and endpoints.
 
 use std::ops::RangeInclusive;
 
@@ -7,11 +7,12 @@ use crate::depth::bc4w::{BYTES, Bc4w, MAX_ENDPOINT, Pair};
 use crate::depth::block::{Accuracy, Block};
 use crate::depth::quantise::BACKGROUND_CODE;
 
-/// How many endpoints, of eight codes each, beyond the smallest and the largest surface of a side are searched. The
-/// paper pads by 255 codes (algorithm 1). A wider pad can still gain a little, where no nearby pair has its rounding.
+/// Number of endpoints, of eight codes each, by which a search extends beyond the smallest and the largest surface of a side. The
+/// paper pads by 255 codes (algorithm 1). A wider pad can still reduce the error a little, if only a more distant pair rounds to
+/// better codes.
 pub const PAD: u16 = 8;
 
-/// The pixels of a block, bit 8y + x of a mask for pixel (x, y).
+/// Pixels of a block. Bit 8y + x of a mask is pixel (x, y).
 #[derive(Debug, Clone)]
 pub struct Tile {
     pub codes: [u16; 64],
@@ -21,7 +22,7 @@ pub struct Tile {
     pub extremes: Option<[u16; 2]>,
 }
 
-/// Line and endpoints; the indices follow from them.
+/// Line and endpoints of a block, from which the indices follow.
 #[derive(Debug, Clone, Copy)]
 pub struct Solution {
     pub line: Line,
@@ -29,7 +30,7 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// What needs no search: code 0 and the background are in both palettes.
+    /// A solution that needs no search: code 0 and the background are in both palettes.
     pub const FLAT: Solution = Solution { line: Line::NONE, pairs: [Pair { e0: 0, e1: 0 }; 2] };
 }
 
@@ -53,7 +54,7 @@ impl Tile {
         tile
     }
 
-    /// The endpoints that a search considers for a side; all where the side has no surface.
+    /// Returns the endpoints that a search considers for a side; all endpoints if the side has no surface.
     pub fn endpoints(&self, side: u64) -> RangeInclusive<u16> {
         let (mut low, mut high) = (u16::MAX, 0);
         let mut rest = self.surfaces & side;
@@ -68,7 +69,8 @@ impl Tile {
         (low >> 3).saturating_sub(PAD)..=((high >> 3) + PAD).min(MAX_ENDPOINT)
     }
 
-    /// Squared differences of the pixels of `side`; none where the pair breaks the bound or lacks the background.
+    /// Returns the sum of squared differences of the pixels of `side`; `None` if the pair exceeds the bound or lacks a needed
+    /// background.
     pub fn cost(&self, side: u64, pair: Pair) -> Option<u64> {
         let palette = pair.palette();
         if self.background & side != 0 && !palette.contains(&BACKGROUND_CODE) {
@@ -88,8 +90,8 @@ impl Tile {
         Some(sum)
     }
 
-    /// The block of a solution: each pixel takes the nearest code of its palette, the first of equals, so that the
-    /// background is exact and no surface becomes background.
+    /// Returns the block of a solution. Each pixel takes the nearest code of its palette, the first of equally near ones; the
+    /// background is exact, and no surface becomes background.
     pub fn finish(&self, solution: Solution) -> (Bc4w, Accuracy) {
         let side_b = solution.line.side_b();
         let palettes = solution.pairs.map(Pair::palette);
@@ -117,8 +119,8 @@ impl Tile {
 }
 
 impl Bc4w {
-    /// Packs a block. A line of two equal points is written as zeros whatever its points: the twelve highest bits are
-    /// then never all ones, and with them neither are the four last bytes.
+    /// Packs a block. A line of two equal points is written as zeros, so the twelve highest bits are never all ones, and the last
+    /// four bytes are never a marker.
     pub fn pack(line: Line, pairs: [Pair; 2], indices: &[u8; 64]) -> Bc4w {
         let [p0, p1] = line.points();
         let line = if p0 == p1 { Line::NONE } else { line };
@@ -136,7 +138,7 @@ impl Bc4w {
     }
 }
 
-/// The palette as surfaces may use it: the background replaced by another of its codes. There always is one.
+/// Returns the palette for surfaces: the background is replaced by another code of the palette, which always exists.
 pub fn surface_codes(palette: [u16; 8]) -> [u16; 8] {
     let usable = if palette[1] == BACKGROUND_CODE { palette[6] } else { palette[1] };
     palette.map(|code| if code == BACKGROUND_CODE { usable } else { code })

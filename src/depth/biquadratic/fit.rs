@@ -1,6 +1,6 @@
 //! Fits biquadratic functions to blocks.
 //!
-//! In: a block of codes and the bound on its errors. Out: integer coefficients. Based on: GDC 3.2, equations 6 and 7.
+//! Input: a block of codes and an error bound. Output: integer coefficients. Based on: GDC 3.2, equations 6 and 7.
 
 use crate::depth::biquadratic::Biquadratic;
 use crate::depth::block::{Accuracy, Block};
@@ -12,7 +12,7 @@ use crate::depth::nodes::COEFFICIENT_BYTES;
 use crate::depth::precision::Shifts;
 use crate::depth::quantise::BACKGROUND_CODE;
 
-/// Blocks with more pixels are reweighted on some of them; all are verified.
+/// Blocks with more pixels are subsampled for reweighting; all pixels are verified.
 const MAX_SAMPLES: usize = 1024;
 pub(crate) const EXACT: Shifts = Shifts { constant: 0, linear: 0, quadratic: 0 };
 
@@ -47,8 +47,8 @@ impl Sight {
 }
 
 impl Biquadratic {
-    /// The function of an order that is within `bound` codes of the block in every pixel: the one of least squares if
-    /// it is, otherwise one with a smaller largest error. `None` where none was found.
+    /// Fits a function of an order that is within `bound` codes of the block in every pixel: the least-squares fit if it is
+    /// within the bound, otherwise one with a smaller maximum error. Returns `None` if none was found.
     pub fn fit(block: &Block, domain: &Domain, bound: u16, order: Order) -> Option<(Biquadratic, Accuracy)> {
         match Sight::of(block) {
             Sight::Both => return None,
@@ -77,10 +77,10 @@ impl Biquadratic {
         Some(constants)
     }
 
-    /// Whether nothing in Horner's scheme leaves 32 bits in the first `width` columns and `height` rows.
+    /// Returns true if no intermediate of Horner's scheme overflows 32 bits in the first `width` columns and `height` rows.
     pub(crate) fn stays_in_range(&self, width: usize, height: usize) -> bool {
         let [a0, a1, a2, a3, a4, a5] = self.coefficients.map(i64::from);
-        // The places tried lie beside the extremes; rounding moves what is between them by less than this.
+        // The pixels tried are next to the extremes; rounding changes the values between them by less than this margin.
         let fits = |value: i64| value.abs() < (1 << 31) - (1 << 14);
         let (right, bottom) = (width as i64 - 1, height as i64 - 1);
         let whole = |x: i64, y: i64| {
@@ -92,7 +92,7 @@ impl Biquadratic {
         if [a2, a3, a4] == [0; 3] {
             return whole(0, 0) && whole(right, 0) && whole(0, bottom) && whole(right, bottom);
         }
-        // Along a row all is straight or a parabola, which is highest at an end or at its vertex.
+        // Along a row every intermediate is linear or quadratic in x, so its extremes are at the ends or at the vertex.
         (0..=bottom).all(|y| {
             let vertex = if a3 == 0 { 0 } else { (-((a0 << 8) + a2 * y) / (2 * a3)).clamp(0, right) };
             whole(0, y) && whole(right, y) && (vertex == 0 || whole(vertex, y))
@@ -158,7 +158,7 @@ fn fit_terms<const N: usize>(block: &Block, domain: &Domain, bound: u16) -> Opti
     if domain.kind() == DomainKind::Log {
         let (terms, squared_error) = frame.project(block.rows(), N);
         let mean = squared_error / block.pixel_count() as f64;
-        // The largest error is no less than the mean one, and rounding adds less than a code.
+        // The maximum error is at least the RMS error, and rounding adds less than one code.
         if mean.sqrt() > f64::from(bound) + 1.0 {
             return None;
         }
@@ -220,13 +220,13 @@ mod tests {
         }
     }
 
-    /// A picture that is one block, from codes in f64.
+    /// Returns a picture of one block, rounded from codes in f64.
     fn picture(width: usize, height: usize, code: impl Fn(f64, f64) -> f64) -> Vec<u16> {
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x as f64, y as f64)));
         pixels.map(|(x, y)| (code(x, y) + 0.5).clamp(0.0, 65535.0) as u16).collect()
     }
 
-    /// Fits, trims, and checks both by the decoder in every pixel.
+    /// Fits and trims a function, and checks both results with the decoder in every pixel.
     fn checked(
         picture: &[u16],
         width: usize,
@@ -261,7 +261,7 @@ mod tests {
         for (level, width, height) in [(1, 8, 8), (2, 16, 11), (4, 64, 64), (7, 512, 512), (8, 1024, 700)] {
             let n = width as f64;
             let plane = picture(width, height, |x, y| 9000.0 + (20_000.0 * x + 15_000.0 * y) / n);
-            // In Q22 a small node has no room for the bends of a large one.
+            // In a small node such curvature exceeds the range of Q22.
             let bend = if level < 3 { 0.2 } else { 1.0 };
             let bent = picture(width, height, |x, y| {
                 let (x, y) = (x / n, y / n);
@@ -310,7 +310,7 @@ mod tests {
         let block = Block::of(&bent, 8, 1, [0, 0]);
         let (_, square) = frame_of(&block).project(block.rows(), 3);
         assert!(square > 0.0);
-        // The best plane misses the parabola by an eighth of 49 · 8 = 49.
+        // The best plane has a maximum error of 49 · 8 / 8 = 49 against the parabola.
         assert!(checked(&bent, 8, 1, (&log, 51, Order::Plane)).is_some());
         assert!(checked(&bent, 8, 1, (&log, 47, Order::Plane)).is_none());
     }
@@ -386,7 +386,7 @@ mod tests {
                 }
             }
         }
-        // Three pixels of full contrast need more slope than the formats have in a larger node.
+        // Three pixels of full contrast need larger coefficients than the format can hold.
         let steep = picture(3, 1, |x, _| if x == 1.0 { 65_534.0 } else { 0.0 });
         assert!(checked(&steep, 3, 1, (&Domain::log(), 0, Order::Full)).is_none());
     }

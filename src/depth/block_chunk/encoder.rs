@@ -7,10 +7,10 @@ use crate::depth::block_chunk::{LEVEL, corners};
 use crate::depth::nodes::Grid;
 use crate::effort::Effort;
 
-/// A chunk is closed early when it has grown to this many bytes, so that no keyframe interval is too long to store.
+/// Size in bytes at which a chunk is closed early, so that it can be stored for any keyframe interval.
 const CLOSE_AT_BYTES: usize = 256 << 20;
 
-/// Appends the blocks of a picture; answers how close each of them is, row by row.
+/// Appends the blocks of a picture; returns the accuracy of each block, row by row.
 pub fn encode_picture(picture: &[u16], grid: Grid, effort: Effort, out: &mut Vec<u8>) -> Vec<Accuracy> {
     let encode = |place| {
         let (block, accuracy) = search::encode(&Block::of(picture, grid.width as usize, LEVEL, place), effort);

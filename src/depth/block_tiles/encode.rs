@@ -6,7 +6,7 @@ use crate::depth::texel::Texel;
 use crate::effort::Effort;
 
 pub trait EncodeTexel: Texel {
-    /// Blocks of 16 values each, one after the other.
+    /// Encodes each group of 16 values as a block; returns the blocks one after the other.
     fn encode(values: &[[Self; TEXELS]], effort: Effort) -> Vec<u8>;
 }
 
@@ -23,7 +23,8 @@ impl EncodeTexel for [u8; 3] {
     }
 }
 
-/// Appends a rectangle: `block` answers the block at a place in pixels, or nothing where `value`s are stored.
+/// Appends a rectangle. `block` returns the block at a position in pixels, or `None` if the pixels are stored as values, which
+/// `value` returns.
 pub fn put<'a, T: Texel>(
     size: [usize; 2],
     block: impl Fn(usize, usize) -> Option<&'a [u8]>,
@@ -54,7 +55,7 @@ mod tests {
     use crate::container::fields::Fields;
     use crate::depth::block_tiles::{BlockTileCount, Layout};
 
-    /// A block of one code, which BC5 holds exactly.
+    /// Returns a block of one code, which BC5 represents exactly.
     fn flat(code: u16) -> [u8; 16] {
         let [high, low] = code.to_be_bytes();
         [high, high, 0, 0, 0, 0, 0, 0, low, low, 0, 0, 0, 0, 0, 0]
@@ -65,7 +66,7 @@ mod tests {
         for size @ [width, height] in [[1, 1], [4, 4], [16, 16], [17, 3], [20, 36], [33, 33]] {
             let code = |x: usize, y: usize| (x / 4 * 500 + y / 4 * 9000) as u16;
             let blocks: Vec<[u8; 16]> = (0..81).map(|at| flat(code(at % 9 * 4, at / 9 * 4))).collect();
-            // Every third block tile at least has a block that is not to be had.
+            // At least every third block tile has a block for which `block` returns `None`.
             let block = |x: usize, y: usize| {
                 let refused = x.is_multiple_of(16) && y.is_multiple_of(16) && (x / 16 + y / 16) % 3 == 1;
                 (!refused).then(|| blocks[y / 4 * 9 + x / 4].as_slice())

@@ -1,33 +1,33 @@
-//! A few tight, non-overlapping boxes around the pixels of a mask.
+//! Covers the pixels of a mask with a few tight, non-overlapping boxes.
 //!
-//! Based on: CALF 5.2, figure 6: start from one tight box and keep splitting. Every split position of every box is
-//! tried; the one that drops most pixels is taken, and both halves are shrunk.
+//! Based on: CALF 5.2, figure 6: starts with one tight box and repeatedly splits. Every split position of every box is tried; the
+//! one that removes the most pixels is taken, and both halves are shrunk.
 
 use crate::depth::boxes::PixelBox;
 
-/// A mask of `width` columns, one byte a pixel, not zero where the pixel is set.
+/// A mask of `width` columns, one byte per pixel, nonzero if the pixel is set.
 #[derive(Debug, Clone, Copy)]
 pub struct Mask<'a> {
     pub pixels: &'a [u8],
-    /// Pixels a row, at most 16,384.
+    /// Pixels per row, at most 16,384.
     pub width: usize,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BoxBudget {
-    /// At most this many boxes, 1 to [`MAX_BOXES`](crate::depth::boxes::MAX_BOXES).
+    /// Maximum number of boxes, 1 to [`MAX_BOXES`](crate::depth::boxes::MAX_BOXES).
     pub max_boxes: u16,
     pub min_saving: u32,
 }
 
-/// Boxes that cover every set pixel of the mask, none overlapping another; none for an empty mask.
+/// Returns non-overlapping boxes that cover every set pixel of the mask; none for an empty mask.
 pub fn cover(mask: Mask<'_>, budget: BoxBudget) -> Vec<PixelBox> {
     let height = mask.pixels.len() / mask.width.max(1);
     let whole = Half { columns: [0, mask.width], rows: [0, height] };
     let Some(first) = Candidate::new(mask, whole) else { return Vec::new() };
     let mut done = vec![first];
     while done.len() < usize::from(budget.max_boxes) {
-        // The first of equals, so that the result does not depend on anything but the mask.
+        // Ties are resolved by the lowest index, so that the result depends only on the mask.
         let best = (0..done.len()).rev().max_by_key(|&at| done[at].saving);
         let Some(at) = best.filter(|&at| done[at].saving > budget.min_saving) else { break };
         let halves = done[at].halves;
@@ -41,7 +41,7 @@ pub fn cover(mask: Mask<'_>, budget: BoxBudget) -> Vec<PixelBox> {
     done.into_iter().map(|candidate| candidate.tight).collect()
 }
 
-/// Columns and rows, ends exclusive, that a candidate searches.
+/// Range of columns and rows, with exclusive ends, in which a candidate is searched.
 #[derive(Debug, Clone, Copy, Default)]
 struct Half {
     columns: [usize; 2],
@@ -55,7 +55,7 @@ struct Candidate {
     halves: [Half; 2],
 }
 
-/// First and last set position of each row or column, relative to the search's origin; first > last where none is set.
+/// First and last set position of each row or column, relative to the origin of the search; first > last if none is set.
 type Spans = Vec<[u16; 2]>;
 const EMPTY_SPAN: [u16; 2] = [u16::MAX, 0];
 
@@ -100,7 +100,7 @@ fn spans(mask: Mask<'_>, search: Half) -> (Spans, Spans) {
         let end = row.iter().rposition(|&set| set != 0).unwrap_or(start);
         rows.push([start as u16, end as u16]);
         let at = at as u16;
-        // Without branches, so that it runs on many columns at once.
+        // Branch-free, so that the compiler vectorises it over columns.
         for ((first, last), &set) in first[start..=end].iter_mut().zip(&mut last[start..=end]).zip(&row[start..=end]) {
             let set = set != 0;
             *first = if set { at.min(*first) } else { *first };
@@ -115,15 +115,15 @@ fn occupied(lines: &[[u16; 2]]) -> Option<[usize; 2]> {
     Some([lines.iter().position(holds)?, lines.iter().rposition(holds)?])
 }
 
-/// The cut that leaves the fewest pixels in two tight boxes: its position (lines before it) and those pixels.
+/// Returns the cut that leaves the fewest pixels in two tight boxes: its position (lines before it) and the number of pixels.
 fn best_split(lines: &[[u16; 2]]) -> Option<(usize, u32)> {
-    // The outermost lines are occupied, so both sides of every cut hold something.
+    // The outermost lines are occupied, so neither side of a cut is empty.
     let before = areas(lines.iter());
     let after = areas(lines.iter().rev());
     (1..lines.len()).map(|cut| (cut, before[cut - 1] + after[lines.len() - cut - 1])).min_by_key(|&(_, kept)| kept)
 }
 
-/// Area of the tight box around the first line, around the first two, and so on.
+/// Returns the area of the tight box around the first line, around the first two, and so on.
 fn areas<'a>(lines: impl Iterator<Item = &'a [u16; 2]>) -> Vec<u32> {
     let (mut low, mut high, mut depth, mut held) = (u16::MAX, 0, 0, 0);
     lines

@@ -1,4 +1,4 @@
-//! The values that functions are fitted to, for each code.
+//! Computes the values that functions are fitted to, for each code.
 
 use crate::depth::domain::{
     Domain, DomainKind, DomainParts, LOG_BITS, LOG_VALUE_BITS, LOG2_TABLE, VALUE_BITS, integer_log2,
@@ -7,12 +7,12 @@ use crate::depth::quantise::{BACKGROUND_CODE, DepthRange, FAR_CODE};
 use crate::error::{Error, Result};
 
 impl Domain {
-    /// The domain of a stream from near to far. Depth and its inverse need a far that is 1.003 times near or more:
-    /// below, their logarithm has fewer steps than there are codes.
+    /// Returns the domain of a stream for a depth range. Fails for linear and inverse depth if far is less than 1.003 times near:
+    /// the logarithm then has fewer steps than there are codes.
     pub fn new(kind: DomainKind, range: DepthRange) -> Result<Domain> {
         let top = f64::from(u16::MAX) * f64::from(1 << LOG_VALUE_BITS);
         let ratio = f64::from(range.near_m()) / f64::from(range.far_m());
-        // Below 1 the table has nothing; so little resolution is left there that it does not matter.
+        // The table starts at 1. Resolution is so low there that clamping does not matter.
         let small = (ratio * top).round().max(1.0) as u32;
         let (near, far) = match kind {
             DomainKind::Log => return Ok(Domain::log()),
@@ -31,8 +31,8 @@ impl Domain {
         DomainParts { kind, base, scale: scale as u32 }.domain()
     }
 
-    /// What a function should yield for a code, in units of which 65535 are the whole range: its Q14 is `code_of`'s
-    /// input. For the background the value of [`Self::background`].
+    /// Returns the value that a function should have for a code, scaled so that 65535 is the whole range; in Q14 it is the input
+    /// of `code_of`. The background has the value of [`Self::background`].
     #[inline]
     pub fn value_of(&self, code: u16) -> f64 {
         match self.parts.kind {
@@ -41,7 +41,7 @@ impl Domain {
         }
     }
 
-    /// d code / d value where `value_of` is `value`; negative for inverse depth.
+    /// Returns d code / d value at `value`; negative for inverse depth.
     #[inline]
     pub fn slope_at(&self, value: f64) -> f64 {
         // d log2(v) = dv / (v ln 2)
@@ -69,7 +69,8 @@ impl Domain {
     }
 }
 
-/// The inverse of [`integer_log2`], its table included, so that a code's value is the middle of what decodes to it.
+/// Computes the inverse of [`integer_log2`] with the same table, so that the value of a code is the middle of the values that
+/// decode to it.
 fn exp2_of(log: f64) -> f64 {
     let one = f64::from(1 << LOG_BITS);
     let exponent = (log / one).floor();
@@ -115,7 +116,7 @@ mod tests {
 
     #[test]
     fn codes_come_back_from_their_values() {
-        // The least ratios to which every code has a value of its own in Q8.
+        // Ratio of far to near, and the maximum difference in codes after a round trip.
         for (ratio, off) in [(1.01, 1), (1.5, 0), (10.5, 0), (300.0, 0), (4000.0, 1)] {
             for domain in curved(ratio) {
                 for code in 0..=BACKGROUND_CODE {
@@ -133,7 +134,7 @@ mod tests {
         for ratio in [1.5, 10.5, 300.0, 4000.0, 1e6] {
             let metres = range(ratio);
             for domain in curved(ratio) {
-                // Where neighbouring Q8 values are further apart than codes, the nearest one has to do.
+                // Where neighbouring Q8 values are further apart than codes, the nearest value is used.
                 for code in 0..FAR_CODE {
                     let z = f64::from(metres.metres(code));
                     let value = match domain.kind() {

@@ -1,6 +1,6 @@
 //! Fits platelets to blocks.
 //!
-//! In: a block of codes and the bound on its errors. Out: a line and integer coefficients. Based on: GDC 3.2.
+//! Input: a block of codes and an error bound. Output: a line and integer coefficients. Based on: GDC 3.2.
 
 use crate::depth::biquadratic::Biquadratic;
 use crate::depth::biquadratic::fit::{EXACT, Sight, sample};
@@ -15,13 +15,13 @@ use crate::depth::platelet::{Plane, Platelet, SideTest};
 use crate::depth::precision::Shifts;
 use crate::depth::quantise::BACKGROUND_CODE;
 
-/// Nodes of higher levels are not searched for lines: edges are hardly straight that far.
+/// Maximum level at which lines are searched: edges are rarely straight across larger nodes.
 pub const MAX_PLATELET_LEVEL: u8 = 6;
 const CANDIDATES: usize = 4;
 
 impl Platelet {
-    /// A platelet that is within `bound` codes of the block in every pixel, `None` where none was found. A side is all
-    /// background or all surface.
+    /// Fits a platelet that is within `bound` codes of the block in every pixel; returns `None` if none was found. Each side is
+    /// either all background or all surface.
     pub fn fit(block: &Block, domain: &Domain, bound: u16) -> Option<(Platelet, Accuracy)> {
         if block.level == 0 || block.level > MAX_PLATELET_LEVEL {
             return None;
@@ -111,7 +111,7 @@ fn fit_sides(block: &Block, domain: &Domain, bound: u16, line: [u8; 4]) -> Optio
     Some((platelet, platelet.measure(block, domain, Limit::on_max(bound))?))
 }
 
-/// The plane of one side; where its pixels are too few or in a row, what they leave open is 0.
+/// Fits the plane of one side. Coefficients that its pixels do not determine, because they are too few or collinear, are 0.
 fn fit_side(block: &Block, domain: &Domain, bound: u16, (line, side): ([u8; 4], usize)) -> Option<Plane> {
     let test = SideTest::new(line, block.level);
     let (mut pixels, mut background) = (Vec::with_capacity(block.pixel_count()), 0);
@@ -135,7 +135,7 @@ fn fit_side(block: &Block, domain: &Domain, bound: u16, (line, side): ([u8; 4], 
     let frame = Frame::new([first[0], last[0]], [first[1], last[1]]);
     let samples: Vec<_> = pixels.iter().map(|&([x, y], code)| sample(domain, frame.at(x, y), code)).collect();
     let accept = |terms: &Terms| {
-        // Quantising counts pixels from the frame's own corner of the node.
+        // `quantise` returns coefficients for pixels counted from the node's top left.
         let [a0, a1, _, _, _, a5] = frame.quantise(terms, EXACT)?;
         let plane = Plane { a0, a1, a5 };
         let close = |&([x, y], code): &([usize; 2], u16)| {
@@ -147,7 +147,8 @@ fn fit_side(block: &Block, domain: &Domain, bound: u16, (line, side): ([u8; 4], 
     frame.minimax::<3, _>(&samples, bound, accept).or_else(|| frame.minimax::<1, _>(&samples, bound, accept))
 }
 
-/// The middle of the widest stretch of codes that the block does not have, where that is wide.
+/// Returns the middle of the widest gap between the codes of the block, at a resolution of 1/64 of their range; `None` if there
+/// is no gap.
 fn widest_gap(block: &Block) -> Option<u16> {
     const BUCKETS: usize = 64;
     let (low, high) = block.rows().flatten().fold((u16::MAX, 0), |(low, high), &code| (low.min(code), high.max(code)));
@@ -215,7 +216,7 @@ mod tests {
         }
     }
 
-    /// Fits, trims, and checks both by the decoder in every pixel.
+    /// Fits and trims a platelet, and checks both results with the decoder in every pixel.
     fn checked(picture: &[u16], width: usize, level: u8, (domain, bound): (&Domain, u16)) -> Option<Platelet> {
         let block = Block::of(picture, width, level, [0, 0]);
         let (function, accuracy) = Platelet::fit(&block, domain, bound)?;
@@ -240,7 +241,7 @@ mod tests {
         Some(function)
     }
 
-    /// Pixels of a square, those for which `inside` holds from one plane and the others from another.
+    /// Returns the pixels of a square: from `planes[1]` where `inside` is true, from `planes[0]` elsewhere.
     fn parted(side: usize, inside: impl Fn(f64, f64) -> bool, planes: [[f64; 3]; 2]) -> Vec<u16> {
         let pixels = (0..side * side).map(|i| ((i % side) as f64, (i / side) as f64));
         let code = |(x, y): (f64, f64)| {
@@ -267,7 +268,7 @@ mod tests {
                 found += usize::from(checked(&picture, side, level, (domain, 2)).is_some());
             }
         }
-        // Lines that pass a pixel of a large node closer than 1/256 of the side cannot all be written down.
+        // In a large node, not every line that passes a pixel at less than 1/256 of the side can be represented.
         assert!(found * 100 >= cases * 3 * 99, "{found} of {}", cases * 3);
     }
 

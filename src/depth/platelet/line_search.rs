@@ -1,7 +1,7 @@
-//! Searches the line of a platelet: by image moments of its sides, or between two sets of pixels.
+//! Searches the line of a platelet: by image moments of its sides, or as a separator of two sets of pixels.
 //!
-//! Based on: GDC 3.2, after Morvan et al. 2006. Moments of a side come from sums along rows, so that a line costs its
-//! rows, not its pixels.
+//! Based on: GDC 3.2, after Morvan et al. 2006. Moments of a side are computed from prefix sums along rows, so the time per line
+//! is proportional to the number of rows, not of pixels.
 
 use crate::depth::block::{Block, side_of};
 use crate::depth::domain::{Domain, DomainKind};
@@ -9,14 +9,14 @@ use crate::depth::platelet::SideTest;
 
 const END: i32 = 255;
 const AROUND: i32 = 4 * END;
-/// Points on it between which lines are tried first.
+/// Number of points around the square between which lines are tried first.
 const POINTS: i32 = 32;
-/// Moves of a line's ends at each step of the refinement.
+/// Maximum number of moves of a line's ends at each step size of the refinement.
 const TRIES: usize = 4;
-/// Points close to a separating line, in each half of it, of which all pairs are tried.
+/// Number of points close to a separating line, in each half of it, of which all pairs are tried.
 const CLOSE_POINTS: usize = 12;
 
-/// The point at a distance along the square, clockwise from the top left.
+/// Returns the point at a distance along the square, clockwise from the top left.
 fn point_at(way: i32) -> [u8; 2] {
     let way = way.rem_euclid(AROUND);
     let along = way % END;
@@ -48,7 +48,7 @@ struct Moments {
 }
 
 impl Moments {
-    /// How much of the sum of squared values a plane explains.
+    /// Returns the part of the sum of squared values that a plane explains.
     #[inline]
     fn explained(&self) -> f64 {
         if self.count < 0.5 {
@@ -60,7 +60,7 @@ impl Moments {
         let (vx, vy) = (self.value_x - self.value * x, self.value_y - self.value * y);
         let determinant = xx * yy - xy * xy;
         let constant = self.value * value;
-        // Pixels in a row leave one direction open.
+        // Collinear pixels do not determine the slope in one direction.
         if determinant > 1e-6 * (xx * yy) && determinant > 1e-9 {
             constant + (vx * vx * yy - 2.0 * vx * vy * xy + vy * vy * xx) / determinant
         } else if xx >= yy && xx > 1e-9 {
@@ -104,16 +104,16 @@ pub(crate) struct LineSearch {
     level: u8,
     width: usize,
     height: usize,
-    /// Moments of values and of x times value over the first pixels of each row, `width + 1` for each.
+    /// Prefix sums of value and x · value along each row, `width + 1` per row.
     values: Vec<[f64; 2]>,
-    /// Count, sums of x and of x² over the first pixels of any row.
+    /// Prefix sums of 1, x and x² along a row, the same for all rows.
     columns: Vec<[f64; 3]>,
     all: Moments,
     energy: f64,
 }
 
 impl LineSearch {
-    /// Moments of a block: of codes, or of what stands for them, brought to about the size of codes.
+    /// Computes the moments of a block: of codes, or of the values of other domains, scaled to about the range of codes.
     pub fn new(block: &Block, domain: &Domain) -> LineSearch {
         let (width, height) = (block.width, block.height);
         let mean = block.rows().flatten().map(|&code| u64::from(code)).sum::<u64>() / block.pixel_count() as u64;
@@ -148,8 +148,8 @@ impl LineSearch {
         let test = SideTest::new(line, self.level);
         let mut part = Moments::default();
         let mut y = -((self.height - 1) as f64) / 2.0;
-        // Where the test changes its sign along a row, and by how much that moves from row to row. Ties count as A:
-        // they differ from all else by more than the small number.
+        // Column where the test changes its sign in a row, and the change of this column per row. Pixels on the line count as
+        // side A; the tolerance is smaller than the distance of any other pixel.
         let (mut cross, step) = match test.across {
             0 => (0.0, 0.0),
             across => {
@@ -171,7 +171,8 @@ impl LineSearch {
         self.energy - part.explained() - self.all.without(&part).explained()
     }
 
-    /// Lines of least squared error, best first: tried between points around the block, the best of them refined.
+    /// Returns lines of low squared error, best first: lines between points around the block are tried, and the best of them
+    /// refined.
     pub fn best<const COUNT: usize>(&self) -> Vec<(f64, [u8; 4])> {
         let mut found: Vec<(f64, [i32; 2])> = Vec::with_capacity(COUNT + 1);
         let per_side = POINTS / 4;
@@ -199,7 +200,7 @@ impl LineSearch {
         refined
     }
 
-    /// Moves both ends of a line, by smaller and smaller steps, as long as that helps.
+    /// Moves the ends of a line by decreasing steps as long as the squared error decreases.
     fn refine(&self, (mut least, mut ways): (f64, [i32; 2])) -> (f64, [i32; 2]) {
         const MOVES: [[i32; 2]; 8] = [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, -1], [1, -1], [-1, 1]];
         let mut step = AROUND / POINTS / 2;
@@ -208,7 +209,7 @@ impl LineSearch {
                 let from = ways;
                 for [a, b] in MOVES {
                     let moved = [from[0] + a * step, from[1] + b * step];
-                    // Ends that meet make no line, and at the last corner they would read as a marker.
+                    // Equal ends do not define a line, and at the last corner they would be read as a marker.
                     if point_at(moved[0]) == point_at(moved[1]) {
                         continue;
                     }
@@ -227,10 +228,10 @@ impl LineSearch {
     }
 }
 
-/// A line with all pixels that are `chosen` on side B and the others on side A; `None` where the two sets are not
-/// separable by a line whose points can be written down.
+/// Returns a line with all `chosen` pixels on side B and the others on side A; `None` if no line with representable points was
+/// found that separates them.
 pub(crate) fn separating_line(block: &Block, chosen: impl Fn(u16) -> bool) -> Option<[u8; 4]> {
-    // Of each row the first and the last pixel of a set do: others lie between them.
+    // The first and the last pixel of a set in each row are sufficient: the others lie between them.
     let mut sets: [Vec<[i32; 2]>; 2] = [Vec::new(), Vec::new()];
     for (y, row) in block.rows().enumerate() {
         for (set, wanted) in sets.iter_mut().zip([false, true]) {
@@ -249,7 +250,7 @@ pub(crate) fn separating_line(block: &Block, chosen: impl Fn(u16) -> bool) -> Op
     // Half way between the sets, in units of the line's points.
     let unit = 256.0 / side_of(block.level) as f64;
     let offset = ((low + high) / 2.0 + (difference[0] + difference[1]) / 2.0) * unit;
-    // Points of whole coordinates close to the line, from either end of it: two of them make almost the same line.
+    // Points with integer coordinates close to the line, in two halves: a line through a point of each half is almost the same.
     let [nx, ny] = difference;
     let steep = nx.abs() > ny.abs();
     let (along, over) = if steep { (ny, nx) } else { (nx, ny) };
@@ -280,8 +281,8 @@ pub(crate) fn separating_line(block: &Block, chosen: impl Fn(u16) -> bool) -> Op
     None
 }
 
-/// The shortest vector from the hull of `others` to the hull of `chosen`, `None` where they meet (Gilbert, Johnson and
-/// Keerthi in the plane).
+/// Returns the shortest vector from the convex hull of `others` to that of `chosen`; `None` if they intersect (Gilbert, Johnson
+/// and Keerthi, in two dimensions).
 fn nearest(chosen: &[[i32; 2]], others: &[[i32; 2]]) -> Option<[f64; 2]> {
     type Vector = [f64; 2];
     let dot = |a: Vector, b: Vector| a[0] * b[0] + a[1] * b[1];
@@ -304,14 +305,14 @@ fn nearest(chosen: &[[i32; 2]], others: &[[i32; 2]]) -> Option<[f64; 2]> {
         if t >= 1.0 {
             return b;
         }
-        // Across the segment: its ends are whole numbers, so that nothing cancels however near the origin is.
+        // Computed along the normal: the ends are integers, so there is no cancellation however close the origin is.
         let normal = [-d[1], d[0]];
         let distance = dot(normal, a) / length;
         [normal[0] * distance, normal[1] * distance]
     };
     let mut segment = [support([1.0, 0.0])?; 2];
     let mut found = segment[0];
-    // Differences are integers, so that hulls that do not meet are a good way apart.
+    // Differences are integers, so the distance between hulls that do not intersect is well above the tolerance.
     for _ in 0..1000 {
         if dot(found, found) < 1e-9 {
             return None;
@@ -324,7 +325,7 @@ fn nearest(chosen: &[[i32; 2]], others: &[[i32; 2]]) -> Option<[f64; 2]> {
         let nearer = usize::from(dot(options[1].0, options[1].0) < dot(options[0].0, options[0].0));
         let (point, end) = options[nearer];
         if dot(point, point) >= dot(found, found) * (1.0 - 1e-12) {
-            // No side of the triangle is nearer than its base: the origin lies inside.
+            // No side of the triangle is nearer to the origin than its base, so the origin lies inside.
             return None;
         }
         (segment, found) = ([end, next], point);

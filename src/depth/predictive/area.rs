@@ -1,6 +1,6 @@
-//! Where a unit lies in its image (depth.md 15.3).
+//! Position of a unit in its image (depth.md 15.3).
 
-/// A unit in its image.
+/// Rectangle of a unit and size of its image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UnitArea {
     /// Left, top, width and height in pixels.
@@ -10,7 +10,7 @@ pub struct UnitArea {
 }
 
 impl UnitArea {
-    /// A unit that is its whole image.
+    /// Returns the area of a unit that is its whole image.
     pub fn whole(size: [u32; 2]) -> UnitArea {
         UnitArea { rect: [0, 0, size[0], size[1]], image: size }
     }

@@ -1,4 +1,5 @@
-//! A chunk of predictive coding: a table set's number and one substream, from which frames are decoded in order (depth.md 15.2).
+//! Chunk of predictive coding: the number of a table set and one substream, from which frames are decoded in order (depth.md
+//! 15.1, 15.2).
 
 #[cfg(feature = "encode")]
 use std::cell::RefCell;
@@ -39,17 +40,17 @@ pub struct PredictiveChunk {
     state: Option<State>,
 }
 
-/// A unit between two frames.
+/// Decoder state of a unit between two frames.
 #[derive(Debug, Clone)]
 struct State {
     tile: Tile,
     mark: Mark,
-    /// The next frame to be decoded.
+    /// Next frame to be decoded, counted from the chunk's first.
     next: u32,
 }
 
 impl PredictiveChunk {
-    /// Checks what can be told without decoding.
+    /// Parses a payload; checks only what needs no decoding.
     pub fn parse(
         payload: impl Into<Payload>,
         header: PredictiveHeader,
@@ -70,11 +71,11 @@ impl PredictiveChunk {
         Ok(PredictiveChunk { payload, header, area, frames, tables, state: None })
     }
 
-    /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target`; answers how many
-    /// pixels were written on the way: those of blocks that differ from the frame before, all in the first frame.
+    /// Advances `picture` from frame `at` of this chunk (`None`: no frame shown yet) to frame `target`. Returns the number of
+    /// pixels written: those of blocks that differ from the frame before, and all pixels in the first frame.
     ///
     /// # Errors
-    /// A substream that ends before its last frame does, or goes on behind it.
+    /// Fails if the substream ends before its last frame does, or continues after it.
     pub fn advance(&mut self, picture: &mut [u16], at: Option<u32>, target: u32) -> Result<u64> {
         if at == Some(target) {
             return Ok(0);
@@ -91,7 +92,7 @@ impl PredictiveChunk {
                 next: 0,
             },
         };
-        // A picture that another decoder's frame is in, or none, is written whole.
+        // If the picture does not show the last decoded frame of this state, all of it is written.
         let is_ours = at.is_some_and(|at| at + 1 == state.next);
         let mut updated = 0;
         let mut source = self.reader(entropy::Decoder::resume(&self.payload[HEAD..], state.mark));
@@ -113,15 +114,15 @@ impl PredictiveChunk {
         Ok(updated)
     }
 
-    /// Decodes all frames, for a verifier.
+    /// Decodes all frames, to verify the chunk.
     pub fn check(&self) -> Result<()> {
         self.for_each_frame(|_| Ok(()))
     }
 
-    /// Decodes all frames in order.
+    /// Decodes all frames in order and calls `visit` for each.
     ///
     /// # Errors
-    /// As for [`Self::advance`], and those of `visit`.
+    /// As for [`Self::advance`], and the errors of `visit`.
     pub fn for_each_frame(&self, mut visit: impl FnMut(&FrameBlocks<'_>) -> Result<()>) -> Result<()> {
         let mut tile = Tile::new(&self.header, self.area)?;
         let mut picture = vec![0; tile.width * tile.height];
@@ -180,7 +181,7 @@ impl PredictiveChunk {
         Reader { stream, tables: self.tables.distributions() }
     }
 
-    /// Checks a substream of which the first `frames` frames are decoded.
+    /// Checks a substream after its first `frames` frames are decoded.
     fn check_substream(&self, stream: &entropy::Decoder<'_>, frames: u32) -> Result<()> {
         if stream.is_short() || frames == self.frames && !stream.finished() {
             let problem = if stream.is_short() { "ends too early" } else { "does not end with its last frame" };
@@ -194,15 +195,15 @@ impl PredictiveChunk {
     }
 }
 
-/// A frame as it is coded.
+/// Blocks and picture of one coded frame.
 pub struct FrameBlocks<'a> {
-    /// Counted from the chunk's first.
+    /// Number of the frame, counted from the chunk's first.
     pub frame: u32,
-    /// All blocks of the unit, row by row; none where the frame is coded as equal to the one before, or as background.
+    /// All blocks of the unit, row by row; empty if the frame is coded as equal to the one before, or as background.
     pub blocks: Vec<CodedBlock>,
-    /// Pixels of blocks that differ from the frame before; all in the first frame.
+    /// Number of pixels in blocks that differ from the frame before; all pixels in the first frame.
     pub updated_pixels: u64,
-    /// Bits that the frame takes in the substream.
+    /// Bits of the frame in the substream.
     pub bits: f64,
     /// Width and height of the unit.
     pub size: [u32; 2],
@@ -218,8 +219,8 @@ pub struct CodedBlock {
 }
 
 impl FrameBlocks<'_> {
-    /// Left, top, width and height of rectangles that the frame writes: neighbouring blocks joined, the whole unit in a first
-    /// frame.
+    /// Returns left, top, width and height of the rectangles that the frame writes: horizontal runs of blocks, or the whole unit
+    /// in the first frame.
     pub fn written(&self) -> Vec<[u32; 4]> {
         if self.frame == 0 {
             return vec![[0, 0, self.size[0], self.size[1]]];
@@ -244,7 +245,7 @@ struct FrameDecoder<'b, S> {
 }
 
 impl<S: Source> FrameDecoder<'_, S> {
-    /// `coded` gets the mode of each block, and the source behind it.
+    /// Decodes a frame. After each block, `coded` gets its mode and the source.
     fn decode(&mut self, mut coded: impl FnMut(usize, &S)) {
         if self.source.symbol(contexts::frame(self.tile.later())) == 1 {
             for block in 0..self.tile.blocks.len() {
@@ -310,7 +311,7 @@ impl<S: Source> FrameDecoder<'_, S> {
         plane.changed(change, self.tile.change_steps(side))
     }
 
-    /// A signed number: 0, or twice its class and 1, or 2 where it is positive.
+    /// Decodes a signed number. Symbol 0 is 0; other symbols are twice the class plus 1, or plus 2 if the number is positive.
     fn change(&mut self, context: usize) -> i32 {
         match self.source.symbol(context) {
             0 => 0,
@@ -338,7 +339,7 @@ impl<S: Source> FrameDecoder<'_, S> {
     }
 }
 
-/// Reads a number's raw bits behind its class.
+/// Reads the raw bits that follow the class of a magnitude; returns the magnitude.
 fn rest<const COUNT: usize>(source: &mut impl Source, classes: &Classes<COUNT>, class: usize) -> u32 {
     classes.least[class] + source.bits(classes.bits[class].into())
 }
@@ -355,7 +356,7 @@ fn pixel_of(source: &mut impl Source, around: &Around, steps: &Steps, later: usi
     }
 }
 
-/// A pixel on another surface, or with a residual of three steps or more.
+/// Decodes a pixel on another surface, or with a residual of three steps or more.
 fn far_pixel(source: &mut impl Source, around: &Around, steps: &Steps, symbol: usize) -> Pixel {
     let prediction = around.predict(steps);
     if symbol < SYMBOL_ABOVE {

@@ -1,57 +1,58 @@
-//! Contexts of symbols (depth.md 15.7): which distribution codes a symbol, from symbols that are decoded already.
+//! Contexts of symbols (depth.md 15.7), which select the distribution of a symbol from symbols that are already decoded.
 
 use crate::depth::predictive::modes::{BLOCK_STATES, MODES, SMALL_MODES};
 use crate::depth::predictive::pixel::{CLASSES, Pixel, SYMBOLS};
 use crate::depth::predictive::plane::Side;
 use crate::entropy::Family;
 
-/// Kinds of frames: the first of a chunk, later ones.
+/// Number of kinds of frames: the first of a chunk, and later ones.
 const FRAMES: usize = 2;
-/// Groups of classes of the pixel above on the right.
+/// Number of groups of classes of the pixel above on the right.
 const RIGHT_GROUPS: usize = 5;
-/// What is known of a block's past: nothing in a first frame; coded by pixels; all else.
+/// Number of states of a block's past: none in a first frame; coded as pixels or quarters; any other mode.
 pub const PASTS: usize = 3;
-/// Contexts of the class of an escape: 12 of the largest magnitude beside it, 3 of the other.
+/// Number of contexts of the class of an escape: 12 levels of the larger magnitude of the neighbours, times 3 levels of its ratio
+/// to the smaller one.
 const ESCAPES: usize = 36;
-/// Symbols of a pixel other than its predecessor's code.
+/// Maximum number of candidates for another surface. Each has its own context.
 pub const CANDIDATES: usize = 3;
-/// Numbers of a plane's change: value, horizontal slope, vertical slope; whether the one before is 0.
+/// Number of contexts of a plane's change: value, horizontal slope or vertical slope, times whether the number before is 0.
 const CHANGES: usize = 6;
-/// Kinds of edges of a small block: of a plane that goes on, of other planes, with background, else.
+/// Number of kinds of edges of a quarter: both pixels settled, both as predicted, one of them background, any other.
 const EDGES: usize = 4;
 
-/// Whether a frame differs from the one before.
+/// 1 if a frame differs from the one before, otherwise 0.
 pub const FRAME: Family = Family::first(FRAMES, 2, 2);
 /// Mode of a block of 8x8 pixels.
 pub const MODE: Family = Family::after(FRAME, BLOCK_STATES * BLOCK_STATES * PASTS, MODES, 40);
 /// Mode of a block of 4x4 pixels.
 pub const SMALL_MODE: Family = Family::after(MODE, EDGES * EDGES * FRAMES, SMALL_MODES, 16);
-/// Class of a number of a plane's change.
+/// Class and sign of a number of a plane's change.
 pub const CHANGE: Family = Family::after(SMALL_MODE, 2 * CHANGES, 15, 12);
 /// Symbol of a pixel.
 pub const PIXEL: Family = Family::after(CHANGE, CLASSES * CLASSES * RIGHT_GROUPS * FRAMES, SYMBOLS, 96);
-/// Class of an escape's magnitude.
+/// Class of the magnitude of an escape.
 pub const ESCAPE: Family = Family::after(PIXEL, ESCAPES, 16, 20);
-/// Class of the residual of another surface.
+/// Class of the magnitude of the residual on another surface.
 pub const CANDIDATE: Family = Family::after(ESCAPE, CANDIDATES, 16, CANDIDATES);
 
 pub const FAMILIES: [Family; 7] = [FRAME, MODE, SMALL_MODE, CHANGE, PIXEL, ESCAPE, CANDIDATE];
 pub const CONTEXTS: usize = CANDIDATE.first_context + CANDIDATE.contexts;
 pub const CLUSTERS: usize = CANDIDATE.first_cluster + CANDIDATE.clusters;
-/// Values of symbols of each cluster.
+/// Number of symbol values of each cluster.
 pub const ALPHABETS: [u8; CLUSTERS] = Family::alphabets(&FAMILIES);
 
-/// `later` is 0 in the first frame of a chunk, 1 in all others.
+/// Returns the context of [`FRAME`]. `later` is 0 in the first frame of a chunk, 1 in all others.
 pub fn frame(later: usize) -> usize {
     FRAME.first_context + later
 }
 
-/// `left` and `above` are states of blocks of this frame, `past` is below [`PASTS`].
+/// Returns the context of [`MODE`]. `left` and `above` are the states of blocks of this frame, `past` is below [`PASTS`].
 pub fn mode(left: usize, above: usize, past: usize) -> usize {
     MODE.first_context + (left * BLOCK_STATES + above) * PASTS + past
 }
 
-/// `left` and `above` are pairs of pixels at both ends of an edge.
+/// Returns the context of [`SMALL_MODE`]. `left` and `above` are the pixels at both ends of the left and the upper edge.
 pub fn small_mode(left: [Pixel; 2], above: [Pixel; 2], later: usize) -> usize {
     SMALL_MODE.first_context + (edge(left) * EDGES + edge(above)) * FRAMES + later
 }
@@ -68,12 +69,13 @@ fn edge([first, last]: [Pixel; 2]) -> usize {
     }
 }
 
-/// `number` 0 is the value, 1 and 2 are slopes.
+/// Returns the context of [`CHANGE`]. `number` 0 is the value, 1 and 2 are slopes; `before` is the previous number, 0 for the
+/// value.
 pub fn change(side: Side, number: usize, before: i32) -> usize {
     CHANGE.first_context + side as usize * CHANGES + 2 * number + usize::from(before != 0)
 }
 
-/// The context of a pixel without its left neighbour, which is the last to be known.
+/// Returns the context of a pixel without the part of its left neighbour, which is decoded last.
 #[inline(always)]
 pub fn pixel_above(above: &Pixel, right: &Pixel, later: usize) -> usize {
     const GROUPS: [u8; CLASSES] = [1, 1, 0, 1, 1, 2, 2, 3, 4];

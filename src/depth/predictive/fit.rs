@@ -1,4 +1,5 @@
-//! The plane whose largest error over a block is least: least squares, weighted anew by the errors of the last one (Lawson 1961).
+//! Fits the plane with the lowest maximum error over a block, by iteratively reweighted least squares (Lawson 1961): weights are
+//! multiplied by the errors of the previous fit.
 
 use crate::depth::predictive::projection::Curvature;
 
@@ -7,18 +8,18 @@ use crate::depth::predictive::projection::Curvature;
 pub struct Sample {
     pub x: f64,
     pub y: f64,
-    /// In codes, without the projection's correction.
+    /// Code without the projection's correction.
     pub value: f64,
 }
 
-/// Value and slopes at the centre in codes, and the largest error.
+/// Value and slopes of a plane at the block's centre, in codes, and its maximum error.
 #[derive(Debug, Clone, Copy)]
 pub struct Fit {
     pub numbers: [f64; 3],
     pub error: f64,
 }
 
-/// Stops after `rounds` of weighting, earlier where no plane comes near `bound`, or one is well within it.
+/// Fits a plane. Stops after `rounds` rounds of reweighting, or earlier if no plane comes near `bound` or one is well within it.
 pub fn minimax(samples: &[Sample], bound: f64, curvature: Curvature, rounds: usize) -> Fit {
     let mean = samples.iter().map(|sample| sample.value).sum::<f64>() / samples.len().max(1) as f64;
     let bend = if curvature.codes > 0 { 0.5 / f64::from(curvature.codes) } else { 0.0 };
@@ -58,7 +59,7 @@ pub fn minimax(samples: &[Sample], bound: f64, curvature: Curvature, rounds: usi
     best
 }
 
-/// Gauss and Jordan; the matrix is positive.
+/// Solves a linear system by Gauss-Jordan elimination. The matrix is positive semidefinite, so no pivoting is needed.
 fn solve(mut rows: [[f64; 4]; 3]) -> [f64; 3] {
     for pivot in 0..3 {
         let scale = 1.0 / (rows[pivot][pivot] + 1e-12);

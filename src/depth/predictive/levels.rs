@@ -1,4 +1,5 @@
-//! Surface codes of footage that holds few of them, such as that of a depth sensor: pixels are coded by number (depth.md 15.2).
+//! Levels: the surface codes of footage with few distinct codes, such as that of a depth sensor. Pixels are coded as level
+//! numbers (depth.md 15.2).
 
 #[cfg(feature = "encode")]
 use std::borrow::Cow;
@@ -7,18 +8,18 @@ use std::sync::Arc;
 use crate::depth::quantise::{BACKGROUND_CODE, FAR_CODE};
 use crate::error::{Error, Result};
 
-/// Most levels of a stream.
+/// Maximum number of levels of a stream.
 pub const MAX_LEVELS: usize = 4096;
 
-/// The surface codes that occur in a stream, ascending; none where any may.
+/// Surface codes that occur in a stream, in ascending order; empty if any code may occur.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Levels(Arc<[u16]>);
 
 impl Levels {
-    /// These levels.
+    /// Creates levels from their codes.
     ///
     /// # Errors
-    /// No code, more than [`MAX_LEVELS`], codes that do not ascend, or background among them.
+    /// Fails for no code, more than [`MAX_LEVELS`] codes, codes that do not ascend, or background.
     pub fn new(codes: Vec<u16>) -> Result<Levels> {
         if codes.is_empty() || codes.len() > MAX_LEVELS {
             return Err(Error::invalid(format!("{} levels, 1 to {MAX_LEVELS} are legal", codes.len())));
@@ -32,17 +33,17 @@ impl Levels {
         }
     }
 
-    /// The codes, ascending.
+    /// Returns the codes in ascending order.
     pub fn codes(&self) -> &[u16] {
         &self.0
     }
 
-    /// Whether any code may occur.
+    /// Returns true if there are no levels, so that any code may occur.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Turns numbers of levels into codes, in place. Numbers beyond the last level mean it; background stays.
+    /// Converts level numbers to codes, in place. Numbers beyond the last level become the last level; background stays.
     pub fn to_codes(&self, numbers: &mut [u16]) {
         let [.., last] = self.codes() else { return };
         for number in numbers.iter_mut().filter(|number| **number != BACKGROUND_CODE) {
@@ -50,7 +51,7 @@ impl Levels {
         }
     }
 
-    /// The number of the level that a code is; of background, itself.
+    /// Returns the level number of a code; the background code is returned unchanged.
     #[cfg(feature = "encode")]
     fn number(&self, code: u16) -> Option<u16> {
         match self.codes().binary_search(&code) {
@@ -59,10 +60,10 @@ impl Levels {
         }
     }
 
-    /// Numbers of the levels that codes are, as the encoder takes them; without levels the codes themselves.
+    /// Converts codes to level numbers, the input of the encoder; without levels returns the codes unchanged.
     ///
     /// # Errors
-    /// The place of the first code that is neither a level nor background.
+    /// Index of the first code that is neither a level nor background.
     #[cfg(feature = "encode")]
     pub fn numbers<'a>(&self, codes: &'a [u16]) -> std::result::Result<Cow<'a, [u16]>, usize> {
         if self.is_empty() {

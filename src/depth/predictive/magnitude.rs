@@ -1,6 +1,6 @@
-//! Magnitudes as a class of at most 16, and raw bits (depth.md 15.6).
+//! Magnitudes as one of at most 16 classes, and raw bits (depth.md 15.5).
 
-/// The least magnitude of each class, and the raw bits that tell the others apart.
+/// Minimum magnitude of each class, and the number of raw bits that follow the class.
 #[derive(Debug)]
 pub struct Classes<const COUNT: usize> {
     pub least: [u32; COUNT],
@@ -18,17 +18,17 @@ impl<const COUNT: usize> Classes<COUNT> {
         Classes { least, bits }
     }
 
-    /// The class of a magnitude that is at least that of the first class.
+    /// Returns the class of a magnitude, which must be at least the minimum of the first class.
     pub fn of(&self, magnitude: u32) -> usize {
         self.least.iter().rposition(|&least| least <= magnitude).unwrap_or(0)
     }
 }
 
-/// Escapes: residuals of at least 3 steps.
+/// Classes of escapes: residuals of at least 3 steps.
 pub const ESCAPES: Classes<16> = Classes::new([0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 7, 9, 16], 3);
-/// Residuals of another surface.
+/// Classes of residuals on another surface.
 pub const CANDIDATES: Classes<16> = Classes::new([0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 5, 6, 7, 8, 9, 16], 0);
-/// Changes of a plane other than 0.
+/// Classes of nonzero changes of a plane.
 pub const CHANGES: Classes<7> = Classes::new([0, 0, 1, 1, 2, 6, 14], 1);
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
-//! Near-lossless predictive coding of depth: error-bounded prediction of log codes, closed loop in space and time (depth.md 15).
+//! Near-lossless predictive coding of depth: error-bounded prediction of log codes, in a closed loop in space and time (depth.md
+//! 15).
 //!
-//! A unit is coded in blocks of 8x8 pixels: as in the frame before, background, a plane carried on from the left or from above,
-//! four blocks of 4x4 pixels, or pixel by pixel. Pixels are predicted with slopes that each residual corrects; residuals are in
-//! steps of 2E + 1 codes. Codes are held without the curvature that the projection gives to planes ([`projection`]). Symbols
-//! have static distributions in contexts of symbols that are decoded already. Where few codes occur, their numbers are coded
-//! in their place ([`levels`]).
+//! A unit is coded in blocks of 8x8 pixels: unchanged from the frame before, background, a plane continued from the left or from
+//! above, four blocks of 4x4 pixels, or pixel by pixel. Pixels are predicted with slopes, which each residual corrects; residuals
+//! are in steps of 2E + 1 codes. The decoder state excludes the curvature that the projection gives to planes ([`projection`]).
+//! Symbols have static distributions, selected by contexts of symbols that are already decoded. If only few codes occur, their
+//! numbers are coded instead ([`levels`]).
 //!
 //! Based on: M. J. Weinberger, G. Seroussi, G. Sapiro, *The LOCO-I Lossless Image Compression Algorithm*, 2000, for near-lossless
 //! residuals and contexts.

@@ -1,37 +1,37 @@
 //! Modes of blocks and of their quarters (depth.md 15.2).
 
-/// Side of a block.
+/// Side of a block in pixels.
 pub const BLOCK: usize = 8;
-/// Side of a quarter of a block.
+/// Side of a quarter of a block in pixels.
 pub const SMALL: usize = 4;
 
-/// Modes of blocks, as below.
+/// Number of modes of blocks.
 pub const MODES: usize = 10;
-/// Pixel by pixel.
+/// Mode: pixel by pixel.
 pub const PIXELS: usize = 0;
-/// As in the frame before.
+/// Mode: unchanged from the frame before.
 pub const SAME: usize = 1;
-/// All background.
+/// Mode: all background.
 pub const BACKGROUND: usize = 2;
-/// Four quarters, each with a mode of its own.
+/// Mode: four quarters, each with a mode of its own.
 pub const QUARTERS: usize = 3;
-/// The first of three: the plane from the left, from above, their mean; then the same with a change.
+/// First of six modes: the plane from the left, from above, their mean; then the same three with a change.
 pub const PLANES: usize = 4;
-/// Sources of planes.
+/// Number of sources of planes: left, above, mean.
 pub const SOURCES: usize = 3;
-/// Modes of quarters: pixels, and those of planes.
+/// Number of modes of quarters: pixels, and those of planes.
 pub const SMALL_MODES: usize = 1 + 2 * SOURCES;
-/// Modes, and no block.
+/// Number of states of a neighbouring block: its modes, and no block.
 pub const BLOCK_STATES: usize = MODES + 1;
-/// The state where there is no block.
+/// State of a neighbour that does not exist.
 pub const OUTSIDE: usize = MODES;
 
-/// Modes of blocks in groups, for statistics.
+/// Groups of block modes, for statistics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum BlockCoding {
     Same,
     Background,
-    /// A neighbour's plane carried on.
+    /// A plane continued from a neighbour.
     Plane,
     ChangedPlane,
     Quarters,
@@ -44,7 +44,7 @@ impl BlockCoding {
         [Same, Background, Plane, ChangedPlane, Quarters, Pixels]
     };
 
-    /// Of a mode below [`MODES`].
+    /// Returns the group of a mode below [`MODES`].
     pub fn of(mode: usize) -> BlockCoding {
         match mode {
             PIXELS => BlockCoding::Pixels,

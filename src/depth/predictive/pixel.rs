@@ -1,59 +1,59 @@
-//! Prediction of a pixel and what its symbol makes of it (depth.md 15.4, 15.5). Integers of 32 bits; sums and products wrap where a
-//! file was made so that they overflow.
+//! Prediction of a pixel, and its reconstruction from a symbol (depth.md 15.4, 15.5). Arithmetic is on 32-bit integers; sums and
+//! products wrap if a file was made so that they overflow.
 
 use crate::depth::quantise::FAR_CODE;
 
-/// Classes of pixels: residuals -2 to 2, then these.
+/// Number of classes of pixels: residuals -2 to 2, then the classes below.
 pub const CLASSES: usize = 9;
-/// Class of a residual of 0; a pixel of a plane has it too.
+/// Class of a residual of 0, and of pixels of planes.
 const AS_PREDICTED: u8 = 2;
 const ESCAPED: u8 = 5;
 const OTHER_SURFACE: u8 = 6;
 const KEPT: u8 = 7;
 const BACKGROUND: u8 = 8;
 
-/// Symbols: residuals 0, 1, -1, 2 and -2, then these.
+/// Symbols 0 to 4 are the residuals 0, 1, -1, 2 and -2; the others follow.
 pub const SYMBOL_KEEP: usize = 5;
 pub const SYMBOL_BACKGROUND: usize = 6;
 pub const SYMBOL_CANDIDATE: usize = 7;
 pub const SYMBOL_ABOVE: usize = 10;
 pub const SYMBOL_BELOW: usize = 11;
 pub const SYMBOLS: usize = 12;
-/// Residuals of the first symbols.
+/// Residuals of symbols 0 to 4.
 pub const RESIDUALS: [i32; 5] = [0, 1, -1, 2, -2];
 
 const MAX_CONFIDENCE: u8 = 2;
-/// Share of a residual, in 256ths, that slopes take over, by confidence.
+/// Part of a residual, in 256ths, that is added to the slopes, by confidence.
 const GAINS: [i32; 3] = [256, 128, 85];
-/// Share of the left prediction, in 256ths, by the confidence of the pixels on the left and above.
+/// Weight of the left prediction, in 256ths, by the confidence of the pixels on the left and above.
 const WEIGHTS: [[i32; 3]; 3] = [[128, 85, 64], [171, 128, 102], [192, 154, 128]];
-/// Bounds from which an escape starts a surface of its own.
+/// Error bound from which every escape resets slopes and confidence.
 const MIN_COARSE_BOUND: i32 = 50;
-/// Escapes from which one does at any bound.
+/// Magnitude of an escape, in steps, from which it resets slopes and confidence at any error bound.
 const MIN_EDGE: i32 = 64;
 
-/// Half of the codes, in 256ths: what is predicted where nothing is known.
+/// Middle of the code range, in 256ths: the prediction if no neighbour is known.
 pub const MIDDLE: i32 = 32_768 << 8;
 const FAR: i32 = (FAR_CODE as i32) << 8;
 
-/// What a decoder knows of a pixel.
+/// Decoder state of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pixel {
     /// Code without the projection's correction, in 256ths.
     pub value: i32,
-    /// Change from a pixel to the next, to the right and down, in 256ths of a code.
+    /// Change per pixel to the right and down, in 256ths of a code.
     pub slope: [i32; 2],
     pub class: u8,
-    /// How often slopes were corrected, at most 2.
+    /// Number of corrections of the slopes, at most 2.
     pub confidence: u8,
-    /// Steps of the residual, at most 255.
+    /// Magnitude of the residual in steps, at most 255.
     pub magnitude: u8,
 }
 
 impl Pixel {
     pub const BACKGROUND: Pixel = Pixel { value: 0, slope: [0; 2], class: BACKGROUND, confidence: 0, magnitude: 0 };
 
-    /// A pixel of a plane.
+    /// Returns a pixel of a plane.
     #[inline(always)]
     pub fn in_plane(value: i32, slope: [i32; 2]) -> Pixel {
         Pixel { value, slope, class: AS_PREDICTED, confidence: MAX_CONFIDENCE, magnitude: 0 }
@@ -69,33 +69,33 @@ impl Pixel {
         self.class == AS_PREDICTED
     }
 
-    /// Whether it is as predicted by slopes that are no longer new.
+    /// Returns true if the pixel is as predicted, with maximum confidence in its slopes.
     pub fn is_settled(&self) -> bool {
         self.is_as_predicted() && self.confidence == MAX_CONFIDENCE
     }
 
-    /// Its code; 65535 for background.
+    /// Returns the code of the pixel; 65535 for background.
     #[inline(always)]
     pub fn code(&self, correction: i32) -> u16 {
         if self.is_background() { u16::MAX } else { code_of(self.value, correction) }
     }
 }
 
-/// The code of a value at a pixel with this correction.
+/// Returns the code of a value at a pixel with this correction.
 #[inline(always)]
 pub fn code_of(value: i32, correction: i32) -> u16 {
     (value.wrapping_add(correction).wrapping_add(128) >> 8).clamp(0, FAR_CODE.into()) as u16
 }
 
-/// Steps and thresholds of an error bound, in 256ths of a code.
+/// Step and thresholds of an error bound, in 256ths of a code; `bound` itself is in codes.
 #[derive(Debug, Clone, Copy)]
 pub struct Steps {
     pub bound: i32,
     /// 2E + 1 codes.
     pub step: i32,
-    /// Predictions from both sides that differ by at most this are of one surface.
+    /// Maximum difference of the predictions from the left and from above on one surface.
     same_surface: i32,
-    /// Another surface is at least this far from the prediction.
+    /// Minimum distance of another surface from the prediction, exclusive.
     apart: i32,
 }
 
@@ -111,13 +111,13 @@ impl Steps {
     }
 }
 
-/// Whether |difference| ≤ limit, with differences that may have wrapped.
+/// Returns true if |difference| ≤ limit; `difference` may have wrapped.
 #[inline(always)]
 fn within(difference: i32, limit: i32) -> bool {
     difference.wrapping_add(limit) as u32 <= 2 * limit as u32
 }
 
-/// Which neighbours a prediction comes from, and so which slopes its residual corrects.
+/// Neighbours from which a prediction comes. They determine the slopes that its residual corrects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Origin {
     Both,
@@ -133,7 +133,7 @@ pub struct Prediction {
     origin: Origin,
 }
 
-/// The decoded pixels around a pixel, and what it was in the frame before.
+/// Decoded neighbours of a pixel, and the pixel in the frame before.
 #[derive(Debug, Clone, Copy)]
 pub struct Around {
     pub left: Pixel,
@@ -141,7 +141,7 @@ pub struct Around {
     pub above_left: Pixel,
     pub above_right: Pixel,
     pub before: Pixel,
-    /// 256ths of a code that the projection adds here.
+    /// Correction that the projection adds at this pixel, in 256ths of a code.
     pub correction: i32,
 }
 
@@ -195,7 +195,7 @@ impl Around {
         let goes_on = |to: i32, slope: i32| {
             !corner.is_background() && within(corner.value.wrapping_add(slope).wrapping_sub(to), steps.same_surface)
         };
-        // Where the corner leads down to the left pixel but not to the one above, the edge runs between left and here.
+        // If the corner continues to the left pixel but not to the one above, the edge runs between the left pixel and this one.
         if goes_on(left.value, corner.slope[1]) && !goes_on(above.value, corner.slope[0]) {
             self.predict_from(above, from_above, Origin::Above)
         } else {
@@ -223,7 +223,7 @@ impl Around {
         }
     }
 
-    /// Other surfaces: neighbours, carried on to here, that are apart from the prediction and from each other.
+    /// Returns candidates for another surface: extrapolated neighbours that differ from the prediction and from each other.
     pub fn candidates(&self, prediction: &Prediction, steps: &Steps) -> Candidates {
         let mut found = Candidates { pixels: [Pixel { value: prediction.value, ..self.left }; 3], count: 0 };
         let all = [
@@ -248,7 +248,7 @@ impl Around {
 
 #[derive(Debug, Clone, Copy)]
 pub struct Candidates {
-    /// Those beyond `count` are the prediction with the left pixel's slopes.
+    /// Entries from `count` on have the predicted value, with slopes and confidence of the left pixel.
     pub pixels: [Pixel; 3],
     count: usize,
 }
@@ -260,7 +260,7 @@ impl Candidates {
 }
 
 impl Prediction {
-    /// The pixel with a residual of at most two steps.
+    /// Returns the pixel with a residual of at most two steps.
     #[inline(always)]
     pub fn with_residual(&self, residual: i32, steps: &Steps) -> Pixel {
         Pixel {
@@ -283,7 +283,7 @@ impl Prediction {
         }
     }
 
-    /// The pixel with a residual of three steps or more.
+    /// Returns the pixel with a residual of three steps or more.
     pub fn escaped(&self, residual: i32, steps: &Steps) -> Pixel {
         let value = self.value.wrapping_add(residual.wrapping_mul(steps.step));
         let (class, magnitude) = (ESCAPED, residual.unsigned_abs().min(255) as u8);
@@ -296,13 +296,13 @@ impl Prediction {
 }
 
 impl Pixel {
-    /// The pixel on another surface, with a residual.
+    /// Returns a pixel on another surface: this candidate plus a residual in steps.
     pub fn on_surface(&self, residual: i32, steps: &Steps) -> Pixel {
         let value = self.value.wrapping_add(residual.wrapping_mul(steps.step));
         Pixel { value, class: OTHER_SURFACE, magnitude: residual.unsigned_abs().min(255) as u8, ..*self }
     }
 
-    /// The pixel of the frame before; one of the background stays so.
+    /// Returns the pixel as kept from the frame before; background stays background.
     #[inline(always)]
     pub fn kept(&self) -> Pixel {
         if self.is_background() { *self } else { Pixel { class: KEPT, ..*self } }

@@ -1,30 +1,30 @@
-//! Planes in blocks (depth.md 15.6): a value and two slopes at a block's centre, with the curvature that planes have in logarithms of
-//! depth. Integers of 32 bits; sums and products wrap where a file was made so that they overflow.
+//! Planes in blocks (depth.md 15.6): a value and two slopes at a block's centre, with the curvature that planes have in the
+//! logarithm of depth. Arithmetic is on 32-bit integers; sums and products wrap if a file was made so that they overflow.
 
 use crate::depth::predictive::pixel::{MIDDLE, Pixel, Steps};
 use crate::depth::predictive::projection::Curvature;
 
-/// Slopes stay within ± this.
+/// Maximum magnitude of slopes.
 const MAX_SLOPE: i32 = 1 << 20;
-/// The largest argument of a square.
+/// Maximum magnitude of the argument of the square in [`Plane::row`].
 const MAX_HEIGHT: i32 = 32_767;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Plane {
-    /// At the block's centre, in 256ths of a code.
+    /// Value at the block's centre, in 256ths of a code.
     pub value: i32,
-    /// To the right and down, in 256ths of a code for each pixel.
+    /// Slopes to the right and down, in 256ths of a code per pixel.
     pub slope: [i32; 2],
 }
 
-/// Where a plane is coded: in 8x8 pixels or in 4x4.
+/// Block size of a plane: 8x8 pixels or 4x4.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     Block = 0,
     Quarter = 1,
 }
 
-/// Units of a plane's change, in 256ths of a code.
+/// Step sizes of a plane's change, in 256ths of a code.
 #[derive(Debug, Clone, Copy)]
 pub struct ChangeSteps {
     pub value: i32,
@@ -42,23 +42,23 @@ impl ChangeSteps {
 }
 
 impl Plane {
-    /// What is assumed beyond the unit and beside background.
+    /// Plane that is assumed outside the unit and next to background.
     pub const UNKNOWN: Plane = Plane { value: MIDDLE, slope: [0; 2] };
 
     pub fn of_pixel(pixel: &Pixel) -> Plane {
         Plane { value: pixel.value, slope: pixel.slope.map(clamp_slope) }
     }
 
-    /// The same plane seen from another centre, half pixels to the right and down.
+    /// Returns the same plane at another centre, which is offset by `x` half pixels to the right and `y` down.
     pub fn moved(self, [x, y]: [i32; 2], curvature: Curvature) -> Plane {
         let distance = (self.slope[0] * x + self.slope[1] * y) >> 1;
         let value = self.value.wrapping_add(distance);
         let codes = curvature.codes;
         if codes == 0 || distance.abs() > codes << 7 {
-            // Without curvature, and where the plane is as good as parallel to the ray.
+            // No curvature is applied without a projection. A plane that is almost parallel to the ray stays as it is.
             return if codes == 0 { Plane { value, ..self } } else { self };
         }
-        // 4096ths: the change of the logarithm, its square.
+        // Change of the logarithm and its square, in 4096ths.
         let ratio = 16 * distance / codes;
         let square = (ratio * ratio) >> 12;
         let bend = (((distance >> 6) * ratio) >> 7) + (distance >> 6) * square / 192;
@@ -76,13 +76,13 @@ impl Plane {
         Plane { value: self.value.wrapping_add(value.wrapping_mul(steps.value)), slope: [slope(0, x), slope(1, y)] }
     }
 
-    /// Values of row `y` of a block of SIDE x SIDE pixels.
+    /// Returns the values of row `y` of a block of SIDE x SIDE pixels.
     #[inline(always)]
     pub fn row<const SIDE: usize>(&self, y: usize, curvature: Curvature) -> [i32; SIDE] {
         let half = |at: usize| 2 * at as i32 + 1 - SIDE as i32;
         let start = self.slope[1] * half(y);
         std::array::from_fn(|x| {
-            // 512ths of a code, then quarters.
+            // `height` is in 512ths of a code, `quarters` in quarters of a code.
             let height = self.slope[0] * half(x) + start;
             let quarters = (height >> 7).clamp(-MAX_HEIGHT, MAX_HEIGHT);
             let bend = (((quarters * quarters) as u32 >> 12) * curvature.factor) >> 7;

@@ -1,4 +1,4 @@
-//! Symbols of an open chunk, and what they cost.
+//! Symbols of an open chunk and their cost in bits.
 
 use std::sync::{Arc, LazyLock};
 
@@ -10,21 +10,21 @@ pub type Counts = entropy::Counts<Predictive>;
 pub type Prices = entropy::Prices<Predictive>;
 pub type PricedTables = entropy::PricedTables<Predictive>;
 
-/// The built-in sets are priced once.
+/// Returns table sets with their prices. Prices of the built-in sets are computed once.
 pub fn priced(tables: &Tables) -> Arc<PricedTables> {
     static BUILT_IN: LazyLock<Arc<PricedTables>> = LazyLock::new(|| Arc::new(PricedTables::new(Tables::default())));
     if tables.own().is_empty() { BUILT_IN.clone() } else { Arc::new(PricedTables::new(tables.clone())) }
 }
 
-/// Takes what a decoder will read, in its order.
+/// Receiver of symbols and raw bits in the order of decoding.
 pub trait Sink {
     fn symbol(&mut self, context: usize, symbol: usize);
 
-    /// At most 24 raw bits.
+    /// Takes the `count` low bits of `value` as raw bits, at most 24.
     fn bits(&mut self, value: u32, count: u32);
 }
 
-/// Counts bits.
+/// Sink that sums the cost in bits.
 #[derive(Debug)]
 pub struct Pricer<'a> {
     pub prices: &'a Prices,
@@ -43,14 +43,15 @@ impl Sink for Pricer<'_> {
     }
 }
 
-/// Steps are words of 16 bits: a context and its symbol, or raw bits. Longer ones are in the word after theirs, those of more than 16 bits in two.
+/// A recorded step is a 16-bit word: a context and its symbol, or, with this flag, raw bits. More than 11 raw bits follow in the
+/// next word, more than 16 in the next two.
 const RAW: u16 = 1 << 15;
 const SHORT_BITS: u32 = 11;
 const LONG: u16 = 15 << SHORT_BITS;
 
 const _: () = assert!(CONTEXTS << 4 <= RAW as usize);
 
-/// The symbols of a chunk.
+/// Sink that stores the symbols of a chunk and counts them.
 #[derive(Debug, Default)]
 pub struct Recorder {
     steps: Vec<u16>,
@@ -78,7 +79,7 @@ impl Recorder {
         self.steps.len() * size_of::<u16>()
     }
 
-    /// The payload, coded with the cheapest table set.
+    /// Returns the payload, coded with the cheapest table set.
     pub fn finish(self, tables: &PricedTables) -> Vec<u8> {
         let set = tables.cheapest(&self.counts).0;
         let (mut out, tables) = (vec![set as u8], &tables.tables.sets()[set]);

@@ -1,15 +1,15 @@
-//! What the projection does to planes (depth.md 15.3): of distances in a cube face, the logarithm of distance over depth at each
-//! pixel; and the curvature that a plane has in logarithms of depth.
+//! Effect of the projection on planes (depth.md 15.3): the logarithm of distance over depth at each pixel, for distances in a
+//! cube face; and the curvature of planes in the logarithm of depth.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::depth::domain::integer_log2;
 use crate::depth::predictive::area::UnitArea;
 
-/// The least and most codes of a factor of two of depth with which the term is used.
+/// Range of codes per factor of two of depth in which the term is used.
 pub const OCTAVES: std::ops::RangeInclusive<u32> = 512..=131_071;
 
-/// How pixels of a stream lie to the viewing axis. The values are those of a stream's header.
+/// Relation of a stream's depth to the viewing axis. The discriminants are the values of the stream's header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum Shape {
@@ -31,17 +31,17 @@ impl Shape {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Projection {
     pub shape: Shape,
-    /// Codes for each factor of two of depth; 0 without a term.
+    /// Codes per factor of two of depth; 0 without a term.
     pub octave: u32,
 }
 
 impl Projection {
-    /// Of a legal header: no shape has octave 0, all others one within [`OCTAVES`].
+    /// Returns true if a header may contain this projection: octave 0 without a shape, otherwise an octave within [`OCTAVES`].
     pub fn is_legal(self) -> bool {
         if self.shape == Shape::None { self.octave == 0 } else { OCTAVES.contains(&self.octave) }
     }
 
-    /// Corrections of a unit's pixels, row by row: 256ths of a code that distance adds to planar depth.
+    /// Returns the corrections of a unit's pixels, row by row: the 256ths of a code by which distance exceeds planar depth.
     pub fn corrections(self, area: UnitArea) -> Vec<i32> {
         let [left, top, width, height] = area.rect;
         let count = width as usize * height as usize;
@@ -63,19 +63,19 @@ impl Projection {
         out
     }
 
-    /// Half of a logarithm in Q14, in 256ths of a code.
+    /// Converts half of a Q14 logarithm to 256ths of a code.
     fn correction(self, log: u32) -> i32 {
         ((log * self.octave) >> 7) as i32
     }
 
     pub fn curvature(self) -> Curvature {
-        // Codes for each factor of e of depth: octave / ln 2.
+        // Codes per factor of e of depth: octave / ln 2.
         let codes = (self.octave * 2955) >> 11;
         Curvature { codes: codes as i32, factor: (1u32 << 22).checked_div(codes).unwrap_or(0) }
     }
 }
 
-/// Logarithm, in 16,384ths of a factor of two, of the square of distance over depth at a pixel of a cube face.
+/// Returns log2, in Q14, of the square of distance over depth at a pixel of a cube face.
 fn log_at(side: u32, pixel: [u32; 2]) -> u32 {
     let [x, y] = pixel.map(|at| {
         let twice = (2 * at + 1).abs_diff(side);
@@ -84,16 +84,16 @@ fn log_at(side: u32, pixel: [u32; 2]) -> u32 {
     (integer_log2(side * side + x + y) - integer_log2(side * side)) >> 10
 }
 
-/// [`log_at`] of all pixels of a face, row by row; units of all streams share it.
+/// Table of [`log_at`] for all pixels of a face, row by row, shared by the units of all streams.
 struct FaceLogs {
     side: u32,
     logs: Vec<u16>,
 }
 
 impl FaceLogs {
-    /// Faces up to this side are kept, 8 MiB.
+    /// Maximum side of a face whose table is kept: 8 MiB.
     const MAX_SIDE: u32 = 2048;
-    /// Faces of so many sides are kept, those used last.
+    /// Maximum number of tables kept; the oldest one is replaced.
     const KEPT: usize = 2;
 
     fn of(side: u32) -> Option<Arc<FaceLogs>> {
@@ -115,18 +115,19 @@ impl FaceLogs {
     }
 }
 
-/// Terms of second order of planes.
+/// Second-order terms of planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Curvature {
-    /// Codes for each factor of e of depth; 0 without a term.
+    /// Codes per factor of e of depth; 0 without a term.
     pub codes: i32,
-    /// 2²² / codes.
+    /// 2²² / `codes`; 0 without a term.
     pub factor: u32,
 }
 
 #[cfg(feature = "encode")]
 impl Projection {
-    /// The term of a stream of this shape and range; none where the range is too narrow or too wide for it.
+    /// Returns the term of a stream with this shape and depth range; without a shape if the range is too narrow or too wide for
+    /// it.
     pub fn new(shape: Shape, range: crate::depth::DepthRange) -> Projection {
         let octave = (libm::log1p(1.0) / libm::log1p(range.step_ratio())).round();
         if shape != Shape::None && octave >= f64::from(*OCTAVES.start()) && octave <= f64::from(*OCTAVES.end()) {
@@ -154,7 +155,7 @@ mod tests {
                 assert!(error < 0.01 + f64::from(octave) / 16_384.0, "{octave} {at}: {error}");
             }
         }
-        // The largest face and the widest term do not overflow.
+        // The largest face with the largest octave does not overflow.
         let corner = UnitArea { rect: [16_380, 16_380, 4, 4], image: [16_384, 16_384] };
         let projection = Projection { shape: Shape::CubeDistance, octave: 131_071 };
         assert!(projection.corrections(corner).iter().all(|&correction| correction < 1 << 25));

@@ -1,6 +1,7 @@
-//! How a frame is coded: for each block the cheapest mode in bits and squared error, within the bound at every pixel.
+//! Chooses how a frame is coded: for each block the mode of lowest cost in bits and squared error, within the bound at every
+//! pixel.
 //!
-//! The loop is closed: all that is tried goes through the decoder's own functions, and pixels predict from decoded ones.
+//! The loop is closed: every trial uses the decoder's own functions, and pixels are predicted from decoded ones.
 
 use crate::depth::predictive::contexts;
 use crate::depth::predictive::fit::{Sample, minimax};
@@ -15,18 +16,18 @@ use crate::depth::predictive::tile::{Area, Tile};
 use crate::depth::quantise::BACKGROUND_CODE;
 use crate::effort::Effort;
 
-/// Rounds of a fit, at most.
+/// Maximum rounds of a fit.
 const ROUNDS: usize = 30;
 const FAST_ROUNDS: usize = 8;
-/// Largest number of a plane's change.
+/// Maximum magnitude of a number of a plane's change.
 const MAX_CHANGE: f64 = 8000.0;
 
 #[derive(Debug, Clone, Copy)]
 pub struct SearchSettings {
     pub bound: u16,
-    /// On top of the bound, for what stays as it is.
+    /// Difference in codes, in addition to the bound, that is allowed for blocks that stay as they are.
     pub epsilon: u16,
-    /// Bits that a squared error of the bound's square is worth, in a pixel.
+    /// Cost in bits of a pixel whose squared error is the square of the bound.
     pub error_weight: f64,
     pub effort: Effort,
 }
@@ -53,13 +54,13 @@ impl Found {
         self.change != [0; 3]
     }
 
-    /// Among the modes of planes.
+    /// Returns the mode, counted from the first mode of planes.
     fn mode(&self) -> usize {
         self.source + if self.is_changed() { SOURCES } else { 0 }
     }
 }
 
-/// What is tried for a block: in its context, `first` being the first of its modes of planes.
+/// A block or quarter to be coded, with the context of its mode; `first` is the first of its modes of planes.
 #[derive(Debug, Clone, Copy)]
 struct Trial {
     area: Area,
@@ -81,7 +82,7 @@ impl<S: Sink> FrameSearch<'_, S> {
         self.tile.is_later = true;
     }
 
-    /// Whether a pixel of the block is farther from what is held than allowed.
+    /// Returns true if a pixel of the block differs from the decoder's state by more than is allowed.
     fn is_changed(&self, area: Area) -> bool {
         let limit = i32::from(self.settings.bound) + i32::from(self.settings.epsilon);
         rows(area).any(|(y, row)| {
@@ -94,7 +95,7 @@ impl<S: Sink> FrameSearch<'_, S> {
         })
     }
 
-    /// Bits of a symbol.
+    /// Returns the bits of a symbol.
     fn price(&self, context: usize, symbol: usize) -> f64 {
         self.prices.symbol(context, symbol).into()
     }
@@ -184,15 +185,15 @@ impl<S: Sink> FrameSearch<'_, S> {
         }
     }
 
-    /// Codes the pixels of an area one after the other.
+    /// Codes the pixels of an area, row by row.
     fn pixels(&mut self, area: Area) {
         for y in area.y..area.y + area.height {
             code_row(self.tile, area, y, self.source, self.sink);
         }
     }
 
-    /// Codes the pixels of an area into the tile; answers their bits, weighted errors and `mode_bits`, if these are less than `limit`. Else
-    /// rows may be left as they were.
+    /// Codes the pixels of an area into the tile. Returns the sum of bits, weighted errors and `mode_bits` if it is below
+    /// `limit`; otherwise stops early, with some rows not coded.
     fn price_of_pixels(&mut self, area: Area, mode_bits: f64, limit: f64) -> Option<f64> {
         let mut pricer = Pricer { prices: self.prices, bits: 0.0 };
         let (mut squares, mut cost) = (0, mode_bits);
@@ -206,7 +207,8 @@ impl<S: Sink> FrameSearch<'_, S> {
         Some(cost)
     }
 
-    /// The plans of the quarters of a block, if they cost less than `cheapest` together and one is a plane.
+    /// Returns the planes of the quarters of a block (`None`: pixel by pixel) if their total cost is below `cheapest` and at
+    /// least one is a plane. The tile is not changed.
     fn price_of_quarters(&mut self, trial: Trial, cheapest: f64) -> Option<Vec<Option<Found>>> {
         let kept = self.keep(trial.area);
         let mut total = self.price(trial.context, QUARTERS);
@@ -318,7 +320,7 @@ impl<S: Sink> FrameSearch<'_, S> {
         count
     }
 
-    /// Takes a changed plane if it is within the bound and costs less than the best.
+    /// Replaces `best` by a changed plane if that is within the bound and costs less.
     fn consider<const SIDE: usize>(
         &self,
         trial: Trial,
@@ -342,7 +344,7 @@ impl<S: Sink> FrameSearch<'_, S> {
         }
     }
 
-    /// Sum of squared errors of a plane; `None` where one is beyond the bound.
+    /// Returns the sum of squared errors of a plane; `None` if an error exceeds the bound.
     fn squares<const SIDE: usize>(&self, area: Area, plane: &Plane) -> Option<u64> {
         let bound = i32::from(self.settings.bound);
         let mut squares = 0;
@@ -362,12 +364,12 @@ impl<S: Sink> FrameSearch<'_, S> {
     }
 }
 
-/// Rows of an area, each with its columns counted from the area's left.
+/// Returns the rows of an area, each with its columns counted from the area's left.
 fn rows(area: Area) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> {
     (area.y..area.y + area.height).map(move |y| (y, 0..area.width))
 }
 
-/// Whether a decoded code serves a source code: background exactly, a surface within the limit.
+/// Returns true if a decoded code may represent a source code: background exactly, a surface within the limit.
 fn fits(code: u16, source: u16, limit: i32) -> bool {
     if code == BACKGROUND_CODE || source == BACKGROUND_CODE {
         code == source
@@ -396,7 +398,7 @@ fn put_rest<const COUNT: usize>(sink: &mut impl Sink, classes: &Classes<COUNT>, 
     sink.bits(magnitude - classes.least[class], classes.bits[class].into());
 }
 
-/// Codes the pixels of a row of an area one after the other into the tile; answers the sum of squared errors.
+/// Codes the pixels of a row of an area into the tile; returns the sum of squared errors.
 fn code_row(tile: &mut Tile, area: Area, y: usize, source: &[u16], sink: &mut impl Sink) -> u64 {
     let mut squares = 0;
     let start = tile.at(area.x as isize, y as isize);
@@ -472,7 +474,7 @@ fn code_pixel(tile: &Tile, around: &Around, source: u16, sink: &mut impl Sink) -
     }
 }
 
-/// Steps from a predicted code to the nearest to the source, which is within half a step.
+/// Returns the residual in steps whose reconstruction is nearest to the source. Its error is at most half a step.
 fn residual_of(source: u16, predicted: u16, step: i32) -> i32 {
     let difference = i32::from(source) - i32::from(predicted);
     (difference.abs() + step / 2) / step * difference.signum()

@@ -1,4 +1,4 @@
-//! What a frame's symbols are decoded from.
+//! Sources from which the symbols of a frame are decoded.
 
 #[cfg(feature = "encode")]
 use std::cell::RefCell;
@@ -8,15 +8,15 @@ use crate::depth::predictive::tables::Predictive;
 use crate::entropy::Counts;
 use crate::entropy::{self, Distribution, Model};
 
-/// Symbols and raw bits in their order. A clone goes on from the same place.
+/// Source of symbols and raw bits, in order. A clone continues at the same position.
 pub trait Source: Clone {
     fn symbol(&mut self, context: usize) -> usize;
 
-    /// At most 24 raw bits.
+    /// Reads `count` raw bits, at most 24.
     fn bits(&mut self, count: u32) -> u32;
 }
 
-/// A substream.
+/// Source that reads a substream.
 #[derive(Clone)]
 pub struct Reader<'a> {
     pub stream: entropy::Decoder<'a>,
@@ -35,7 +35,7 @@ impl Source for Reader<'_> {
     }
 }
 
-/// Counts the symbols that it reads.
+/// Source that counts the symbols it reads.
 #[cfg(feature = "encode")]
 #[derive(Clone)]
 pub struct Counting<'a> {

@@ -1,4 +1,4 @@
-//! The entropy model of predictive depth: formats/depth-tables.txt (depth.md 15.8).
+//! Entropy model of predictive depth: formats/depth-tables.txt (depth.md 15.8).
 
 use std::sync::LazyLock;
 
@@ -6,7 +6,7 @@ use crate::depth::predictive::contexts::{ALPHABETS, CLUSTERS, CONTEXTS, FAMILIES
 use crate::entropy::built_in::BuiltIn;
 use crate::entropy::{self, Family, Model};
 
-/// Built-in sets.
+/// Number of built-in table sets.
 pub const BUILT_IN: usize = 9;
 
 static FORMAT: BuiltIn<CONTEXTS, CLUSTERS, BUILT_IN> =
@@ -14,7 +14,7 @@ static FORMAT: BuiltIn<CONTEXTS, CLUSTERS, BUILT_IN> =
 
 static CLUSTER_OF: [u8; CONTEXTS] = FORMAT.cluster_of;
 
-/// The model of predictive depth.
+/// Entropy model of predictive depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Predictive;
 

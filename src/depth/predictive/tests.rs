@@ -1,4 +1,4 @@
-//! Round trips at all bounds, and substreams of any bytes.
+//! Round trips at all bounds, and decoding of arbitrary substreams.
 
 use crate::container::EncodedChunk;
 use crate::depth::mode_decision::Decide;
@@ -33,7 +33,7 @@ fn decoder(header: &PredictiveHeader, area: UnitArea, chunk: &EncodedChunk) -> P
     PredictiveChunk::parse(chunk.payload.clone(), header.clone(), area, chunk.frame_count).unwrap()
 }
 
-/// Encodes, decodes in order, and compares every pixel.
+/// Encodes frames, decodes them in order, and compares every pixel; returns the payload.
 fn check(header: &PredictiveHeader, area: UnitArea, frames: &[Vec<u16>], effort: Effort) -> Vec<u8> {
     let chunk = encode(header, area, frames, effort);
     let mut decoded = decoder(header, area, &chunk);
@@ -53,7 +53,7 @@ fn noise(seed: usize) -> u32 {
     (seed as u32).wrapping_mul(2_654_435_761).rotate_left(13).wrapping_mul(0x9E37_79B1) >> 8
 }
 
-/// Pictures of a width and height with what is hard: slopes, edges, noise, background, the first and last codes.
+/// Returns pictures that are hard to code: slopes, edges, noise, background, the first and last codes.
 fn pictures([width, height]: [usize; 2]) -> Vec<Vec<Vec<u16>>> {
     let picture = |of: &dyn Fn(usize, usize, usize) -> u32| -> Vec<Vec<u16>> {
         let frame = |t| (0..width * height).map(|at| of(at % width, at / width, t).min(65_535) as u16).collect();
@@ -85,7 +85,7 @@ fn every_pixel_is_within_every_bound_and_background_is_exact() {
             }
         }
     }
-    // Parts of a cube face, where distance adds most and least to depth.
+    // Parts of a cube face where distance adds the most and the least to depth.
     for rect in [[0, 0, 24, 24], [500, 500, 24, 20], [1000, 0, 24, 24]] {
         let area = UnitArea { rect, image: [1024, 1024] };
         for frames in pictures([rect[2] as usize, rect[3] as usize]) {
@@ -141,7 +141,7 @@ fn any_path_shows_the_same_frames() {
             assert_eq!(picture, shown[frame as usize]);
             at = Some(frame);
         }
-        // A picture that shows nothing yet, while the chunk was decoded before.
+        // A picture that shows no frame yet, with a chunk that was decoded before.
         let mut fresh = vec![1; 19 * 21];
         other.advance(&mut fresh, None, 3).unwrap();
         assert_eq!(fresh, shown[3]);
@@ -176,7 +176,7 @@ fn frames_take_the_bits_of_the_payload_and_say_what_they_write() {
             })
             .unwrap();
         assert_eq!((pixels.len(), pixels[0]), (4, 19 * 21));
-        // One byte names the table set, and the state takes 16 bits in a decoder that is at the end.
+        // One byte is the number of the table set, and the state takes 16 bits in a decoder at the end of the substream.
         let stored = 8.0 * (chunk.payload.len() as f64 - 1.0);
         assert!(bits <= stored && bits >= stored - 32.0, "{bits} of {stored}");
     }
@@ -259,7 +259,7 @@ fn chunks_are_counted_and_take_the_cheapest_of_own_sets() {
     let chunk = encode(&plain, area, &frames, Effort::Normal);
     let counted = decoder(&plain, area, &chunk).count().unwrap();
     assert_eq!(counted.bytes, chunk.payload.len() as u64);
-    // Symbols take nearly all of the payload: raw bits are few here.
+    // Symbols take most of the payload, because raw bits are few in these frames.
     let part = counted.bits / 8.0 / counted.bytes as f64;
     assert!((0.5..=1.0).contains(&part), "{part}");
     let own = Trainer::new(vec![counted]).train(1);

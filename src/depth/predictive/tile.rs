@@ -1,4 +1,4 @@
-//! What a decoder holds of a unit: its pixels, and how its blocks are coded (depth.md 15.2).
+//! Decoder state of a unit: its pixels, and the coding of its blocks (depth.md 15.2).
 
 use crate::depth::predictive::area::UnitArea;
 use crate::depth::predictive::contexts;
@@ -12,15 +12,15 @@ use crate::error::{Error, Result};
 
 #[derive(Debug, Clone, Copy)]
 pub struct Block {
-    /// Mode with which it was coded last.
+    /// Last mode of the block other than [`SAME`](crate::depth::predictive::modes::SAME).
     pub content: usize,
-    /// Mode in this frame.
+    /// Mode of the block in this frame.
     pub mode: usize,
-    /// Where the content is a plane.
+    /// Plane of the block; valid if `content` is a mode of planes.
     pub plane: Plane,
 }
 
-/// The pixels of a block that lie in the unit.
+/// Rectangle of the pixels of a block that lie in the unit.
 #[derive(Debug, Clone, Copy)]
 pub struct Area {
     pub x: usize,
@@ -30,7 +30,7 @@ pub struct Area {
 }
 
 impl Area {
-    /// Left, top, width and height.
+    /// Returns left, top, width and height.
     pub fn rect(&self) -> [u32; 4] {
         [self.x, self.y, self.width, self.height].map(|side| side as u32)
     }
@@ -40,7 +40,8 @@ impl Area {
 pub struct Tile {
     pub width: usize,
     pub height: usize,
-    /// Pixels of a row of `pixels`: one of the background lies to the left of each row, one to the right, and a row above.
+    /// Pixels per row of `pixels`, which has a border of background: one pixel on the left and right of each row, and a row
+    /// above.
     stride: usize,
     pub pixels: Vec<Pixel>,
     pub blocks: Vec<Block>,
@@ -48,14 +49,14 @@ pub struct Tile {
     pub corrections: Vec<i32>,
     pub steps: Steps,
     pub curvature: Curvature,
-    /// What pixels hold the numbers of; empty where they hold codes.
+    /// Levels whose numbers the pixels hold; empty if they hold codes.
     levels: Levels,
-    /// Whether a frame of the chunk was decoded.
+    /// True if a frame of the chunk was decoded.
     pub is_later: bool,
 }
 
 impl Tile {
-    /// A unit of at most 1024x1024 pixels before its first frame: all background.
+    /// Returns the state of a unit of at most 1024x1024 pixels before its first frame: all background.
     pub fn new(header: &PredictiveHeader, area: UnitArea) -> Result<Tile> {
         let [width, height] = area.size().map(|side| side as usize);
         let stride = width + 2;
@@ -79,19 +80,19 @@ impl Tile {
         })
     }
 
-    /// Back to before the first frame.
+    /// Resets the state to before the first frame.
     pub fn clear(&mut self) {
         self.pixels.fill(Pixel::BACKGROUND);
         self.blocks.fill(Block { content: BACKGROUND, mode: BACKGROUND, plane: Plane::UNKNOWN });
         self.is_later = false;
     }
 
-    /// 0 before the first frame of the chunk is decoded, else 1.
+    /// Returns 0 before the first frame of the chunk is decoded, otherwise 1.
     pub fn later(&self) -> usize {
         usize::from(self.is_later)
     }
 
-    /// Index of a pixel; `x` and `y` may be -1, `x` also the width.
+    /// Returns the index of a pixel; `x` and `y` may be -1, and `x` may be the width.
     #[inline(always)]
     pub fn at(&self, x: isize, y: isize) -> usize {
         ((y + 1) as usize) * self.stride + (x + 1) as usize
@@ -106,7 +107,7 @@ impl Tile {
         Area { x, y, width: side.min(self.width - x), height: side.min(self.height - y) }
     }
 
-    /// The quarters of a block that lie in the unit.
+    /// Returns the quarters of a block that lie in the unit.
     pub fn quarters(&self, block: Area) -> impl Iterator<Item = Area> + use<> {
         let (width, height) = (self.width, self.height);
         let corners = [[0, 0], [SMALL, 0], [0, SMALL], [SMALL, SMALL]];
@@ -139,7 +140,7 @@ impl Tile {
         )
     }
 
-    /// The plane of a block that goes on from the left (0), from above (1), or the mean of both (2).
+    /// Returns the plane predicted for a block: from the left (`source` 0), from above (1), or the mean of both (2).
     pub fn plane_from(&self, block: usize, source: usize) -> Plane {
         let Area { x, y, .. } = self.area(block);
         let of = |at: Option<usize>, by, pixel: [usize; 2], by_pixel| match at.map(|at| &self.blocks[at]) {
@@ -162,7 +163,7 @@ impl Tile {
         }
     }
 
-    /// The same of a quarter, from pixels alone.
+    /// Returns the plane predicted for a quarter, as [`Self::plane_from`] but from pixels alone.
     pub fn small_plane_from(&self, Area { x, y, .. }: Area, source: usize) -> Plane {
         let left = || match x {
             0 => Plane::UNKNOWN,
@@ -219,8 +220,8 @@ impl Tile {
         }
     }
 
-    /// For `width` pixels from (x, y) on: the row above from one pixel further left to one further right, their own row from one
-    /// further left, and their corrections.
+    /// Returns three slices for `width` pixels from (x, y) on: the row above, extended by one pixel on both sides; the row
+    /// itself, extended by one pixel on the left; and the corrections.
     #[inline(always)]
     pub fn rows(&mut self, x: usize, y: usize, width: usize) -> (&[Pixel], &mut [Pixel], &[i32]) {
         let (before, row) = self.pixels.split_at_mut((y + 1) * self.stride + x);

@@ -1,4 +1,4 @@
-//! Writes the record table of a chunk and the records behind it (depth.md 4).
+//! Writes the record table of a chunk and the records after it (depth.md 4).
 
 use crate::container::serialize::PutFields;
 use crate::depth::record_table::{ROW_BYTES, Row};
@@ -11,7 +11,7 @@ pub struct TableBuilder {
 }
 
 impl TableBuilder {
-    /// Starts the record of a frame; what is appended to the answer belongs to it.
+    /// Starts the record of a frame; returns the buffer to which its bytes are appended.
     pub fn begin(&mut self, frame: u32) -> &mut Vec<u8> {
         self.rows.push(Row { frame, offset: self.data.len() as u32 });
         &mut self.data

@@ -11,7 +11,7 @@ impl TableBuilder {
         self.put_keyframe(keyframe, |data| keyframe.iter().for_each(|value| value.put(data)));
     }
 
-    /// Starts with the keyframe, which `put` writes unless it has one value.
+    /// Writes the record of the keyframe: one value if it is constant, otherwise the pixels that `put` appends.
     pub fn put_keyframe<T: Texel>(&mut self, keyframe: &[T], put: impl FnOnce(&mut Vec<u8>)) {
         let constant = keyframe.iter().all(|value| *value == keyframe[0]);
         let data = self.begin(0);
@@ -23,7 +23,7 @@ impl TableBuilder {
         }
     }
 
-    /// Pixels are those of `picture`, of `width` columns.
+    /// Writes a record of boxes with their pixels from `picture`, which has `width` columns.
     pub fn put_boxes_of<T: Texel>(&mut self, frame: u32, boxes: &[PixelBox], picture: &[T], width: usize) {
         self.put_boxes(frame, boxes, |b, data| {
             data.reserve(T::BYTES * b.area() as usize);

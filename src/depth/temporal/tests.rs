@@ -2,7 +2,7 @@ use super::*;
 use crate::depth::block_tiles::Layout;
 use crate::depth::records::TemporalChunk;
 
-/// For tests of the encoder with either way to write pictures.
+/// Checks for the tests of the encoder with both layouts of pixels.
 pub mod paths {
     use super::*;
 
@@ -16,7 +16,7 @@ pub mod paths {
         chunks
     }
 
-    /// Walks random legal paths and the two canonical ones; all must show the same pictures within the bound.
+    /// Decodes along random legal paths and the two canonical ones; all must show the same pictures, within the bound.
     pub fn check_all<T: Texel>(
         frames: &[Vec<T>],
         (size, layout): ([u32; 2], Layout),
@@ -113,7 +113,7 @@ fn a_pixel_that_creeps_below_epsilon_for_600_frames_stays_within_it() {
     check_all_paths(&frames, settings);
     let chunk = &encode(&frames, settings)[0];
     let parsed = TemporalChunk::<u16>::parse(Layout::Values, chunk.payload.clone(), SIZE, 600).unwrap();
-    // It is sent once every 11 frames, for the two frames of the window.
+    // The pixel is sent every 11 frames, in both frames of the window.
     assert_eq!(parsed.records.len(), 1 + 599 / 11 * 2);
 }
 

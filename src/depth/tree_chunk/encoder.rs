@@ -15,7 +15,8 @@ use crate::depth::tree_chunk::{TreeChunk, TreeFunction};
 use crate::error::Result;
 
 impl TreeChunk {
-    /// The approximations of a frame, and the leaves that they were searched for. Squared errors are not stored and read 0.
+    /// Returns the approximations of a frame, and the leaves for which they were searched. Squared errors are not stored and are
+    /// returned as 0.
     pub fn known(&self, frame: u32) -> Known {
         let runtime = &self.leaves.runtime;
         let [columns, rows] = runtime.grid.leaves();
@@ -43,7 +44,7 @@ pub struct TreeEncoder {
 }
 
 impl TreeEncoder {
-    /// Of the settings, window and epsilon play no part.
+    /// Creates an encoder. Window and epsilon of the settings are ignored.
     pub fn new(grid: Grid, domain: Domain, settings: NodeSettings) -> TreeEncoder {
         let held = vec![0; grid.pixel_count() as usize];
         TreeEncoder { settings, domain, grid, held, chunk: OpenChunk::new(settings.keyframe_interval) }

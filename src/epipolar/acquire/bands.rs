@@ -1,4 +1,4 @@
-//! Source views, some scanlines at a time, where their places are known beforehand.
+//! Source views in bands of scanlines, for acquisitions whose source positions are known in advance.
 
 use std::ops::Range;
 
@@ -11,19 +11,20 @@ use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 use crate::monitor::Monitor;
 
-/// The source views of a scene: their places and columns.
+/// Source views of a scene that are acquired in bands: their positions and their columns.
 pub struct SourceBands<'a> {
     tracer: SourceTracer<'a>,
-    /// Metres to the right of the middle of the output views, rising.
+    /// Positions in metres to the right of the middle of the output views, in ascending order.
     offsets_m: Vec<f64>,
     columns: Range<i32>,
 }
 
 impl<'a> SourceBands<'a> {
-    /// Heights of bands are multiples of it, but for the last one: so many scanlines share lists of objects in view.
+    /// Height of a band is a multiple of this, except for the last band: this many scanlines share the lists of objects in view.
     pub const ROWS: u32 = TILE;
 
-    /// `None` for a hierarchical acquisition, whose sources follow from whole ones.
+    /// Plans the source views. Returns `None` for a hierarchical acquisition, whose source positions depend on whole source
+    /// views.
     pub fn plan(
         seen: DrawnScene<'a>,
         views: &'a OutputViews,
@@ -36,7 +37,7 @@ impl<'a> SourceBands<'a> {
         Ok(Some(SourceBands { tracer, offsets_m, columns }))
     }
 
-    /// Some scanlines of all source views.
+    /// Acquires the given scanlines of all source views.
     pub fn rows(&self, rows: Range<u32>) -> Result<(Vec<SourceView>, Counters)> {
         let window = PixelWindow { columns: self.columns.clone(), rows };
         let (sources, counters) = self.tracer.views(&self.offsets_m, &window, self.tracer.settings.layers)?;

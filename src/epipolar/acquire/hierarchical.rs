@@ -1,7 +1,9 @@
-//! Hierarchical acquisition: sources at the ends, and between them as long as too many pixels are missing (Epipolar 3.3.1).
+//! Hierarchical acquisition (Epipolar 3.3.1): source views at both ends of the line, and more between them while too many pixels
+//! are missing.
 //!
-//! In listings 3.4 to 3.6 the comparison of the count of holes with the threshold goes the wrong way round, and a set of
-//! vertices stands for a set of views: an interval is divided where more pixels are missing than the threshold allows.
+//! Listings 3.4 to 3.6 of the thesis compare the number of holes with the threshold in the wrong direction, and name a set of
+//! vertices where a set of views is meant. This implementation divides an interval if more pixels are missing than the threshold
+//! allows.
 
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -15,11 +17,12 @@ use crate::epipolar::source::SourceView;
 use crate::epipolar::views::OutputViews;
 use crate::error::Result;
 
-/// Places between two sources that are looked at for the most holes (Epipolar 7.5): parts of their distance.
+/// Number of equal parts of the interval between two sources. The positions between the parts are searched for the most holes
+/// (Epipolar 7.5).
 const PARTS: u32 = 8;
 
-/// Source views from the first output view to the last, in any order. `make` makes those at some places, in metres to the right of the
-/// middle.
+/// Returns source views that span the line from the first output view to the last, in any order. `make` acquires source views at
+/// the given positions, in metres to the right of the middle.
 pub fn hierarchical(
     views: &OutputViews,
     settings: &Hierarchy,
@@ -59,7 +62,7 @@ pub fn hierarchical(
     Ok((sources, counters))
 }
 
-/// The way between two sources, from left to right.
+/// Interval between two neighbouring sources, from left to right.
 struct Gap<'a> {
     views: &'a OutputViews,
     pair: [&'a SourceView; 2],
@@ -71,9 +74,9 @@ impl Gap<'_> {
         left_m + part * (right_m - left_m)
     }
 
-    /// The place where most pixels are missing; of equal ones, that nearest to the middle.
+    /// Returns the position with the most missing pixels; ties go to the position nearest to the middle.
     fn most_holes_m(&self) -> f64 {
-        // From the middle outwards, so that the first of equal ones is kept.
+        // From the middle outwards, so that the first of several equal positions is kept.
         let mut parts: Vec<u32> = (1..PARTS).collect();
         parts.sort_by_key(|&part| part.abs_diff(PARTS / 2));
         let mut most = (-1.0, 0.5);

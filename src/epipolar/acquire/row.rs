@@ -1,4 +1,4 @@
-//! The layers of one scanline of a source view.
+//! Acquisition of the layers of one scanline of a source view.
 
 use std::ops::Range;
 
@@ -25,19 +25,19 @@ pub(super) struct RowAcquisition<'a> {
     pub settings: &'a AcquireSettings,
     pub layers: usize,
     pub focal_pixels: f64,
-    /// Metres from the source to the farthest output view.
+    /// Distance from the source to the farthest output view, in metres.
     pub reach_m: f64,
     pub continuity: Continuity,
     pub reach: Reach,
 }
 
-/// A pixel's ray, and all that it hits.
+/// A pixel's ray and all of its hits.
 struct Column {
     ray: Ray,
-    /// Planar distance over distance.
+    /// Planar distance divided by distance along the ray.
     planar: f64,
     hits: Vec<FirstHit>,
-    /// Index of the hit of the current layer; as many as there are hits is the background, and none is nothing.
+    /// Index of the hit of the current layer. `hits.len()` is the background; `None` is no pixel in this layer.
     current: Option<usize>,
 }
 
@@ -48,7 +48,7 @@ impl Column {
 }
 
 impl RowAcquisition<'_> {
-    /// Some scanlines, which share lists of objects in view.
+    /// Acquires the given scanlines, which share lists of objects in view.
     pub fn band(&self, hits: &PixelHits<'_>, rows: Range<u32>, columns: Range<i32>) -> (Vec<SourceRow>, Counters) {
         let tiles = self.tiles(&rows, columns);
         let mut counters = Counters::default();
@@ -56,7 +56,7 @@ impl RowAcquisition<'_> {
         (rows, counters)
     }
 
-    /// Columns with the objects in view there.
+    /// Divides the columns into tiles, each with the objects in view.
     fn tiles(&self, rows: &Range<u32>, columns: Range<i32>) -> Vec<(Range<i32>, Vec<usize>)> {
         let tile = |left: i32| {
             let right = (left + TILE as i32).min(columns.end);
@@ -66,7 +66,7 @@ impl RowAcquisition<'_> {
         columns.clone().step_by(TILE as usize).map(tile).collect()
     }
 
-    /// Columns by which any pixel of some scanlines moves at most, for each metre of the eye.
+    /// Returns the maximum number of columns by which a pixel of the given scanlines moves per metre of eye movement.
     pub fn farthest_columns(&self, rows: Range<u32>, columns: Range<i32>) -> f64 {
         let tiles = self.tiles(&rows, columns);
         let pixels = rows.flat_map(|row| {
@@ -126,13 +126,13 @@ impl RowAcquisition<'_> {
         Column { ray, planar, hits, current: Some(0) }
     }
 
-    /// The ray through the middle of a pixel, and planar distance over distance.
+    /// Returns the ray through the centre of a pixel, and planar distance divided by distance along the ray.
     fn ray(&self, pixel: [i32; 2]) -> (Ray, f64) {
         let at = pixel.map(|at| f64::from(at) + 0.5);
         (self.pixels.ray(at), self.pixels.from.projection.unproject(at).length().recip())
     }
 
-    /// Goes on to the next layer; whether it has any pixel.
+    /// Advances all columns to the next layer. Returns true if that layer has any pixel.
     fn peel(&self, columns: &mut [Column], counters: &mut Counters) -> bool {
         let inverse = |column: &Column| column.current.map(|hit| column.depth_m(hit).recip());
         let joined = joined(&columns.iter().map(inverse).collect::<Vec<_>>(), self.continuity);
@@ -154,7 +154,7 @@ impl RowAcquisition<'_> {
             let depth_m = column.depth_m(hit);
             let hidden_m = match self.settings.culling {
                 Culling::Off => 0.0,
-                // The pixels beside it are of its surface, or it is alone.
+                // If both neighbours show the same surface, the hidden width is two pixels, otherwise one.
                 _ => {
                     let is_inside = at > 0 && joined[at - 1] && joined[at];
                     hidden_m(depth_m, if is_inside { 2.0 } else { 1.0 } / self.focal_pixels, self.reach_m)
@@ -163,14 +163,14 @@ impl RowAcquisition<'_> {
             let visible_m = depth_m + hidden_m;
             let next = (hit + 1..column.hits.len()).find(|&next| column.depth_m(next) > visible_m);
             counters.offset_skipped += next.unwrap_or(column.hits.len()) as u64 - hit as u64 - 1;
-            // Behind the last surface is the background.
+            // The background is behind the last surface.
             column.current = next.or((visible_m < f64::INFINITY).then_some(column.hits.len()));
             is_any |= column.current.is_some();
         }
         is_any
     }
 
-    /// Adds the pixel of the current layer.
+    /// Shades the pixel of the current layer and appends it to `out`.
     fn shade(
         &self,
         column: &Column,
@@ -207,12 +207,12 @@ impl RowAcquisition<'_> {
         });
     }
 
-    /// Means over a pixel.
+    /// Averages the samples of a pixel of the first layer.
     ///
-    /// What moves to other views is the light of the samples that lie not before the surface of the middle: a near surface keeps the soft
-    /// edge that it has, and a far one does not take the light of what is before it along, which would stay behind as a ghost. Its own view
-    /// shows all. (At the fence of the built-in courtyard: 22.9 dB and an SSIM of 0.948 in this way, 22.6 and 0.931 with all samples, 21.0
-    /// and 0.932 with those of the surface of the middle alone.)
+    /// Other views show the mean of the samples that are not in front of the surface at the pixel's centre. A near surface then
+    /// keeps its soft edge, and a far surface does not carry the radiance of a nearer one into other views, where it would remain
+    /// as a ghost. The source's own view shows the mean of all samples. (At the fence of the built-in courtyard this gives 22.9
+    /// dB and an SSIM of 0.948; all samples give 22.6 dB and 0.931, only those on the surface at the centre 21.0 dB and 0.932.)
     fn mean(&self, pixel: [i32; 2], depth_m: f64, (hits, candidates): (&PixelHits<'_>, &[usize])) -> PixelLight {
         let points = &self.settings.samples.points;
         let mut sums = [DVec3::ZERO; 3];
@@ -225,7 +225,7 @@ impl RowAcquisition<'_> {
             sums[2] += radiance.total();
             let planar = self.pixels.from.projection.unproject(at).length().recip();
             let sample_m = hit.map_or(f64::INFINITY, |hit| hit.distance * planar);
-            // Not before the surface of the middle; also where both are infinite.
+            // Samples that are not in front of the surface at the centre. The equality covers two infinite depths.
             if sample_m == depth_m || sample_m / depth_m - 1.0 >= -STEEPEST / self.focal_pixels {
                 sums[0] += radiance.steady;
                 sums[1] += radiance.total();
@@ -241,17 +241,17 @@ impl RowAcquisition<'_> {
     }
 }
 
-/// As [`SourcePixel::depth_m`].
+/// Converts a planar distance to the range of [`SourcePixel::depth_m`], which is above 0.
 fn nonzero(depth_m: f64) -> f32 {
     (depth_m as f32).max(f32::MIN_POSITIVE)
 }
 
-/// Light of a pixel.
+/// Radiance of a pixel.
 struct PixelLight {
-    /// Of its surface, without highlights.
+    /// Radiance of the pixel's surface, without highlights.
     steady: [f16; 3],
-    /// Of its surface.
+    /// Radiance of the pixel's surface, with highlights.
     total: [f16; 3],
-    /// Of all that it shows.
+    /// Radiance of everything that the pixel shows.
     own: [f16; 3],
 }

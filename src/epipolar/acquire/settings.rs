@@ -1,4 +1,4 @@
-//! What source views are acquired by.
+//! Settings of the acquisition of source views.
 
 use std::time::Duration;
 
@@ -6,36 +6,36 @@ use crate::epipolar::source::MAX_LAYERS;
 use crate::epipolar::views::OutputViews;
 use crate::scene::capture::{PixelTracer, SamplePattern};
 
-/// Rows and columns of the squares that share a list of objects in view.
+/// Side in pixels of the square tiles that share a list of objects in view.
 pub(super) const TILE: u32 = PixelTracer::TILE;
 
-/// Where source views stand.
+/// Arrangement of the source views on the line.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Acquisition {
-    /// One in the middle, with a wider window.
+    /// One source in the middle, with a wider window.
     Center,
-    /// One at each end.
+    /// One source at each end.
     #[default]
     Dual,
-    /// At the ends, and between them as long as pixels are missing; the first layer of each.
+    /// Sources at both ends, and between them while pixels are missing. Only the first layer of each is acquired.
     Hierarchical,
 }
 
-/// Where source views stand that are known before any is made.
+/// Source positions that are known before any source is acquired.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Places {
-    /// Metres to the right of the middle of the output views, rising.
+    /// Positions in metres to the right of the middle of the output views, in ascending order.
     pub offsets_m: Vec<f64>,
-    /// Whether the window of the source is widened, by [`OutputViews::wider_columns`].
+    /// True if the window of the source is widened, by [`OutputViews::wider_columns`].
     pub is_wide: bool,
 }
 
 impl Acquisition {
-    /// `None` for a hierarchical acquisition, whose sources follow from those at the ends.
+    /// Returns `None` for a hierarchical acquisition, whose positions depend on the sources at the ends.
     pub fn places(self, views: &OutputViews) -> Option<Places> {
         let [first_m, last_m] = views.ends_m();
         let (offsets_m, is_wide) = match self {
-            // Views in one place have one source.
+            // All output views are in one place, so one source is enough.
             _ if first_m == last_m => (vec![first_m], false),
             Acquisition::Center => (vec![0.0], true),
             Acquisition::Dual => (vec![first_m, last_m], false),
@@ -45,44 +45,44 @@ impl Acquisition {
     }
 }
 
-/// What is left out of source views, since no output view shows it.
+/// Surfaces that source views leave out because no output view shows them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Culling {
-    /// Surfaces too close behind others (3.4.1), and those behind pixels that hide them from all views (3.4.2).
+    /// Surfaces too close behind others (3.4.1), and surfaces behind pixels that hide them from all views (3.4.2).
     Full,
-    /// The former.
+    /// Only surfaces too close behind others (3.4.1).
     DepthOffset,
-    /// Nothing.
+    /// No surfaces.
     Off,
 }
 
 #[derive(Debug, Clone)]
 pub struct AcquireSettings {
     pub acquisition: Acquisition,
-    /// Sample positions of a pixel of the first layer.
+    /// Sample positions within a pixel of the first layer.
     pub samples: SamplePattern,
-    /// Layers of a source view at most, 1 to [`MAX_LAYERS`].
+    /// Maximum number of layers of a source view, 1 to [`MAX_LAYERS`].
     pub layers: usize,
     pub culling: Culling,
     pub hierarchy: Hierarchy,
 }
 
-/// When a hierarchical acquisition ends.
+/// Measure that a hierarchical acquisition compares with its threshold.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum StoppingRule {
-    /// By the pixels that nothing covers in a view between two sources.
+    /// Pixels that no line covers in a view between two sources.
     #[default]
     Holes,
-    /// By edges of the sources, without interpolation.
+    /// Estimate from the edges in the sources, without interpolation.
     Erosion,
 }
 
-/// Where between two sources the next one stands.
+/// Position of the next source between two sources.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum SourcePlacement {
     #[default]
     Midpoint,
-    /// Where most pixels are missing (Epipolar 7.5).
+    /// The position with the most missing pixels (Epipolar 7.5).
     Clusters,
 }
 
@@ -91,11 +91,11 @@ pub enum SourcePlacement {
 pub struct Hierarchy {
     pub stop: StoppingRule,
     pub placement: SourcePlacement,
-    /// Share of missing pixels, in percent, above which a source is added.
+    /// Percentage of missing pixels above which a source is added.
     pub hole_threshold_percent: f64,
-    /// Sources at most, 2 or more.
+    /// Maximum number of sources, 2 or more.
     pub max_sources: usize,
-    /// After so long no source is begun: results depend on the clock.
+    /// Time after which no further source is started. Results then depend on the clock.
     pub time: Option<Duration>,
 }
 

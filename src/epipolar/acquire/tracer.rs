@@ -1,4 +1,4 @@
-//! Source views from given places.
+//! Acquisition of source views at given positions.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ use crate::error::Result;
 use crate::monitor::Monitor;
 use crate::scene::capture::{PixelTracer, Viewpoint};
 
-/// Makes source views.
+/// Inputs of the acquisition of source views.
 #[derive(Clone, Copy)]
 pub(super) struct SourceTracer<'a> {
     pub seen: DrawnScene<'a>,
@@ -26,7 +26,7 @@ pub(super) struct SourceTracer<'a> {
 }
 
 impl SourceTracer<'_> {
-    /// Columns of a view in the middle with a widened window.
+    /// Returns the columns of a source in the middle whose window is widened on both sides.
     pub fn wide_columns(&self) -> Result<Range<i32>> {
         let [width, height] = self.views.size;
         let from = self.views.viewpoint(0.0);
@@ -36,12 +36,12 @@ impl SourceTracer<'_> {
         Ok(-wider..width as i32 + wider)
     }
 
-    /// Some columns and scanlines of the views from several places, of so many layers.
+    /// Acquires the given columns and scanlines of the views from several positions, with at most `layers` layers.
     pub fn views(&self, offsets_m: &[f64], window: &PixelWindow, layers: usize) -> Result<(Vec<SourceView>, Counters)> {
         let mut counters = Counters::default();
         let mut rows: Vec<Vec<SourceRow>> = vec![Vec::new(); offsets_m.len()];
         let samples = &self.settings.samples.points;
-        // Surfaces of which no view sees anything are left out later.
+        // Surfaces that no view sees are removed later.
         let drawn = if layers == 1 { 1 } else { MAX_DRAWN };
         let at_once = self.seen.rows_at_once(window.columns.len() * offsets_m.len(), drawn + samples.len());
         let mut top = window.rows.start;
@@ -90,7 +90,7 @@ impl SourceTracer<'_> {
         }
     }
 
-    /// Bands of scanlines, in their order.
+    /// Calls `of_band` for each band of scanlines in parallel, and returns the results in order.
     fn bands<T: Send>(&self, rows: Range<u32>, of_band: impl Fn(Range<u32>) -> T + Sync) -> Result<Vec<T>> {
         let tops = (0..rows.len() as u32).into_par_iter().step_by(TILE as usize);
         tops.map(|top| {

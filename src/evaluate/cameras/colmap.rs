@@ -1,7 +1,7 @@
-//! Models of COLMAP in text: `cameras.txt` and `images.txt` of a folder (colmap.github.io/format.html).
+//! COLMAP models in text form: `cameras.txt` and `images.txt` in a folder (colmap.github.io/format.html).
 //!
-//! Poses are from the world to the camera, which looks along +Z with +Y down. The poses of a file have no frames. Points are neither
-//! read nor written.
+//! Poses are world-to-camera; the camera looks along +Z with +Y down. Poses in a file have no frames. 3D points are neither read
+//! nor written.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -19,7 +19,8 @@ pub const CAMERAS: &str = "cameras.txt";
 pub const IMAGES: &str = "images.txt";
 const POINTS: &str = "points3D.txt";
 
-/// Parameters of a model: the places of fx, fy, cx and cy; those behind the last of these are of its distortion.
+/// Camera models: indices of fx, fy, cx and cy in the parameters, and the number of parameters. Parameters after cy are
+/// distortion.
 const MODELS: &[(&str, [usize; 4], usize)] = &[
     ("SIMPLE_PINHOLE", [0, 0, 1, 2], 3),
     ("PINHOLE", [0, 1, 2, 3], 4),
@@ -36,7 +37,7 @@ struct Intrinsics {
     pinhole: [f64; 4],
 }
 
-/// The folder of a model, where this is one, or one of its files.
+/// Returns the folder of a model if `path` is a folder, or a file of a model.
 pub fn folder(path: &Path) -> Option<&Path> {
     let is_file = path.file_name().is_some_and(|name| name == CAMERAS || name == IMAGES);
     if is_file { path.parent() } else { path.is_dir().then_some(path) }
@@ -55,7 +56,7 @@ pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
         }
         let named = |error: Error| error.context(format!("line {}", number + 1));
         cameras.push(image(line, &lenses).map_err(named)?);
-        // The next line has its points.
+        // The next line lists the points of the image.
         lines.next();
     }
     Ok(cameras)

@@ -1,4 +1,4 @@
-//! What files of cameras have in common.
+//! Types and functions that all camera formats use.
 
 use std::path::Path;
 
@@ -8,24 +8,24 @@ use crate::error::{Error, Result};
 use crate::evaluate::TimedCamera;
 use crate::evaluate::camera_path::MAX_PATH_FRAMES;
 
-/// A camera of a file.
+/// A camera in a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FileCamera {
-    /// Its name in the file; may be empty.
+    /// Name in the file; may be empty.
     pub name: String,
-    /// Width and height of its pictures in pixels, where the file states them.
+    /// Width and height of the images in pixels; `None` if the file does not state them.
     pub size: Option<[u32; 2]>,
     pub timed: TimedCamera,
 }
 
-/// A file that is read.
+/// Content of a file to read.
 #[derive(Debug, Clone, Copy)]
 pub struct Content<'a> {
-    /// Files that it names lie beside it.
+    /// Path of the file; the files that it references are relative to it.
     pub path: &'a Path,
-    /// Of COLMAP those of images.txt.
+    /// Bytes of the file; for COLMAP those of images.txt.
     pub bytes: &'a [u8],
-    /// Frames per second, of formats that have seconds.
+    /// Frames per second, for formats with times in seconds.
     pub fps: f64,
 }
 
@@ -38,22 +38,23 @@ impl<'a> Content<'a> {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WriteSettings {
-    /// Height of pictures in pixels, and their width unless it follows from the aspect; of formats that state them, and cameras that do not.
+    /// Image size in pixels, for formats that state it and cameras that do not: width and height, or only the height, in which
+    /// case the width follows from the aspect ratio.
     pub size: (u32, Option<u32>),
     /// Frames per second.
     pub fps: f64,
 }
 
-/// What is written.
+/// Output of a format.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Written {
     File(Vec<u8>),
-    /// Files of a folder, by name.
+    /// Names and contents of the files of a folder.
     Folder(Vec<(&'static str, String)>),
 }
 
 impl FileCamera {
-    /// Width and height of its pictures in pixels.
+    /// Returns the width and height of the images in pixels; from `settings` if the file does not state them.
     pub fn size_in(&self, settings: &WriteSettings) -> [u32; 2] {
         self.size.unwrap_or_else(|| {
             let (first, second) = settings.size;
@@ -65,7 +66,8 @@ impl FileCamera {
     }
 }
 
-/// Eye, and forward, right and down, of a matrix from a camera that looks along −Z with +Y up to the world. It may scale.
+/// Returns the eye and the unit vectors forward, right and down of a camera-to-world matrix. The camera looks along −Z with +Y
+/// up. The matrix may scale; fails if it shears, mirrors or is not finite.
 pub fn axes_of(to_world: &DMat4) -> Result<(DVec3, [DVec3; 3])> {
     let columns = DMat3::from_mat4(*to_world);
     let units = [columns.x_axis, columns.y_axis, columns.z_axis].map(DVec3::normalize);
@@ -84,14 +86,14 @@ pub fn axes_of(to_world: &DMat4) -> Result<(DVec3, [DVec3; 3])> {
     Ok((to_world.w_axis.truncate(), [forward, right, forward.cross(right)]))
 }
 
-/// The matrix of [`axes_of`].
+/// Returns the camera-to-world matrix; the inverse of [`axes_of`].
 pub fn matrix_of(eye: DVec3, [forward, right, down]: [DVec3; 3]) -> DMat4 {
-    // Zeros have no sign.
+    // Adding zero turns negative zeros into positive ones.
     let column = |axis: DVec3, last: f64| (axis + DVec3::ZERO).extend(last);
     DMat4::from_cols(column(right, 0.0), column(-down, 0.0), column(-forward, 0.0), column(eye, 1.0))
 }
 
-/// Refuses a file of too many poses: cameras that move have one in each frame.
+/// Fails if a file has too many poses; a moving camera has one per frame.
 pub fn check_count(read: usize, more: f64) -> Result<()> {
     match read as f64 + more > f64::from(MAX_PATH_FRAMES) {
         true => Err(Error::unsupported(format!("the cameras have more than {MAX_PATH_FRAMES} frames"))),
@@ -99,7 +101,7 @@ pub fn check_count(read: usize, more: f64) -> Result<()> {
     }
 }
 
-/// Names the camera in an error.
+/// Returns a function that adds the name of the camera to an error.
 pub fn of_camera(name: impl std::fmt::Display) -> impl Fn(Error) -> Error {
     move |error| error.context(format!("camera {name}"))
 }

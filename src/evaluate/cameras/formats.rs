@@ -1,4 +1,4 @@
-//! The table of formats.
+//! Table of camera formats.
 
 use std::fs::File;
 use std::io::Read;
@@ -13,19 +13,19 @@ use crate::dataset::manifest::MANIFEST_NAME;
 use crate::error::{Error, Result};
 use crate::mesh::gltf::document::is_glb;
 
-/// Bytes of a file at most.
+/// Maximum size of a file in bytes.
 const MAX_BYTES: u64 = 256 << 20;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CameraFormat {
-    /// The camera files of this program.
+    /// Camera files of lightfold.
     Lightfold,
     /// `transforms.json` of nerfstudio.
     Transforms,
-    /// `cameras.txt` and `images.txt`.
+    /// Text model of COLMAP, `cameras.txt` and `images.txt`.
     Colmap,
     Gltf,
-    /// USD in text.
+    /// USD text files.
     Usd,
 }
 
@@ -46,7 +46,7 @@ impl CameraFormat {
         found.map_or((own::read as ReadCameras, own::write as WriteCameras), |(_, read, write)| (*read, *write))
     }
 
-    /// That of a file's content.
+    /// Returns the format of a file with this content.
     pub fn of_content(bytes: &[u8]) -> CameraFormat {
         if usd::is_of(bytes) {
             return CameraFormat::Usd;
@@ -62,7 +62,7 @@ impl CameraFormat {
         }
     }
 
-    /// That of a name of a file or folder to write; none where it says nothing.
+    /// Returns the format of a file or folder to write by its name; `None` if the name does not determine it.
     pub fn of_name(path: &Path) -> Option<CameraFormat> {
         let name = path.file_name()?.to_string_lossy().to_lowercase();
         match name.rsplit_once('.').map(|(_, ending)| ending) {
@@ -76,7 +76,8 @@ impl CameraFormat {
     }
 }
 
-/// The cameras of a file, or of the probes of a container or a dataset, at least one; `-` for standard input. `fps` are frames per second, of formats that have seconds.
+/// Reads the cameras of a file, or of the probes of a container or dataset; at least one. The path `-` is standard input. `fps`
+/// is frames per second, for formats with times in seconds.
 pub fn read(path: &Path, fps: f64) -> Result<Vec<FileCamera>> {
     let read = || {
         if path != Path::new("-") && (path.join(MANIFEST_NAME).is_file() || path.is_file() && is_container(path)?) {
@@ -104,7 +105,7 @@ pub fn read(path: &Path, fps: f64) -> Result<Vec<FileCamera>> {
     read().map_err(|error: Error| error.in_file(path))
 }
 
-/// The cameras of a file that is not of COLMAP, by its content.
+/// Parses the cameras of a file of any format but COLMAP, which is determined by its content.
 pub fn parse(content: &Content<'_>) -> Result<Vec<FileCamera>> {
     let (read, _) = CameraFormat::of_content(content.bytes).functions();
     read(content)
@@ -123,7 +124,7 @@ fn bytes(path: &Path) -> Result<Vec<u8>> {
     }
 }
 
-/// What a file of perspective cameras holds.
+/// Writes perspective cameras in a format.
 pub fn write(cameras: &[FileCamera], format: CameraFormat, settings: &WriteSettings) -> Result<Written> {
     let (_, write) = format.functions();
     write(cameras, settings)

@@ -1,7 +1,8 @@
-//! Cameras of glTF 2.0 (sections 3.10 and 3.11): still nodes, and nodes that an animation moves, or moves an ancestor of. They look along −Z
-//! with +Y up.
+//! Cameras of glTF 2.0 (sections 3.10 and 3.11): static nodes, and nodes that are animated or have an animated ancestor. They
+//! look along −Z with +Y up.
 //!
-//! A time of `frame / fps` seconds is a frame. Files hold single precision. There are no off-axis windows, and no fields of view that change.
+//! A time of `frame / fps` seconds is a frame. Files hold single precision. The format has no off-axis frusta and no animated
+//! fields of view.
 
 use glam::{DMat4, DQuat};
 use gltf::camera::Projection;
@@ -21,9 +22,9 @@ use crate::mesh::gltf::nodes::{Local, Nodes};
 use crate::mesh::gltf::write::binary_file;
 use crate::scene::model::animation::{Animation, Channel};
 
-/// Part of a frame that a key may lie beside it.
+/// Tolerance between the time of a key and a frame, in frames.
 const NEAR_FRAME: f64 = 1e-3;
-/// Metres; a near plane must be beyond 0.
+/// Near plane in metres of cameras without one; glTF requires a value above 0.
 const MIN_NEAR_M: f64 = 0.01;
 
 pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
@@ -80,7 +81,7 @@ pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
     Ok(cameras)
 }
 
-/// The matrix of the last of these nodes, each the child of the one before, at a time.
+/// Returns the world matrix at a time of the last node of `chain`, in which each node is a child of the previous one.
 fn to_world(nodes: &Nodes, chain: &[usize], channels: &[Channel], time_s: f64) -> DMat4 {
     let local = |&node: &usize| {
         let mut own = channels.iter().filter(|channel| channel.node == node).peekable();
@@ -169,7 +170,7 @@ impl Parts {
         let mut before = DQuat::IDENTITY;
         for (_, camera) in keys {
             let turn = camera.orientation().map_or(DQuat::IDENTITY, DQuat::from_array);
-            // Of two quaternions that mean the same the one that is nearer to the last.
+            // A quaternion and its negative are the same rotation; the one nearer to the previous pose is chosen.
             let turn = if turn.dot(before) < 0.0 { -turn } else { turn };
             turns.extend(turn.to_array().map(|part| part as f32));
             before = turn;
@@ -183,7 +184,7 @@ impl Parts {
         Ok(())
     }
 
-    /// Adds numbers, and answers the index of their accessor.
+    /// Adds values; returns the index of their accessor.
     fn accessor(&mut self, kind: &str, values: &[f32]) -> usize {
         let width = match kind {
             "VEC3" => 3,

@@ -1,10 +1,11 @@
-//! Files of cameras, of this and of other programs: recognised, read and written, one file here for each format.
+//! Camera files of lightfold and of other programs: format detection, reading and writing, with one module per format.
 //!
-//! Enters: a file or a folder, by its content. Leaves: [`FileCamera`]s in the order of the file; and back.
+//! Input: a file or folder, whose content determines the format. Output: [`FileCamera`]s in file order. Writing is the reverse.
 //!
-//! Cameras of this program stand in a right-handed world with +Y up, and look along −Z with +Y up. Coordinates of other programs are taken
-//! as they are, except for units and the up axis where a format states them. A camera that is distorted, mirrored or not perspective is
-//! refused. Clip planes of other programs are not read: they say what a program draws, and not what is there.
+//! Cameras of lightfold are in a right-handed world with +Y up, and look along −Z with +Y up. Coordinates of other programs are
+//! used unchanged, except for the unit and the up axis if a format states them. A camera that is distorted, mirrored or not
+//! perspective is rejected. Clip planes of other programs are not read: they limit what a program draws, not the extent of the
+//! scene.
 
 mod colmap;
 mod document;

@@ -1,4 +1,4 @@
-//! The camera files of this program ([`crate::evaluate::camera_file`]), and its files of probes to capture
+//! The camera files of lightfold ([`crate::evaluate::camera_file`]), and its files of probes to capture
 //! ([`crate::dataset::CameraSet`]).
 
 use std::path::Path;
@@ -11,7 +11,7 @@ use crate::dataset::CameraSet;
 use crate::error::{Error, Result};
 use crate::evaluate::camera_file::{CameraEntry, CameraFile, MAX_CAMERA_FILE_BYTES};
 
-/// True for a manifest, and for a file of probes to capture.
+/// Returns true for a manifest and for a file of probes to capture.
 pub fn has_probes(document: &Value) -> bool {
     ["lightfield", "lightfold_cameras"].iter().any(|key| document.get(key).is_some())
 }

@@ -1,4 +1,4 @@
-//! Cameras with frames as poses of cameras that move.
+//! Converts cameras with frames to poses of moving cameras.
 
 use super::document::FileCamera;
 use crate::error::{Error, Result};
@@ -9,20 +9,20 @@ use crate::math::Camera;
 #[derive(Debug, Clone, Copy)]
 pub struct Pose<'a> {
     pub of: &'a FileCamera,
-    /// None of a camera that stands still.
+    /// Frame number; `None` for a static camera.
     pub frame: Option<u32>,
 }
 
-/// A camera that stands still, or one that moves.
+/// A static or moving camera.
 #[derive(Debug)]
 pub struct Track {
-    /// Unlike those of all others; of letters, digits and underscores.
+    /// Unique name of letters, digits and underscores.
     pub name: String,
-    /// With increasing frames; one without a frame stands still.
+    /// Poses with increasing frames; a static camera has one pose without a frame.
     pub keys: Vec<(Option<u32>, Camera)>,
 }
 
-/// The pose of each camera in each of its frames, in order.
+/// Returns the pose of each camera in each of its frames, in order.
 pub fn poses(cameras: &[FileCamera]) -> Result<Vec<Pose<'_>>> {
     let count: u64 = cameras.iter().map(|camera| camera.timed.frames.map_or(1, |frames| frames.count())).sum();
     if count > u64::from(MAX_PATH_FRAMES) {
@@ -38,7 +38,8 @@ pub fn poses(cameras: &[FileCamera]) -> Result<Vec<Pose<'_>>> {
     Ok(cameras.iter().flat_map(of).collect())
 }
 
-/// Names of the pictures of poses, as `render` numbers them: by frame, or in order where poses share a frame or have none.
+/// Returns the image names of poses, numbered as `render` numbers them: by frame, or in order if poses share a frame or have
+/// none.
 pub fn picture_names(poses: &[Pose<'_>]) -> Vec<String> {
     let mut frames: Vec<Option<u32>> = poses.iter().map(|pose| pose.frame).collect();
     frames.sort_unstable();
@@ -48,7 +49,7 @@ pub fn picture_names(poses: &[Pose<'_>]) -> Vec<String> {
     poses.iter().enumerate().map(|pose| format!("images/view.{:04}.png", number(pose))).collect()
 }
 
-/// Each pose belongs to the first camera that is free in its frame.
+/// Assigns each pose to the first track that ends before its frame.
 pub fn tracks(poses: &[Pose<'_>]) -> Vec<Track> {
     let mut tracks: Vec<Track> = Vec::new();
     for pose in poses {

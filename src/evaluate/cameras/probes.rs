@@ -1,7 +1,7 @@
-//! The probes of a light field as cameras: a perspective probe is one, a cube map six of 90 degrees; a moving probe has them in each
-//! frame.
+//! The probes of a light field as cameras: a perspective probe is one camera, a cube map is six cameras of 90 degrees. A moving
+//! probe has its cameras in each frame.
 //!
-//! Faces of cube maps are stored mirrored. Their cameras see them the right way round, as `render` draws them.
+//! Faces of cube maps are stored mirrored; their cameras are not mirrored, like the images that `render` writes.
 
 use std::path::Path;
 
@@ -17,7 +17,8 @@ use crate::image::{Face, FrameRange};
 use crate::math::camera::rotation;
 use crate::math::{Camera, Lens};
 
-/// The cameras of a container, or of a dataset, by probe and then by face. They have frames where these differ between them.
+/// Returns the cameras of a container or dataset, by probe and then by face. They have frames only if frames differ between
+/// cameras or a probe moves.
 pub fn of_probes(path: &Path) -> Result<Vec<FileCamera>> {
     let images = Reference::open(path)?.images;
     let is_same = images.windows(2).all(|pair| pair[0].frames == pair[1].frames)
@@ -33,7 +34,7 @@ pub fn of_probes(path: &Path) -> Result<Vec<FileCamera>> {
     all.map(camera).collect()
 }
 
-/// The cameras of probes to capture: those with a field of view are perspective, the others cube maps.
+/// Returns the cameras of probes to capture: probes with a field of view are perspective, others are cube maps.
 pub fn of_placed(set: &CameraSet) -> Result<Vec<FileCamera>> {
     let mut cameras = Vec::new();
     for (at, placed) in set.cameras.iter().enumerate() {
@@ -62,7 +63,7 @@ pub fn of_placed(set: &CameraSet) -> Result<Vec<FileCamera>> {
     Ok(cameras)
 }
 
-/// The camera that sees a face of a cube map, whose axes are mirrored, the right way round.
+/// Returns the camera of a cube map face with mirrored `axes`, without the mirroring.
 fn of_face(eye: DVec3, axes: [DVec3; 3]) -> Result<Camera> {
     let upright = Camera::with_axes(eye, axes, Lens::new(90.0))?.mirrored();
     Camera::with_window(eye, upright.axes(), [1.0; 2], [0.0; 2])

@@ -1,4 +1,4 @@
-//! Cameras come back from each format as they were, and what cannot be read is refused in a sentence.
+//! Tests that cameras round-trip through each format, and that unsupported files are rejected with a one-sentence error.
 
 use glam::DVec3;
 
@@ -25,7 +25,7 @@ fn at_frame(camera: Camera, frame: u32) -> FileCamera {
     FileCamera { timed: TimedCamera { camera, frames }, ..still(camera) }
 }
 
-/// Writes cameras and reads them.
+/// Writes cameras and reads them back.
 fn again(cameras: &[FileCamera], format: CameraFormat) -> Vec<FileCamera> {
     let folder = tempfile::tempdir().unwrap();
     match write(cameras, format, &SETTINGS).unwrap() {
@@ -38,7 +38,7 @@ fn again(cameras: &[FileCamera], format: CameraFormat) -> Vec<FileCamera> {
     read(&path, SETTINGS.fps).unwrap()
 }
 
-/// The largest difference of eyes in metres, and of directions.
+/// Returns the maximum of the distance of the eyes in metres and the differences of directions.
 fn apart(a: &Camera, b: &Camera) -> f64 {
     let corners = [[0.0, 0.0], [1.0, 0.0], [0.3, 0.6], [0.0, 1.0], [1.0, 1.0]];
     let turned = corners.iter().map(|&at| (a.direction(at) - b.direction(at)).length());
@@ -100,7 +100,7 @@ fn cameras_that_move_come_back_frame_by_frame() {
     check(&zooming, CameraFormat::Usd, 1e-12);
     let zooming: Vec<FileCamera> = (0..4).map(|at| at_frame(camera(1.0, 30.0 + f64::from(at), [0.0; 2]), at)).collect();
     assert!(write(&zooming, CameraFormat::Gltf, &SETTINGS).unwrap_err().to_string().contains("field of view"));
-    // A range of frames is one pose in each of them, and two cameras in a frame are two that move.
+    // A range of frames is one pose per frame, and two cameras in one frame are two moving cameras.
     let range = FrameRange { first: 2, last: 4 };
     let mut held = at_frame(camera(0.0, 50.0, [0.0; 2]), 0);
     held.timed.frames = Some(range);
@@ -130,7 +130,8 @@ fn formats_are_recognised() {
     }
 }
 
-/// Reads the text of a file, or of `images.txt` beside this `cameras.txt`.
+/// Reads a file with this text; with `cameras`, an `images.txt` beside that `cameras.txt`. Returns the error, or the number of
+/// cameras.
 fn said(text: &str, cameras: Option<&str>) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(if cameras.is_some() { "images.txt" } else { "file" });

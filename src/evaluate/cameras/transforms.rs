@@ -1,8 +1,8 @@
-//! `transforms.json` of nerfstudio and instant-ngp: matrices from the camera, which looks along −Z with +Y up, to the world
+//! `transforms.json` of nerfstudio and instant-ngp: camera-to-world matrices, in which the camera looks along −Z with +Y up
 //! (docs.nerf.studio, data conventions).
 //!
-//! Files that are written have the key `frame` besides, where a camera has one. `applied_transform` is not undone: it is part of the
-//! matrices. Files with `camera_angle_x` alone, as those of NeRF's synthetic scenes, are of square pictures.
+//! Written files have the additional key `frame` for cameras with a frame. `applied_transform` is not undone, since the matrices
+//! include it. Files with `camera_angle_x` but no size, such as those of NeRF's synthetic scenes, are read as square images.
 
 use glam::{DMat4, DVec4};
 use serde::Deserialize;
@@ -15,7 +15,7 @@ use crate::evaluate::TimedCamera;
 use crate::image::FrameRange;
 use crate::math::Camera;
 
-/// Keys of a lens; of all frames, or of one.
+/// Lens parameters of all frames, or of one frame.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(default)]
 struct Keys {
@@ -48,9 +48,9 @@ struct Frame {
     lens: Keys,
 }
 
-/// Coefficients of distortion.
+/// Distortion coefficients.
 const DISTORTION: [&str; 6] = ["k1", "k2", "k3", "k4", "p1", "p2"];
-/// Models without another projection than that of a pinhole.
+/// Camera models whose projection without distortion is that of a pinhole.
 const MODELS: [&str; 6] = ["PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "SIMPLE_RADIAL", "RADIAL", "PERSPECTIVE"];
 
 pub fn is_of(document: &Value) -> bool {
@@ -99,7 +99,7 @@ fn camera(all: &Keys, frame: &Frame) -> Result<FileCamera> {
     })
 }
 
-/// Rows of a matrix of 4 columns; the last may be left out.
+/// Converts rows of 4 numbers to a matrix; the last row may be omitted.
 fn matrix(rows: &[Vec<f64>]) -> Result<DMat4> {
     let expected = || Error::invalid("a \"transform_matrix\" of 4 rows of 4 numbers was expected");
     let row = |row: &Vec<f64>| <[f64; 4]>::try_from(row.as_slice()).map(DVec4::from_array).map_err(|_| expected());

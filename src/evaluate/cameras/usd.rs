@@ -1,9 +1,9 @@
-//! Cameras of USD in text, `.usda` (openusd.org, UsdGeomCamera and UsdGeomXformable): prims of the type `Camera`, still or with time samples.
-//! They look along −Z with +Y up; apertures and focal length have one unit.
+//! Cameras of USD text files, `.usda` (openusd.org, UsdGeomCamera and UsdGeomXformable): prims of type `Camera`, static or with
+//! time samples. They look along −Z with +Y up; apertures and focal length have the same unit.
 //!
-//! A time code is a frame. Between samples values are interpolated linearly, as USD does; but rotations, also in matrices, by slerp, as
-//! a matrix between two would shear. Metres per unit and the up axis of the file
-//! are taken into account.
+//! A time code is a frame. Values between samples are interpolated linearly, as USD defines it, except rotations, including those
+//! in matrices, which use slerp, since linear interpolation of matrices would shear. Metres per unit and the up axis of the file
+//! are applied.
 
 use std::fmt::Write as _;
 
@@ -17,12 +17,12 @@ use crate::evaluate::TimedCamera;
 use crate::image::FrameRange;
 use crate::math::Camera;
 
-/// Values where a file states none.
+/// Defaults for values that a file does not state.
 const METRES_PER_UNIT: f64 = 0.01;
 const HORIZONTAL_APERTURE: f64 = 20.955;
 const VERTICAL_APERTURE: f64 = 15.2908;
 const FOCAL_LENGTH: f64 = 50.0;
-/// Of a film of 36 mm, in tenths of a metre.
+/// Width of 36 mm film in tenths of a metre.
 const WRITTEN_APERTURE: f64 = 0.36;
 
 pub fn is_of(bytes: &[u8]) -> bool {
@@ -45,7 +45,7 @@ pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
     Ok(cameras)
 }
 
-/// Adds the cameras below a prim; `chain` are the prims that it is in.
+/// Adds the cameras below a prim; `chain` holds the prims on the path to it.
 fn find<'a>(prim: &'a Prim, chain: &mut Vec<&'a Prim>, to_world: &DMat4, cameras: &mut Vec<FileCamera>) -> Result<()> {
     for child in prim.children.iter().filter(|child| child.is_defined) {
         chain.push(child);
@@ -58,7 +58,7 @@ fn find<'a>(prim: &'a Prim, chain: &mut Vec<&'a Prim>, to_world: &DMat4, cameras
     Ok(())
 }
 
-/// Attributes that say what a camera sees.
+/// Attributes that define the field of view.
 const LENS: [&str; 5] =
     ["focalLength", "horizontalAperture", "verticalAperture", "horizontalApertureOffset", "verticalApertureOffset"];
 
@@ -104,7 +104,7 @@ fn add(prim: &Prim, chain: &[&Prim], to_world: &DMat4, cameras: &mut Vec<FileCam
     Ok(())
 }
 
-/// First and last time code of the samples that move a camera or change its lens.
+/// Returns the first and last time code of samples that move a camera or change its lens.
 fn sampled(prim: &Prim, chain: &[&Prim]) -> Option<[f64; 2]> {
     let of = |prim: &&Prim, names: &dyn Fn(&str) -> bool| -> Option<[f64; 2]> {
         let ends = |(name, value): &(String, Value)| match value {
@@ -123,7 +123,7 @@ fn join([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
     [a.min(c), b.max(d)]
 }
 
-/// The matrix of a prim to its parent, and whether it leaves out the parent.
+/// Returns the matrix from a prim to its parent, and whether it ignores the transforms of its parents.
 fn local(prim: &Prim, time: f64) -> Result<(DMat4, bool)> {
     let Some(Value::List(order)) = prim.attribute("xformOpOrder") else { return Ok((DMat4::IDENTITY, false)) };
     let (mut matrix, mut is_reset) = (DMat4::IDENTITY, false);
@@ -142,7 +142,7 @@ fn local(prim: &Prim, time: f64) -> Result<(DMat4, bool)> {
     Ok((matrix, is_reset))
 }
 
-/// The matrix of an operation, by its name and value.
+/// Returns the matrix of a transform operation, by its name and value.
 fn transform(name: &str, value: &Value) -> Result<DMat4> {
     let kind = name.split(':').nth(1).unwrap_or_default();
     let turn = |axis: char, degrees: f64| match axis {
@@ -155,7 +155,7 @@ fn transform(name: &str, value: &Value) -> Result<DMat4> {
             let rows = numbers(value)?;
             let rows =
                 <[f64; 16]>::try_from(rows).map_err(|_| Error::invalid("a matrix of 4 by 4 numbers was expected"))?;
-            // Vectors are rows.
+            // USD matrices apply to row vectors, so the rows of the file are the columns of `DMat4`.
             Ok(DMat4::from_cols_array(&rows))
         }
         "translate" => Ok(DMat4::from_translation(three(value)?)),
@@ -168,14 +168,14 @@ fn transform(name: &str, value: &Value) -> Result<DMat4> {
         "rotateXYZ" | "rotateXZY" | "rotateYXZ" | "rotateYZX" | "rotateZXY" | "rotateZYX" => {
             let degrees = three(value)?;
             let of = |axis: char| turn(axis, degrees[(axis as usize) - ('X' as usize)]);
-            // The first turns first.
+            // The first axis is applied first.
             Ok(kind.chars().skip("rotate".len()).fold(DMat4::IDENTITY, |matrix, axis| of(axis) * matrix))
         }
         _ => Err(Error::unsupported("it is not a known operation")),
     }
 }
 
-/// An attribute's value at a time code: its samples', else its own.
+/// Returns the value of an attribute at a time code: from its samples if it has any, else its default value.
 fn value_at(prim: &Prim, name: &str, time: f64) -> Option<Value> {
     let samples = prim.attributes.iter().find(|(other, _)| other.strip_suffix(".timeSamples") == Some(name));
     let Some((_, Value::Samples(samples))) = samples else { return prim.attribute(name).cloned() };
@@ -194,7 +194,7 @@ fn value_at(prim: &Prim, name: &str, time: f64) -> Option<Value> {
     }
 }
 
-/// A value between two of an attribute, or of a kind of operation.
+/// Interpolates between two values of an attribute; `kind` is the kind of transform operation.
 fn mix(from: &Value, to: &Value, part: f64, kind: &str) -> Value {
     let lists = (numbers(from), numbers(to));
     match (from, to) {
@@ -231,7 +231,7 @@ fn number(value: &Value) -> Result<f64> {
     }
 }
 
-/// The numbers of lists in lists.
+/// Returns the numbers of nested lists.
 fn numbers(value: &Value) -> Result<Vec<f64>> {
     match value {
         Value::List(list) => Ok(list.iter().map(numbers).collect::<Result<Vec<_>>>()?.concat()),
@@ -271,7 +271,7 @@ fn prim(track: &Track) -> String {
     }
     let _ = writeln!(text, "        float horizontalAperture = {WRITTEN_APERTURE}");
     for (at, name) in OF_LENS.into_iter().enumerate() {
-        // Without a sign of zero.
+        // Adding 0.0 turns a negative zero into a positive one.
         attribute(&mut text, &format!("float {name}"), track, |camera| (lens(camera)[at] + 0.0).to_string());
     }
     attribute(&mut text, "matrix4d xformOp:transform", track, |camera| {
@@ -282,12 +282,12 @@ fn prim(track: &Track) -> String {
     text + "        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n    }\n"
 }
 
-/// Adds an attribute: its only value, or its samples.
+/// Writes an attribute, with a single value or with time samples.
 fn attribute(text: &mut String, name: &str, track: &Track, value: impl Fn(&Camera) -> String) {
     let keys: Vec<(Option<u32>, String)> = track.keys.iter().map(|(frame, camera)| (*frame, value(camera))).collect();
     let is_still = keys.windows(2).all(|pair| pair[0].1 == pair[1].1);
     match &keys[..] {
-        // What moves has samples of its place, also where that stays.
+        // A moving camera always has samples of its transform, even if it does not change.
         [(frame, value), ..] if frame.is_none() || (is_still && !name.starts_with("matrix")) => {
             let _ = writeln!(text, "        {name} = {value}");
         }

@@ -1,20 +1,20 @@
-//! The text of USD files: prims with their attributes and time samples. References, payloads and variants are passed over.
+//! Parser of USD text files: prims with their attributes and time samples. References, payloads and variants are skipped.
 
 use crate::error::{Error, Result};
 
-/// Prims and lists inside each other at most.
+/// Maximum nesting depth of prims and lists.
 const MAX_DEEP: u32 = 64;
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     Number(f64),
-    /// A string, a word, a path or the name of a file.
+    /// A string, word, path or file name.
     Text(String),
     /// A tuple or an array.
     List(Vec<Value>),
-    /// By increasing time codes.
+    /// Time samples by increasing time code.
     Samples(Vec<(f64, Value)>),
-    /// A dictionary, which is not read.
+    /// A dictionary, whose content is skipped.
     Dictionary,
 }
 
@@ -23,9 +23,9 @@ pub struct Prim {
     /// Type, such as `Camera`; may be empty.
     pub kind: String,
     pub name: String,
-    /// Whether it is defined here: neither a class nor an opinion about another.
+    /// True if the specifier is `def`, false for `over` and `class`.
     pub is_defined: bool,
-    /// With the name of what follows the attribute, such as `xformOp:transform.timeSamples`.
+    /// Attributes by name, which includes suffixes such as `.timeSamples` in `xformOp:transform.timeSamples`.
     pub attributes: Vec<(String, Value)>,
     pub children: Vec<Prim>,
 }
@@ -36,7 +36,7 @@ impl Prim {
     }
 }
 
-/// The prim of the file: its attributes are the metadata of the layer.
+/// Parses a file to its root prim, whose attributes are the layer metadata.
 pub fn parse(text: &str) -> Result<Prim> {
     let mut parser = Parser { text, at: 0 };
     let mut root = Prim::default();
@@ -74,7 +74,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Takes a character, if it is next.
+    /// Consumes a character if it is next.
     fn take(&mut self, wanted: char) -> bool {
         self.skip_space();
         let is_next = self.rest().starts_with(wanted);
@@ -89,7 +89,7 @@ impl<'a> Parser<'a> {
         self.rest().chars().next()
     }
 
-    /// A word, with the `[]` of the name of a type and all dots and colons.
+    /// Consumes a word, including the `[]` of a type name and all dots and colons.
     fn word(&mut self) -> Option<&'a str> {
         self.skip_space();
         let rest = self.rest();
@@ -102,7 +102,7 @@ impl<'a> Parser<'a> {
         Some(&rest[..end])
     }
 
-    /// What stands between marks, behind the first of which the parser is.
+    /// Consumes text up to a closing mark, and returns the text; the opening mark is already consumed.
     fn until(&mut self, mark: &str) -> Result<&'a str> {
         let rest = self.rest();
         let mut from = 0;
@@ -117,7 +117,7 @@ impl<'a> Parser<'a> {
         self.fail(mark)
     }
 
-    /// A string, a path, or the name of a file.
+    /// Consumes a string, a path or a file name, if it is next.
     fn quoted(&mut self) -> Result<Option<&'a str>> {
         self.skip_space();
         for (open, close) in
@@ -146,7 +146,7 @@ impl<'a> Parser<'a> {
         }
         let is_file = self.peek() == Some('@');
         if let Some(text) = self.quoted()? {
-            // A file may be followed by the path in it, and by its offset in time.
+            // A file name may be followed by a path in that file and by a time offset.
             if is_file {
                 if self.peek() == Some('<') {
                     self.quoted()?;
@@ -184,7 +184,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Time samples or a dictionary, behind its brace.
+    /// Parses time samples or a dictionary after the opening brace.
     fn samples(&mut self, deep: u32) -> Result<Value> {
         let mut samples = Vec::new();
         let mut is_dictionary = false;
@@ -211,7 +211,7 @@ impl<'a> Parser<'a> {
         Ok(Value::Samples(samples))
     }
 
-    /// Entries of metadata, behind its parenthesis.
+    /// Parses metadata entries after the opening parenthesis.
     fn metadata(&mut self, deep: u32) -> Result<Vec<(String, Value)>> {
         if deep > MAX_DEEP {
             return self.fail("less nesting");
@@ -233,7 +233,7 @@ impl<'a> Parser<'a> {
         Ok(entries)
     }
 
-    /// The content of a prim, up to its closing mark or the end of the file.
+    /// Parses the content of a prim up to its closing mark or the end of the file.
     fn body(&mut self, prim: &mut Prim, close: Option<char>, deep: u32) -> Result<()> {
         if deep > MAX_DEEP {
             return self.fail("less nesting");
@@ -267,7 +267,7 @@ impl<'a> Parser<'a> {
                     }
                 }
                 first => {
-                    // Words of a line: what it is, its type, its name.
+                    // The words of a line: qualifiers, type, name.
                     let mut name = first;
                     loop {
                         let rest = self.rest().trim_start_matches([' ', '\t']);
@@ -289,7 +289,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// A prim behind its specifier.
+    /// Parses a prim after its specifier.
     fn prim(&mut self, is_defined: bool, deep: u32) -> Result<Prim> {
         let kind = self.word().unwrap_or_default().to_owned();
         let Some(name) = self.quoted()?.map(str::to_owned) else { return self.fail("the name of a prim") };
@@ -298,7 +298,7 @@ impl<'a> Parser<'a> {
         Ok(prim)
     }
 
-    /// Metadata, if any, and the content of a prim or a variant.
+    /// Parses optional metadata and the content of a prim or variant.
     fn block(&mut self, deep: u32) -> Result<Prim> {
         let mut prim = Prim::default();
         if self.take('(') {

@@ -1,4 +1,4 @@
-//! Reads pictures back from the device, each assembled from its units.
+//! Reads pictures back from the device and assembles each from its units.
 
 use half::f16;
 
@@ -22,7 +22,7 @@ impl GpuDecoder<'_> {
             .collect())
     }
 
-    /// The same with units that a filter leaves out as background or 0.
+    /// As [`GpuDecoder::read`], with units that the filter excludes filled with background or 0.
     pub fn read_wanted(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Vec<Picture>> {
         let mut pictures = self.read()?;
         for (picture, stream) in pictures.iter_mut().zip(&self.streams) {

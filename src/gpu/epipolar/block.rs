@@ -1,4 +1,4 @@
-//! Words of epipolar slices, as kernels read and write them.
+//! Data of epipolar slices, as words that kernels read and write.
 
 use std::ops::Range;
 
@@ -14,23 +14,23 @@ use crate::gpu::layout::{
 };
 use crate::gpu::pictures::{pack_halves, unpack_halves};
 
-/// The lines of some scanlines, and their runs.
+/// Lines of some scanlines, and their runs.
 #[derive(Debug, Default)]
 pub struct LineWords {
-    /// The first line of each scanline, and the end of the last.
+    /// First line of each scanline, then the end of the last scanline.
     pub starts: Vec<u32>,
-    /// The first run of each scanline, and the end of the last.
+    /// First run of each scanline, then the end of the last scanline.
     pub run_starts: Vec<u32>,
-    /// [`SliceRun`]s.
+    /// Words of [`SliceRun`]s.
     pub runs: Vec<u32>,
-    /// Bits of planar distances.
+    /// Bits of the planar distance of each line.
     pub depths: Vec<u32>,
-    /// [`LineLight`]s.
+    /// Words of [`LineLight`]s.
     pub lights: Vec<u32>,
 }
 
 impl LineWords {
-    /// Of the scanlines from one on.
+    /// Converts consecutive scanlines, starting at `first_row`.
     pub fn new(of: &Interpolator<'_>, first_row: usize, rows: &[&LineRuns]) -> LineWords {
         let words = |(at, of_row): (usize, &&LineRuns)| {
             let lights = of_row.lines.iter().map(|line| light_of(of.source_pixel(first_row + at, line)));
@@ -75,7 +75,7 @@ fn bits(light: [f16; 3]) -> [u16; 3] {
     light.map(f16::to_bits)
 }
 
-/// The sources as some views see them, source by source.
+/// Returns the offsets of some views from each source, ordered by source.
 pub fn places(of: &Interpolator<'_>, views: Range<usize>) -> Vec<SlicePlace> {
     let place = |(source, view): (usize, usize)| {
         let place = of.space.place(source, view);
@@ -84,7 +84,7 @@ pub fn places(of: &Interpolator<'_>, views: Range<usize>) -> Vec<SlicePlace> {
     (0..of.sources.len()).flat_map(|source| views.clone().map(move |view| (source, view))).map(place).collect()
 }
 
-/// Light of a pixel.
+/// Returns the linear RGB of a pixel.
 pub fn color_of(pixel: [u32; 2]) -> [f16; 3] {
     unpack_halves(pixel).map(f16::from_bits)
 }
@@ -97,7 +97,7 @@ pub fn coverage_of([_, rest]: [u32; 2]) -> Coverage {
     }
 }
 
-/// A pixel that lacks nothing.
+/// Returns the words of a covered pixel without a pending highlight.
 pub fn covered(color: [f16; 3]) -> [u32; 2] {
     pack_halves(bits(color))
 }

@@ -1,4 +1,4 @@
-//! Compaction on a device (Epipolar 3.3.2): of a layer that was drawn, the pixels that show something are read back, and no others.
+//! Compaction on a device (Epipolar 3.3.2): reads back only the pixels of a layer that show a triangle.
 
 use crate::epipolar::compact::ActivePixel;
 use crate::error::Result;
@@ -8,10 +8,10 @@ use crate::gpu::harness::dispatch;
 use crate::gpu::kernels;
 use crate::gpu::layout::{PixelRows, words_of};
 
-/// Bytes of a texel: what it shows, and its depth.
+/// Bytes per texel: the triangle number plus 1, and its depth.
 const TEXEL_BYTES: usize = 8;
 
-/// The active pixels of a texture of [`crate::gpu::drawing::INDEX_FORMAT`], in their order.
+/// Returns the active pixels of a texture of [`crate::gpu::drawing::INDEX_FORMAT`], in order.
 pub fn active_pixels(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<ActivePixel>> {
     let mut active = Vec::new();
     copy_rows(gpu, texture, TEXEL_BYTES, |shown, band| {

@@ -7,10 +7,10 @@ use crate::gpu::harness::dispatch;
 use crate::gpu::kernels;
 use crate::gpu::layout::{PixelRows, words_of};
 
-/// Pixels whose edges are counted at once, if one scanline does not have more: 32 MiB of moves, and as much of edges.
+/// Maximum pixels that are processed at once; a single scanline may have more. 32 MiB of moves, and as much of edge counts.
 const PIXELS: usize = 8 << 20;
 
-/// [`Moves::eroded`].
+/// Computes [`Moves::eroded`] on a device.
 pub fn eroded(gpu: &Gpu, moves: &Moves) -> Result<u64> {
     let at_once = (PIXELS / moves.width.max(1)).max(1) * moves.width;
     let parts = moves.columns.chunks(at_once.max(1)).map(|part| eroded_rows(gpu, part, moves.width));

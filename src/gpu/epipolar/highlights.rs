@@ -1,4 +1,4 @@
-//! Highlights on a device (Epipolar 3.5): the CPU places the splits of the lines that pixels show, in double precision, and a kernel
+//! Highlights on a device (Epipolar 3.5): the CPU places splits for the visible lines in double precision, and a kernel
 //! interpolates between them.
 
 use std::ops::Range;
@@ -10,27 +10,27 @@ use crate::epipolar::interpolate::{Interpolator, Shader};
 use crate::epipolar::lines::Line;
 use crate::gpu::layout::{LineSplit, words_of};
 
-/// Radiance of a split at most, so that floats stay finite: far more than half floats hold.
+/// Maximum radiance of a split, which keeps single-precision results finite; far above the range of half floats.
 const MAX_RADIANCE: f64 = 1e30;
 
-/// The splits of lines, for a kernel.
+/// Splits of lines, as words for a kernel.
 #[derive(Debug, Default)]
 pub struct SplitWords {
-    /// The first split of each line, and the end of the last.
+    /// First split of each line, then the end of the last line.
     pub starts: Vec<u32>,
-    /// [`LineSplit`]s.
+    /// Words of [`LineSplit`]s.
     pub splits: Vec<u32>,
 }
 
 /// Highlights of some scanlines.
 #[derive(Debug)]
 pub struct Highlights<'a> {
-    /// `None` for a scanline without any.
+    /// Lines of each scanline, and its shader; `None` if the scanline has no highlights.
     rows: Vec<(&'a [Line], Option<Shader<'a>>)>,
 }
 
 impl<'a> Highlights<'a> {
-    /// Of the lines of scanlines from one on; `None` where no line has a highlight.
+    /// Prepares the highlights of scanlines starting at `first_row`; `None` if no line has a highlight.
     pub fn new(of: &'a Interpolator<'a>, first_row: usize, lines: &[&'a LineRuns]) -> Option<Highlights<'a>> {
         let shader = |row: usize, lines: &'a [Line]| of.has_gloss(row).then(|| Shader::new(of, lines, row));
         let rows = (first_row..).zip(lines).map(|(row, of_row)| (&of_row.lines[..], shader(row, &of_row.lines)));
@@ -38,12 +38,12 @@ impl<'a> Highlights<'a> {
         rows.iter().any(|(_, shader)| shader.is_some()).then_some(Highlights { rows })
     }
 
-    /// Places where highlights were computed.
+    /// Returns the number of splits computed so far.
     pub fn splits(&self) -> u64 {
         self.rows.iter().filter_map(|(_, shader)| shader.as_ref()).map(Shader::splits).sum()
     }
 
-    /// The splits of the lines that are wanted, by a bit for each line of all scanlines.
+    /// Computes the splits of the wanted lines. `wanted` has one bit per line of all scanlines.
     pub fn words(&mut self, wanted: &[u32]) -> SplitWords {
         let mut first = 0;
         let rows: Vec<_> = self

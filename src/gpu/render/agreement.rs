@@ -1,4 +1,4 @@
-//! Differences between pictures of a device and of the CPU, and their bounds.
+//! Differences between pictures rendered on a device and on the CPU, and their tolerances.
 
 use crate::error::Result;
 use crate::evaluate::RenderedImage;
@@ -7,21 +7,21 @@ use crate::image::ToneMap;
 use crate::march::Rendered;
 use crate::metrics::{SquaredError, ssim_rgb8};
 
-/// Codes by which the channels of a pixel may differ.
+/// Tolerance of a pixel's channels, in 8-bit codes.
 pub const CODES: u8 = 2;
-/// The part of the pixels that may differ by more, or be a hole in one of the pictures alone. Where a ray grazes a surface,
-/// it takes the last bit of a float to pass it or not.
+/// Fraction of pixels that may exceed the tolerances, in colour or in alpha. For a ray that grazes a surface, the last bit of a
+/// float decides between hit and miss.
 pub const PIXELS: f64 = 1e-3;
-/// Alpha by which a pixel may differ: half a code. Marching differs by more or not at all.
+/// Tolerance of a pixel's alpha: half a code. A hit or miss changes alpha by more.
 pub const ALPHA: f32 = 0.5 / 255.0;
-/// The least PSNR in dB, of 8-bit sRGB codes.
+/// Minimum PSNR in dB, of 8-bit sRGB codes.
 pub const PSNR_DB: f64 = 50.0;
-/// The least SSIM.
+/// Minimum SSIM.
 pub const SSIM: f64 = 0.999;
-/// The part of the steps by which marching may differ, and of the fragments.
+/// Tolerance of the number of marching steps or fragments, as a fraction.
 pub const STEPS: f64 = 0.01;
 
-/// What differs between two pictures of one camera.
+/// Differences between two pictures of the same camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Agreement {
     pub pixels: u64,
@@ -29,13 +29,13 @@ pub struct Agreement {
     pub differing: u64,
     /// Pixels whose alpha differs by more than [`ALPHA`].
     pub holes_differing: u64,
-    /// Pixels of which a channel is no finite number, in the device's picture.
+    /// Pixels of the device's picture with a channel that is not finite.
     pub not_finite: u64,
-    /// PSNR in dB; infinite where all codes are equal.
+    /// PSNR in dB; infinite if all codes are equal.
     pub psnr_db: f64,
-    /// SSIM; 1 where pictures are too small to have one.
+    /// SSIM; 1 if the pictures are too small for it.
     pub ssim: f64,
-    /// Steps of marching, or fragments: the device's over the CPU's; 1 where neither has any.
+    /// Ratio of marching steps or fragments, device to CPU; 1 if both are 0.
     pub steps_ratio: f64,
 }
 
@@ -45,7 +45,7 @@ impl Agreement {
         Agreement::of_images(&on_device.image, &on_cpu.image, steps)
     }
 
-    /// Of pictures and the steps that they took: of marching, or fragments.
+    /// Compares two pictures and the numbers of marching steps or fragments that they took.
     pub fn of_images(on_device: &RenderedImage, on_cpu: &RenderedImage, steps: [u64; 2]) -> Result<Agreement> {
         let [found, expected] = [on_device, on_cpu].map(|image| image.codes(ToneMap::default()));
         let error = SquaredError::of_u8(found.data().as_flattened(), expected.data().as_flattened())?;
@@ -64,7 +64,7 @@ impl Agreement {
         })
     }
 
-    /// Pixels beyond the bounds: 0 where the pictures agree.
+    /// Returns the number of pixels that violate the tolerances; 0 if the pictures agree.
     pub fn mismatches(&self) -> u64 {
         let allowed = (PIXELS * self.pixels as f64).ceil() as u64;
         let beyond = |count: u64| if count > allowed { count } else { 0 };
@@ -94,7 +94,7 @@ mod tests {
         other.image.color.data_mut()[7] = [f32::NAN; 3];
         assert_eq!(Agreement::of(&other, &picture()).unwrap().mismatches(), 1);
         let mut other = picture();
-        // Five pixels of 4096 may be off by a little, six may not.
+        // Five pixels of 4096 may exceed the tolerance, six may not.
         for count in 1..=6 {
             other.image.color.data_mut()[80 * count][2] = 0.53;
             assert_eq!(Agreement::of(&other, &picture()).unwrap().mismatches(), if count <= 5 { 0 } else { 6 });

@@ -1,9 +1,9 @@
-//! Depth and colour of a playback, decoded and kept on a device (CALF 6.2; GDC 5).
+//! Decodes depth and colour of a playback on a device and keeps them there (CALF 6.2; GDC 5).
 //!
-//! Enters: units to decode, and parts of depths to write. Leaves: buffers that textures are copied from. Chunks go to the device
-//! as they are stored, compression undone, with lists of jobs; nothing is read back.
+//! Takes units to decode, and the parts of depth images to write; produces buffers from which textures are copied. Chunks are
+//! uploaded after general-purpose decompression, with lists of jobs; nothing is read back.
 //!
-//! Each loaded probe has its own decoders, one per family of its streams, so that it is loaded and unloaded as one.
+//! Each loaded probe has its own decoders, one per family of its streams, so that a probe is loaded and unloaded as a whole.
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Add;
@@ -23,18 +23,18 @@ use crate::streams::CodecHeader;
 use crate::views::face_cache::{UnitId, units_under};
 use crate::views::{CachedUnit, DepthPart, FaceChanges, FaceUpdate, NewFace, Rect, TexelBackend, overlap};
 
-/// Words of chunks that a decoder keeps beside those that the frame needs.
+/// Words of chunks that a decoder keeps in addition to those that the frame needs.
 const KEPT_WORDS: usize = 16 << 20;
-/// Depths in metres whose inverses stay normal floats when multiplied by a ray length.
+/// Range of depths in metres whose inverses remain normal floats after multiplication by a ray length.
 const MULTIPLIED_M: [f32; 2] = [1e-15, 1e15];
 
-/// Cost of decoding on the device. Times cover the device's work with [`GpuBackend::waits`]; without it, only the host's.
+/// Cost of decoding on the device. With [`GpuBackend::waits`] times include the device's work, otherwise only the host's.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct UnitCost {
-    /// Stored bytes that were read.
+    /// Stored bytes read from the container.
     pub bytes_read: u64,
     pub bytes_sent: u64,
-    /// Time for reading, unpacking and checking chunks, and for sending them.
+    /// Time for reading, decompressing and checking chunks, and for sending them.
     pub fetching: Duration,
     pub decoding: Duration,
     /// Time for writing inverse depths.
@@ -46,15 +46,15 @@ pub struct GpuBackend<'a> {
     gpu: &'a Gpu,
     decoder: &'a Decoder,
     probes: HashMap<usize, ProbeUnits<'a>>,
-    /// The cost of unloaded probes, and of all but decoding.
+    /// Cost of unloaded probes, and all cost other than decoding.
     cost: UnitCost,
-    /// Waits for the device after each part of the work, so that times are those of the parts.
+    /// If true, waits for the device after each stage, so that times are measured per stage.
     pub waits: bool,
-    /// Words of chunks that decoders of probes loaded later keep.
+    /// Words of chunks that the decoders of newly loaded probes keep.
     pub kept_words: usize,
 }
 
-/// Parts of a face whose depths are to be written.
+/// Parts of a face whose depths must be written.
 struct FaceParts {
     face: usize,
     parts: Vec<DepthPart>,
@@ -62,9 +62,9 @@ struct FaceParts {
 
 struct ProbeUnits<'a> {
     decoders: Vec<GpuDecoder<'a>>,
-    /// By stream index: the decoder, and the position there.
+    /// Index of the decoder and position in its streams, by stream index.
     places: HashMap<u32, [usize; 2]>,
-    /// By face number: the depth and colour streams.
+    /// Indices of the depth and colour streams, by face number.
     streams: HashMap<usize, [u32; 2]>,
     planes: DepthPlanes,
 }
@@ -89,7 +89,7 @@ impl ProbeUnits<'_> {
         Some((decoder, UnitFrame { stream, unit: unit.unit, frame }))
     }
 
-    /// A unit of a stream in its buffer.
+    /// Returns a unit of a stream, with its decoder and stream.
     fn unit(&self, stream: u32, unit: u32) -> Option<(&GpuDecoder<'_>, &StreamInfo, Unit)> {
         let [decoder, position] = *self.places.get(&stream)?;
         let decoder = self.decoders.get(decoder)?;
@@ -101,8 +101,8 @@ fn by_family<'s>(streams: impl Iterator<Item = &'s StreamInfo>) -> Vec<Vec<&'s S
     family::groups(streams.map(|stream| (stream, Family::of(&stream.header), 0)), 0)
 }
 
-/// Whether a device whose buffers hold at most `most_bytes` can decode the depth and colour of a container for rendering: every
-/// probe fits, colours are 8-bit codes, and products of inverse depths and ray lengths are those of the CPU.
+/// True if a device with buffers of at most `most_bytes` bytes can decode the depth and colour of a container for rendering:
+/// every probe fits, colours are 8-bit codes, and products of inverse depths and ray lengths equal those of the CPU.
 pub fn can_decode(decoder: &Decoder, most_bytes: u64) -> bool {
     let is_apt = |stream: &StreamInfo| match &stream.header {
         CodecHeader::Depth(header) => {
@@ -111,13 +111,13 @@ pub fn can_decode(decoder: &Decoder, most_bytes: u64) -> bool {
         }
         CodecHeader::Color(header) => !header.is_half(),
         CodecHeader::Material(_) => true,
-        // Cells of colour on the device have no alpha: the CPU decodes these containers, and the device renders them.
+        // Colour cells on the device have no alpha, so the CPU decodes these containers and the device only renders.
         CodecHeader::Alpha(_) => false,
     };
     decoder.streams().iter().all(is_apt) && buffer_bytes(decoder) <= most_bytes
 }
 
-/// Bytes of the largest buffer for any probe of a container, with depth and colour of all its faces.
+/// Returns the size in bytes of the largest buffer that any probe of a container needs, with depth and colour of all its faces.
 pub fn buffer_bytes(decoder: &Decoder) -> u64 {
     let is_decoded = |stream: &StreamInfo| stream.kind != StreamKind::Material;
     let mut probes: BTreeMap<usize, Vec<&StreamInfo>> = BTreeMap::new();
@@ -135,7 +135,7 @@ pub fn buffer_bytes(decoder: &Decoder) -> u64 {
         words.fold(depth_planes::buffer_words(&faces), u64::max)
     };
     let words = probes.values().map(of_probe).max().unwrap_or(0);
-    // A blend across two chunks of colour needs both.
+    // A blend between two chunks of colour needs both.
     let chunks = decoder.reader().index().chunks.iter();
     let chunks = chunks.filter(|chunk| decoder.streams().get(chunk.key.stream as usize).is_some_and(is_decoded));
     let chunk_bytes = chunks.map(|chunk| u64::from(chunk.raw_bytes)).max().unwrap_or(0);
@@ -143,7 +143,7 @@ pub fn buffer_bytes(decoder: &Decoder) -> u64 {
 }
 
 impl<'a> GpuBackend<'a> {
-    /// No units yet, of a container that [`can_decode`] allows.
+    /// Creates a backend without loaded probes; [`can_decode`] must hold for the container.
     pub fn new(gpu: &'a Gpu, decoder: &'a Decoder) -> GpuBackend<'a> {
         let (probes, cost) = (HashMap::new(), UnitCost::default());
         GpuBackend { gpu, decoder, probes, cost, waits: false, kept_words: KEPT_WORDS }
@@ -182,7 +182,7 @@ impl<'a> GpuBackend<'a> {
 add_members!(UnitCost: bytes_read, bytes_sent, fetching, decoding, texels, pyramids);
 
 impl<'a> GpuBackend<'a> {
-    /// The units of a probe that is loaded, and the bytes that were sent for them.
+    /// Creates the decoders and planes of a probe; returns them with the number of bytes sent.
     fn probe_units(&self, faces: &[NewFace<'_>]) -> Result<(ProbeUnits<'a>, u64)> {
         let streams = faces.iter().flat_map(|face| [face.depth, face.color]);
         let streams = streams.map(|stream| &self.decoder.streams()[stream as usize]);
@@ -209,7 +209,7 @@ impl TexelBackend for GpuBackend<'_> {
     fn load(&mut self, probe: usize, faces: &[NewFace<'_>]) -> Result<()> {
         let made = self.probe_units(faces);
         if made.is_err() {
-            // Buffers that are dropped next are freed at once where no work uses them any more.
+            // Waiting frees the buffers that are dropped next as soon as no work uses them.
             self.gpu.wait()?;
         }
         let (units, sent) = made?;
@@ -266,7 +266,7 @@ impl TexelBackend for GpuBackend<'_> {
             }
         }
         for (probe, faces) in by_probe {
-            // Taken out while it is written.
+            // Removed from the map while it is written.
             let Some(mut units) = self.probes.remove(&probe) else { continue };
             let written = self.write_probe(&mut units, &faces);
             self.probes.insert(probe, units);

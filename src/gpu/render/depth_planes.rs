@@ -1,7 +1,7 @@
 //! Inverse depths of a probe and their pyramids in device buffers: planes of words, one for the texels of each face and one for
 //! each level of its pyramid (CALF 6.2). Kernels write them from decoded tiles; textures are copied from them.
 //!
-//! The words equal those of `views::face_cache` and `march::pyramid` on the CPU: inverse depths come from a table, and are
+//! The words equal those of `views::face_cache` and `march::pyramid` on the CPU: inverse depths come from a table and are
 //! multiplied at most once.
 
 use std::collections::BTreeMap;
@@ -18,48 +18,48 @@ use crate::march::DepthPyramid;
 use crate::streams::DepthHeader;
 use crate::views::{DepthPart, FaceTexels, InverseDepth, NewFace, Rect, UNKNOWN, bounds};
 
-/// Alignment of rows in words: copies into textures require it.
+/// Row alignment in words, required for copies into textures.
 pub const ROW_WORDS: u32 = 64;
-/// Words before the first plane: the topmost level of each face, one word at the number of the face, then reductions of those
-/// of a cube.
+/// Words before the first plane: the topmost level of each face, one word at the index of the face, then the reductions of the
+/// six cube faces.
 const HEAD_WORDS: u32 = 64;
-/// Words of the six tops of a cube, then of their reductions: the first of each, and how many.
+/// Word ranges of the topmost levels of the six cube faces, and of their successive reductions: first word and number of words.
 const REDUCTIONS: [[u32; 2]; 4] = [[0, 6], [8, 3], [11, 2], [13, 1]];
-/// The word of the greatest inverse depth of a cube, and at most [`NO_BOUND`].
+/// Word that holds the maximum inverse depth of a cube, clamped to [`NO_BOUND`].
 pub const GREATEST_WORD: u32 = REDUCTIONS[3][0];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Plane {
-    /// Its first word.
+    /// First word.
     pub at: u32,
-    /// Words from row to row.
+    /// Row pitch in words.
     pub pitch: u32,
     pub size: [u32; 2],
 }
 
-/// A rectangle of an image in a buffer of words, one for each texel.
+/// A rectangle of an image in a buffer, one word per texel.
 #[derive(Debug, Clone, Copy)]
 pub struct TexelWords<'p> {
     pub buffer: &'p wgpu::Buffer,
     /// First word.
     pub at: u32,
-    /// Words from row to row.
+    /// Row pitch in words.
     pub pitch: u32,
-    /// Where it lies in the image.
+    /// Position in the image.
     pub rect: Rect,
 }
 
 /// Planes and tables of a face.
 struct FacePlanes {
-    /// Texels, and the levels above them.
+    /// Texels, then the pyramid levels.
     levels: Vec<Plane>,
-    /// First of the inverse depths by code.
+    /// Offset of the table that maps codes to inverse depths.
     table: u32,
-    /// First of the ray lengths, row by row.
+    /// Offset of the ray lengths, stored row by row.
     ray_lengths: Option<u32>,
 }
 
-/// Parts of the tiles in one buffer of pictures, whose depths are to be written.
+/// Parts of tiles in one buffer of pictures whose depths must be written.
 pub struct TileParts<'p> {
     pub pictures: &'p wgpu::Buffer,
     pub parts: Vec<TilePart>,
@@ -69,7 +69,7 @@ pub struct TileParts<'p> {
 pub struct TilePart {
     pub face: usize,
     pub part: DepthPart,
-    /// Where the tile lies in the buffer.
+    /// The tile's unit in the buffer of pictures.
     pub unit: Unit,
     /// Left and top of the tile in the face.
     pub corner: [u32; 2],
@@ -82,7 +82,7 @@ pub struct DepthPlanes {
     faces: BTreeMap<usize, FacePlanes>,
 }
 
-/// Columns and rows of the planes of a face: its texels, and the levels above them.
+/// Returns the sizes of a face's planes: its texels, then the pyramid levels.
 fn plane_sizes(size: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
     std::iter::once(size).chain(DepthPyramid::sizes(size))
 }
@@ -91,7 +91,8 @@ fn plane_words([width, height]: [u32; 2]) -> u64 {
     u64::from(width.next_multiple_of(ROW_WORDS)) * u64::from(height)
 }
 
-/// Most words of the larger buffer of a probe, given the sizes and headers of its depth streams: planes, or tables.
+/// Returns the words of the larger of a probe's two buffers, planes and tables, from the sizes and headers of its depth
+/// streams.
 pub fn buffer_words(faces: &[([u32; 2], DepthHeader)]) -> u64 {
     let planes = faces.iter().flat_map(|(size, _)| plane_sizes(*size)).map(plane_words).sum::<u64>();
     let mut ranges = Vec::new();
@@ -108,16 +109,16 @@ pub fn buffer_words(faces: &[([u32; 2], DepthHeader)]) -> u64 {
     tables.max(u64::from(HEAD_WORDS) + planes)
 }
 
-/// A dispatch with its list among the jobs.
+/// A dispatch, with the position of its list in the jobs buffer.
 pub struct Step<'p> {
     pictures: Option<&'p wgpu::Buffer>,
-    /// First word of the list, and words.
+    /// First word of the list, and its length in words.
     at: u64,
     words: u64,
     invocations: u32,
 }
 
-/// Lists of jobs that write inverse depths, then their pyramids, one after the other.
+/// Lists of jobs that write inverse depths, and of jobs that then write the pyramids.
 #[derive(Default)]
 pub struct Jobs<'p> {
     words: Vec<u32>,
@@ -125,7 +126,7 @@ pub struct Jobs<'p> {
     pub squares: Vec<Step<'p>>,
 }
 
-/// Tables with their first words: inverse depths by code, once per range, and ray lengths, once per projection.
+/// Tables and their first words: inverse depths by code, one table per range; ray lengths, one table per projection.
 #[derive(Default)]
 struct Tables<'f> {
     words: Vec<u32>,
@@ -159,7 +160,7 @@ impl<'f> Tables<'f> {
 }
 
 impl DepthPlanes {
-    /// Planes of faces without known texels, and the bytes that were sent.
+    /// Creates planes with all texels unknown; returns them with the number of bytes sent.
     pub fn new(gpu: &Gpu, faces: &[NewFace<'_>]) -> Result<(DepthPlanes, u64)> {
         let (mut tables, mut known, mut at) = (Tables::default(), BTreeMap::new(), u64::from(HEAD_WORDS));
         for new in faces {
@@ -176,7 +177,7 @@ impl DepthPlanes {
             let ray_lengths = (new.inverse.kind == DepthKind::Distance).then(|| tables.ray_lengths(new.texels));
             known.insert(new.face, FacePlanes { levels, table, ray_lengths });
         }
-        // The error of a buffer that is too large names both sizes.
+        // If the buffer is too large, its error states both the needed and the allowed size.
         let words = usize::try_from(at).unwrap_or(usize::MAX / 8);
         let planes = gpu.buffer("planes", words, wgpu::BufferUsages::empty())?;
         let mut start = vec![UNKNOWN.to_bits(); words];
@@ -191,18 +192,18 @@ impl DepthPlanes {
         self.planes.size() + self.tables.size() + self.jobs.as_ref().map_or(0, wgpu::Buffer::size)
     }
 
-    /// The texels of a face, and the levels of its pyramid.
+    /// Returns the planes of a face: its texels, then the pyramid levels.
     pub fn levels(&self, face: usize) -> &[Plane] {
         self.faces.get(&face).map_or(&[], |face| &face.levels)
     }
 
-    /// A rectangle of a plane.
+    /// Returns a rectangle of a plane.
     pub fn texels(&self, plane: &Plane, rect: Rect) -> TexelWords<'_> {
         let [left, top, ..] = rect;
         TexelWords { buffer: &self.planes, at: plane.at + top * plane.pitch + left, pitch: plane.pitch, rect }
     }
 
-    /// Whether there is [`GREATEST_WORD`]: a face in every direction.
+    /// True if [`GREATEST_WORD`] is computed: the probe has all six cube faces.
     pub fn has_greatest(&self) -> bool {
         Face::CUBE.iter().all(|&face| self.faces.contains_key(&(face as usize)))
             && !self.faces.contains_key(&(Face::View as usize))
@@ -229,7 +230,7 @@ impl DepthPlanes {
         all
     }
 
-    /// The jobs of each level, from the texels up, and of the reductions.
+    /// Lists the jobs of each level, from the texels up, then those of the reductions.
     fn pyramid_jobs(&self, changed: &BTreeMap<usize, Rect>) -> Vec<Vec<PyramidJob>> {
         let most_levels = changed.keys().map(|face| self.levels(*face).len()).max().unwrap_or(0);
         let mut all = Vec::new();
@@ -253,7 +254,7 @@ impl DepthPlanes {
         all
     }
 
-    /// Sends lists of jobs; answers the bytes.
+    /// Sends lists of jobs; returns the number of bytes.
     pub fn send(&mut self, gpu: &Gpu, jobs: &Jobs<'_>) -> Result<u64> {
         let (words, bytes) = (jobs.words.len(), 4 * jobs.words.len() as u64);
         if words == 0 {
@@ -316,7 +317,7 @@ impl FacePlanes {
     }
 }
 
-/// The part of a level of a pyramid, counted from 0, that covers a rectangle of texels.
+/// Returns the part of pyramid level `level`, counted from 0, that covers a rectangle of texels.
 pub fn above([left, top, width, height]: Rect, level: usize) -> Rect {
     let span = |begin: u32, length: u32| {
         let first = begin >> (level + 1);
@@ -326,7 +327,7 @@ pub fn above([left, top, width, height]: Rect, level: usize) -> Rect {
     [left, top, width, height]
 }
 
-/// The job that writes a rectangle of a level from the level below.
+/// Returns the job that computes a rectangle of a level from the level below.
 fn pyramid_job([below, plane]: [&Plane; 2], [left, top, width, height]: Rect, end: u32) -> PyramidJob {
     PyramidJob {
         below: below.at,
@@ -343,7 +344,7 @@ fn pyramid_job([below, plane]: [&Plane; 2], [left, top, width, height]: Rect, en
     }
 }
 
-/// Appends a list of jobs where a binding may begin; no step of an empty one.
+/// Appends a list of jobs at an offset where a binding may begin; returns no step for an empty list.
 fn list<'p, T: Words>(
     words: &mut Vec<u32>,
     jobs: &[T],

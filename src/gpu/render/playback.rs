@@ -1,5 +1,6 @@
-//! Playback on a graphics device: changes are sent once for each frame request, for all its cameras. The device decodes depth and
-//! colour where it can and is asked to; the CPU decodes materials, half floats, and everything of containers with alpha and for secondary rays.
+//! Playback on a graphics device: changes are sent once per frame request, for all its cameras. The device decodes depth and
+//! colour if it can and decoding is enabled. The CPU decodes materials and half floats, and everything for containers with
+//! alpha and for rendering with secondary rays.
 
 use glam::DVec3;
 
@@ -20,7 +21,7 @@ pub struct DeviceRenderer<'a> {
     pub options: PictureOptions,
     gpu: &'a Gpu,
     pyramids: Pyramids,
-    /// Made for the first frame request.
+    /// Created for the first frame request.
     pub renderer: Option<GpuRenderer<'a>>,
 }
 
@@ -29,8 +30,8 @@ impl<'a> DeviceRenderer<'a> {
         DeviceRenderer { options, gpu, pyramids: Pyramids::default(), renderer: None }
     }
 
-    /// The same with decoding on the device, if it can decode the container. `coding` is that of the light field. With secondary
-    /// rays the CPU decodes, since it fits refractive spheres to the texels.
+    /// Enables decoding on the device if it can decode the container. `coding` is the colour coding of the light field. With
+    /// secondary rays the CPU decodes, because it fits refractive spheres to the texels.
     #[must_use]
     pub fn decoding(self, decoder: &'a Decoder, coding: ColorCoding) -> DeviceRenderer<'a> {
         let gpu = self.gpu;
@@ -41,8 +42,9 @@ impl<'a> DeviceRenderer<'a> {
         DeviceRenderer { renderer, ..self }
     }
 
-    /// [`Self::decoding`], but for containers with entropy-coded colour, of which a device decodes a region with one invocation: an
-    /// update of nine cubes of 128x128 pixels took 26 ms on an NVIDIA H200, and 3.5 ms where its host decoded and sent all of it.
+    /// As [`Self::decoding`], except for containers with entropy-coded colour: a device decodes each region with one
+    /// invocation. An update of nine cubes of 128x128 pixels took 26 ms on an NVIDIA H200, and 3.5 ms when its host decoded and
+    /// sent everything.
     #[must_use]
     pub fn decoding_unless_entropy_coded(self, decoder: &'a Decoder, coding: ColorCoding) -> DeviceRenderer<'a> {
         let is_entropy_coded =
@@ -82,7 +84,7 @@ impl Renderer for DeviceRenderer<'_> {
             let probe = stage.field.views[change.view].probe;
             renderer.texels.change(ImageId { probe, face: change.face }, change.kind, change.rect);
         }
-        // Which texels are needed does not depend on the eye.
+        // The set of needed texels does not depend on the eye.
         renderer.upload(&ActiveViews::with_pyramids(stage.field, &self.pyramids, stage.views, DVec3::ZERO))
     }
 

@@ -1,4 +1,4 @@
-//! Input of the rendering kernels: camera, settings, views and their images, as rows of `shaders/march/layout.wgsl`.
+//! Input of the rendering kernels: camera, settings, views and their images, as the structs of `shaders/march/layout.wgsl`.
 
 use std::mem::offset_of;
 
@@ -16,22 +16,22 @@ pub struct ImageId {
     pub face: usize,
 }
 
-/// Where an image begins in the texture arrays.
+/// Position of an image in the texture arrays.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Origin {
     /// Column and row of its first texel.
     pub texels: [u32; 2],
-    /// Column and row at which its pyramid begins, in textures of their own.
+    /// Column and row of its pyramid in the pyramid texture.
     pub pyramid: [u32; 2],
     pub layer: u32,
 }
 
-/// Stands for an infinite inverse depth: shaders have no infinity.
+/// Substitute for an infinite inverse depth: shaders have no infinity.
 pub const NO_BOUND: f32 = 1e30;
 
-/// The word of a view that has no image of a face.
+/// Marks a face for which a view has no image.
 const NO_FACE: u32 = u32::MAX;
-/// Images of a view in its row.
+/// Number of image slots per view.
 const FACES_OF_VIEW: usize = 8;
 const CODING_LIGHT: u32 = 0;
 const CODING_SRGB: u32 = 1;
@@ -44,24 +44,25 @@ const BACKGROUND_TRANSPARENT: u32 = 1;
 const REFINE_ANGLES: u32 = 1;
 const REFINE_EDGES: u32 = 2;
 const REFINE_THIN: u32 = 4;
-/// Word of a scene with the first row of a dispatch.
+/// Word of [`Scene`] with the first row of a dispatch.
 pub const FIRST_ROW_WORD: usize = offset_of!(Scene, first_row) / 4;
-/// Word of a scene with the number of rows of a dispatch.
+/// Word of [`Scene`] with the number of rows of a dispatch.
 pub const ROWS_WORD: usize = offset_of!(Scene, rows) / 4;
 pub const GREATEST_WORD: usize = offset_of!(View, greatest_inverse_depth) / 4;
 
-/// The input of a rendering kernel, textures apart.
+/// Input of a rendering kernel, except textures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneRows {
     pub scene: Scene,
-    /// Active views, then a view for each refractive sphere.
+    /// Active views, then one view per refractive sphere.
     pub views: Vec<View>,
     pub faces: Vec<Face>,
     pub distances_m: Vec<f32>,
 }
 
 impl SceneRows {
-    /// `pyramid_rows` is [`super::texels::DeviceTexels::pyramid_rows`]; `origin` is where the image of a face lies.
+    /// Creates the input. `pyramid_rows` is [`super::texels::DeviceTexels::pyramid_rows`]; `origin` returns the position of an
+    /// image.
     pub fn new(
         views: &ActiveViews<'_>,
         proxies: &Proxies,
@@ -83,7 +84,7 @@ impl SceneRows {
             for (number, texels) in active.view.faces.iter().enumerate() {
                 let Some(texels) = texels else { continue };
                 faces[number] = rows.faces.len() as u32;
-                // A device that decodes has all levels, and the CPU none.
+                // With decoding on the device all levels exist there, and none on the CPU.
                 let levels = match texels.is_in_backend() {
                     true => DepthPyramid::sizes(texels.size).len(),
                     false => active.pyramids.faces[number].levels.len(),
@@ -218,7 +219,7 @@ mod tests {
         kernel.entry == "render"
     }
 
-    /// Constants of shaders that the CPU has too.
+    /// Constants that both the shaders and the CPU define.
     fn twins() -> Vec<(&'static str, f64)> {
         let numbers = [
             ("VIEW_FACE", crate::image::cube::Face::View as u32),
@@ -285,7 +286,7 @@ mod tests {
         numbers.chain(floats.into_iter().map(|(name, value)| (name, value.into()))).chain(counted).collect()
     }
 
-    /// Constants that shaders have for themselves: what stands for an enum or for nothing, and lengths that floats set.
+    /// Constants that only shaders define: enum values, sentinels, capacities, and lengths near the limits of floats.
     const OF_SHADERS: [&str; 12] = [
         "ALL_VIEWS",
         "EMPTY",
@@ -310,7 +311,7 @@ mod tests {
             let module = naga::front::wgsl::parse_str(&source).unwrap();
             let value = |name: &str| {
                 let found = module.constants.iter().find(|(_, found)| found.name.as_deref() == Some(name));
-                // Those without a type are gone when the text is read.
+                // naga discards untyped constants when it parses a shader.
                 let (_, found) = found.unwrap_or_else(|| panic!("{name} of {} needs a type", kernel.name));
                 match module.global_expressions[found.init] {
                     naga::Expression::Literal(naga::Literal::F32(value)) => Some(f64::from(value)),

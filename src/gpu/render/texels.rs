@@ -1,7 +1,7 @@
-//! Texels on a device: the images of active views in texture arrays, and which of their texels are stale.
+//! Texels on a device: the images of active views in texture arrays, and the list of their stale texels.
 //!
-//! All images have tiles of one size, so that any image fits into any tile. A tile is a whole layer as long as the layers that
-//! WebGPU grants suffice, else several share one.
+//! All images have tiles of one size, so any image fits into any tile. A tile is a whole layer as long as the number of layers
+//! that WebGPU guarantees suffices; otherwise several tiles share a layer.
 
 use std::collections::{HashMap, HashSet};
 
@@ -17,23 +17,23 @@ use crate::image::StreamKind;
 use crate::march::{ActiveViews, DepthPyramid, Level};
 use crate::views::{ColorCoding, ColorTexels, FaceTexels, Rect, bounds, overlap};
 
-/// Most stale rectangles that are sent one by one; beyond, the whole image is sent.
+/// Maximum number of stale rectangles that are sent individually; above it the whole image is sent.
 const MAX_RECTANGLES: usize = 64;
 
-/// Texels that are not on the device yet, of one kind.
+/// A rectangle of texels of one kind that must be sent again.
 type Stale = (StreamKind, Rect);
 
 pub struct DeviceTexels {
-    /// Width and height of a tile: those of the largest images that were needed so far.
+    /// Width and height of a tile: the maximum over all images needed so far.
     tile: [u32; 2],
     coding: ColorCoding,
-    /// Whether an image that was needed so far has a material.
+    /// True if any image needed so far has a material.
     has_material: bool,
     pub textures: Option<Textures>,
     resident: HashMap<ImageId, Resident>,
 }
 
-/// Texture arrays that share an atlas of tiles.
+/// Texture arrays that share one atlas of tiles.
 pub struct Textures {
     capacity: usize,
     atlas: Atlas,
@@ -55,7 +55,7 @@ struct Image<'v> {
     pyramid: &'v DepthPyramid,
 }
 
-/// A place in a texture array: column, row and layer.
+/// A position in a texture array: column, row and layer.
 #[derive(Clone, Copy)]
 struct Place<'t> {
     texture: &'t wgpu::Texture,
@@ -63,7 +63,7 @@ struct Place<'t> {
 }
 
 impl Place<'_> {
-    /// The place of a rectangle of the image that begins here.
+    /// Returns the copy target of a rectangle of the image that begins here.
     fn copy_target(&self, [left, top, ..]: Rect) -> wgpu::TexelCopyTextureInfo<'_> {
         let [x, y, z] = self.origin;
         wgpu::TexelCopyTextureInfo {
@@ -78,7 +78,7 @@ impl Place<'_> {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Transferred {
     pub bytes_sent: u64,
-    /// From buffers that the device has decoded into.
+    /// Bytes copied from buffers that the device has decoded into.
     pub bytes_copied: u64,
 }
 
@@ -93,7 +93,7 @@ impl DeviceTexels {
         }
     }
 
-    /// Rectangles that cover any image, of each kind.
+    /// Returns one rectangle per kind that covers any image.
     fn whole(&self) -> Vec<Stale> {
         let [width, height] = self.tile;
         let kinds = [StreamKind::Depth, StreamKind::Color, StreamKind::Material];
@@ -118,7 +118,7 @@ impl DeviceTexels {
         let needed: HashSet<ImageId> = images.iter().map(|image| image.id).collect();
         images.iter().for_each(|image| self.fit(image.texels));
         if self.textures.as_ref().is_none_or(|textures| textures.capacity < needed.len()) {
-            // The old ones go first: there may be no room for both.
+            // Drop the old textures first: both may not fit in memory.
             self.clear();
             self.textures = Some(self.make(gpu, needed.len().max(1))?);
         }
@@ -148,8 +148,8 @@ impl DeviceTexels {
         self.resident.clear();
     }
 
-    /// Drops textures whose tiles are too small for an image, or that have no room for its material. Views are loaded when they
-    /// become active, so a larger image may come at any time.
+    /// Drops the textures if an image does not fit into a tile, or if it has a material and the textures do not. Views are
+    /// loaded when they become active, so a larger image may follow at any time.
     fn fit(&mut self, texels: &FaceTexels) {
         let tile = [0, 1].map(|axis| self.tile[axis].max(texels.size[axis]));
         let has_material = self.has_material || texels.material.is_some();
@@ -159,7 +159,7 @@ impl DeviceTexels {
         }
     }
 
-    /// Gives an image a tile, if need be that of an image that is not needed.
+    /// Allocates a tile for an image; if none is free, takes that of an image that is not needed.
     fn allocate(&mut self, id: ImageId, needed: &HashSet<ImageId>) {
         let stale = self.whole();
         let DeviceTexels { resident, textures: Some(textures), tile, .. } = self else { return };
@@ -218,7 +218,7 @@ impl DeviceTexels {
                 ColorCoding::Codes(_) => texture("colors", self.tile, wgpu::TextureFormat::Rgba8Unorm)?,
                 ColorCoding::Light => texture("colors", self.tile, wgpu::TextureFormat::Rgba16Float)?,
             },
-            // Kernels with a binding for materials need a texture, also without materials.
+            // Kernels with a binding for materials need a texture even without materials.
             materials: texture(
                 "materials",
                 if self.has_material { self.tile } else { [1, 1] },
@@ -227,8 +227,8 @@ impl DeviceTexels {
         })
     }
 
-    /// Rows of the pyramid of a tile: its larger side rounded up to a power of two, p. Level k, counted from 0, begins at row
-    /// p − p / 2ᵏ, below the level before it.
+    /// Returns the rows of a tile's pyramid: its larger side rounded up to a power of two, p. Level k, counted from 0, begins
+    /// at row p − p / 2ᵏ, below the previous level.
     pub fn pyramid_rows(&self) -> u32 {
         self.tile[0].max(self.tile[1]).next_power_of_two()
     }
@@ -248,7 +248,7 @@ impl DeviceTexels {
         [origin.pyramid[0], origin.pyramid[1] + rows - (rows >> level), origin.layer]
     }
 
-    /// Sends stale texels that the host keeps; answers the bytes.
+    /// Sends stale texels that the host keeps; returns the number of bytes.
     fn send(&mut self, gpu: &Gpu, image: &Image<'_>) -> Result<u64> {
         let (origin, whole, texels) = (self.origin(image.id), self.whole(), image.texels);
         let Some(resident) = self.resident.get_mut(&image.id) else { return Ok(0) };
@@ -264,7 +264,7 @@ impl DeviceTexels {
             let (mut sent, mut changed) = (0, None);
             for (kind, rect) in stale {
                 let (texture, bytes) = match kind {
-                    // A part of the texels of colour: no change is of this kind.
+                    // Never listed: alpha is part of the colour texels.
                     StreamKind::Alpha => continue,
                     StreamKind::Depth => (&textures.inverse_depths, bytemuck::cast_slice(&texels.inverse_depth)),
                     StreamKind::Color => (&textures.colors, color_bytes(&texels.color)),
@@ -289,7 +289,7 @@ impl DeviceTexels {
         })
     }
 
-    /// Lists copies of stale texels of an image from the buffers of the backend.
+    /// Lists the copies of an image's stale texels from the backend's buffers.
     fn list_copies<'u>(&'u self, id: ImageId, backend: &'u GpuBackend<'_>, copies: &mut Vec<TexelCopy<'u>>) {
         let (Some(textures), Some(planes)) = (&self.textures, backend.planes(id.probe)) else { return };
         let [texels, levels @ ..] = planes.levels(id.face) else { return };
@@ -330,7 +330,7 @@ impl DeviceTexels {
     }
 }
 
-/// Words that become texels of four bytes.
+/// Copy of words from a buffer to texels of four bytes.
 struct TexelCopy<'u> {
     words: TexelWords<'u>,
     place: Place<'u>,
@@ -342,7 +342,7 @@ impl TexelCopy<'_> {
         let [_, _, width, height] = rect;
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 4 * u64::from(at),
-            // A single row may be the last of its buffer, with no whole pitch behind it.
+            // If a single row is the last of its buffer, the buffer may end before a full row pitch.
             bytes_per_row: (height > 1).then_some(4 * pitch),
             rows_per_image: None,
         };
@@ -361,9 +361,9 @@ fn color_bytes(texels: &ColorTexels) -> &[u8] {
     }
 }
 
-/// Sends a rectangle of an image of `size`, whose bytes are all given; answers the bytes sent.
+/// Sends a rectangle of an image of `size`, given all bytes of the image; returns the number of bytes sent.
 fn write(gpu: &Gpu, place: Place<'_>, bytes: &[u8], size: [u32; 2], rect: Rect) -> u64 {
-    // The rectangle may be that of a tile, and larger than the image.
+    // The rectangle may cover a whole tile, which can be larger than the image.
     let Some(rect) = overlap(rect, [0, 0, size[0], size[1]]) else { return 0 };
     let [left, top, width, height] = rect;
     let texel = bytes.len() as u64 / (u64::from(size[0]) * u64::from(size[1]));

@@ -1,4 +1,4 @@
-//! Inputs of the kernels of blocks: random bits in every mode, and what encoders choose.
+//! Inputs of the block-decoding kernels: random bits in every mode, and blocks from the encoders.
 
 use crate::block::{Bc1, Bc4, Bc5, Bc6h, Bc7, BlockEncoder, bc1, bc4, bc5, bc6h, bc7};
 use crate::effort::Effort;
@@ -7,11 +7,11 @@ use crate::gpu::pictures::{pack_bytes, pack_halves};
 use crate::gpu::prepare::words_from;
 use crate::math::random::Random;
 
-/// Random blocks of each mode.
+/// Number of random blocks per mode.
 const EACH: usize = 2000;
-/// Columns and rows of the picture that encoders are given.
+/// Width and height of the picture that is encoded.
 const SIDE: usize = 128;
-/// Blocks that are timed: those of 2048x2048 pixels.
+/// Number of blocks in the timed case: those of 2048x2048 pixels.
 const MANY: usize = 1 << 18;
 
 /// BC1, with both orders of the endpoints.
@@ -60,7 +60,7 @@ pub(super) fn bc7(seed: u64) -> Vec<Case> {
     cases(seed, &MODES, &chosen, force, |block| bc7::decode(block).map(u32::from_le_bytes).to_vec())
 }
 
-/// Slopes and edges with noise.
+/// Returns a picture of gradients and edges with noise.
 fn picture(seed: u64) -> Vec<[u8; 3]> {
     let mut random = Random::new(seed ^ 0xb10c);
     let pixel = |at: usize| {
@@ -71,7 +71,8 @@ fn picture(seed: u64) -> Vec<[u8; 3]> {
     (0..SIDE * SIDE).map(pixel).collect()
 }
 
-/// The cases of a format: for each mode random blocks, in which `force` sets the mode; `chosen` blocks; and many of all modes.
+/// Returns the cases of a format: random blocks of each mode, which `force` sets; `chosen` blocks; and many blocks of all
+/// modes.
 fn cases<const BYTES: usize>(
     seed: u64,
     modes: &[&str],
@@ -83,7 +84,7 @@ fn cases<const BYTES: usize>(
     let mut block = |mode: usize| {
         let mut block = [0; BYTES];
         random.fill(&mut block);
-        // Extremes: the same byte from some place on.
+        // Extreme values: all bytes from a random position on are equal.
         if random.one_in(4) {
             let same = [0, 255, random.word() as u8][random.below(3) as usize];
             block[random.below(BYTES as u32) as usize..].fill(same);

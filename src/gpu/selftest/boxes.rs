@@ -1,5 +1,5 @@
-//! Inputs of the kernels of boxes: columns that share words, units of odd sizes, whole and constant records,
-//! block tiles.
+//! Inputs of the box-decoding kernels: adjacent columns that share words, units of odd sizes, whole and constant records, block
+//! tiles.
 
 use crate::depth::block_tiles::{Layout, tiles_of};
 use crate::depth::record_table::builder::TableBuilder;
@@ -11,16 +11,16 @@ use crate::gpu::prepare::{self, Prepared};
 use crate::gpu::selftest::gathered::Gathered;
 use crate::math::random::Random;
 
-/// A pixel that boxes hold.
+/// A pixel type that boxes store.
 pub trait BoxTexel: Texel {
-    /// A random one, often one that others are like.
+    /// Returns a random value; one of four is a common value.
     fn random(random: &mut Random) -> Self;
 
-    /// A picture as words.
+    /// Packs a picture into words.
     fn pack(picture: &[Self], width: usize) -> Vec<u32>;
 }
 
-/// Appends a random rectangle.
+/// Appends the data of a random rectangle.
 pub fn put_random<T: BoxTexel>(layout: Layout, size: [u32; 2], random: &mut Random, data: &mut Vec<u8>) {
     let pixels = size.map(|side| side as usize);
     if layout == Layout::Values {
@@ -36,7 +36,7 @@ pub fn put_random<T: BoxTexel>(layout: Layout, size: [u32; 2], random: &mut Rand
     data.extend(tiles);
 }
 
-/// Boxes of a unit, stored in this way, that do not overlap.
+/// Returns random boxes of a unit in this layout that do not overlap.
 pub fn random_boxes_in(layout: Layout, [width, height]: [u32; 2], random: &mut Random) -> Vec<PixelBox> {
     if layout == Layout::Values {
         return random_boxes([width, height], random);
@@ -79,7 +79,7 @@ pub fn random_picture<T: BoxTexel>(pixels: usize, random: &mut Random) -> Vec<T>
     (0..pixels).map(|_| T::random(random)).collect()
 }
 
-/// Boxes that do not overlap: some of the parts of a unit that was split again and again.
+/// Returns boxes that do not overlap: about half of the parts of a unit that was split repeatedly.
 pub fn random_boxes(size: [u32; 2], random: &mut Random) -> Vec<PixelBox> {
     let mut parts = vec![PixelBox { x: 0, y: 0, width: size[0] as u16, height: size[1] as u16 }];
     for _ in 0..random.below(24) {
@@ -104,7 +104,7 @@ pub fn random_boxes(size: [u32; 2], random: &mut Random) -> Vec<PixelBox> {
     parts
 }
 
-/// Adds units to which the first records of a random chunk are applied: a keyframe, then these boxes.
+/// Adds units to which the first records of a random chunk are applied: a keyframe, then the given boxes.
 fn push<T: BoxTexel>(
     all: &mut Gathered,
     layout: Layout,
@@ -141,7 +141,7 @@ pub(super) fn cases<T: BoxTexel>(layout: Layout, seed: u64) -> Vec<Case> {
     let random = &mut Random::new(seed);
     let [mut small, mut odd, mut large] = [(); 3].map(|()| Gathered::default());
     for size in (1..=9).flat_map(|width| (1..=3).map(move |height| [width, height])) {
-        // Boxes of one column each, where that is allowed: every word is shared.
+        // Boxes one column wide, where the layout allows them: every word is shared by two boxes.
         let column = |x| PixelBox { x, y: 0, width: 1, height: size[1] as u16 };
         let columns: Vec<_> = (0..size[0] as u16).filter(|_| !random.one_in(3)).map(column).collect();
         let boxes =

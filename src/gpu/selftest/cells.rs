@@ -1,5 +1,5 @@
-//! Inputs of the kernels of colour: every pair of bytes at every weight, every edge of half floats, odd offsets,
-//! keyframes in blocks.
+//! Inputs of the colour kernels: every pair of bytes at every weight, edge cases of half floats, odd offsets, block-compressed
+//! keyframes.
 
 use crate::color::cells::builder::CellBuilder;
 use crate::color::{CellChunk, CellFormat, HalfKey, KeyframeBlocks, Sample};
@@ -11,7 +11,7 @@ use crate::gpu::selftest::gathered::Gathered;
 use crate::math::random::Random;
 
 pub trait CellSample: Sample {
-    /// A random one, often an edge.
+    /// Returns a random value, often an edge case.
     fn random(random: &mut Random) -> Self;
 
     fn pack(samples: &[Self]) -> Vec<u32>;
@@ -27,7 +27,7 @@ impl CellSample for u8 {
     }
 }
 
-/// Patterns of half floats: zeros, the least, one, the largest, infinities, NaNs.
+/// Edge cases of half floats: zeros, subnormals, ones, the largest numbers, infinities, NaNs.
 const HALVES: [u16; 16] = [
     0x0000, 0x8000, 0x0001, 0x8001, 0x03ff, 0x0400, 0x3c00, 0xbc00, 0x7bff, 0xfbff, 0x7c00, 0xfc00, 0x7c01, 0xfe00,
     0x7fff, 0xffff,
@@ -51,7 +51,7 @@ enum Keyframe<S> {
 }
 
 impl<S: CellSample> Keyframe<S> {
-    /// Random samples, or, where the format has them, mostly random blocks.
+    /// Returns random samples or, for a block-compressed format, usually random blocks.
     fn random(format: &CellFormat<S>, random: &mut Random) -> Keyframe<S> {
         match format.blocks {
             Some(blocks) if !random.one_in(4) => {
@@ -90,8 +90,8 @@ impl<S: CellSample> Between<S> {
     }
 }
 
-/// Adds cells that show the same pair of keyframes, one for each weight. `lead` weights come before the samples, so that these
-/// start at any byte.
+/// Adds cells that blend the same pair of keyframes, one per weight. `lead` weights precede the second keyframe, so that its
+/// samples start at any byte offset.
 fn push<S: CellSample>(all: &mut Gathered, cell: &Between<S>, weights: &[u8], lead: u32) {
     let mut builder = CellBuilder::default();
     cell.keyframes[0].push(&cell.format, &mut builder);
@@ -121,7 +121,7 @@ fn push<S: CellSample>(all: &mut Gathered, cell: &Between<S>, weights: &[u8], le
     }
 }
 
-/// A case of one pair of keyframes at every weight, then random ones.
+/// Returns a case of one pair of keyframes at every weight, then random cases.
 fn cases<S: CellSample>(seed: u64, label: &str, cell: &Between<S>, lead: u32) -> Vec<Case> {
     let mut pairs = Gathered::default();
     push(&mut pairs, cell, &(0..=u8::MAX).collect::<Vec<_>>(), lead);
@@ -129,7 +129,7 @@ fn cases<S: CellSample>(seed: u64, label: &str, cell: &Between<S>, lead: u32) ->
 }
 
 pub(super) fn bytes(seed: u64) -> Vec<Case> {
-    // Every pair of bytes; the last sample fills up the pixel.
+    // Every pair of bytes; the last sample pads the pixel.
     let pair = |half: u32| Keyframe::Samples((0..65_538u32).map(|at| (at >> (8 * half)) as u8).collect());
     let cell = Between { format: CellFormat::of_samples(21_846, 1), keyframes: [pair(1), pair(0)] };
     cases(seed, "every pair of bytes at every weight", &cell, 0)
@@ -143,7 +143,7 @@ pub(super) fn halves(seed: u64) -> Vec<Case> {
     cases(seed, "every pair of edges at every weight", &cell, 1)
 }
 
-/// Keyframes of samples, or in blocks.
+/// Returns cases with keyframes of samples or blocks.
 pub(super) fn random_cases<S: CellSample>(seed: u64, blocks: Option<KeyframeBlocks<S>>) -> Vec<Case> {
     let random = &mut Random::new(seed);
     let mut odd = Gathered::default();

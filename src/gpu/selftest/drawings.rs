@@ -1,4 +1,4 @@
-//! Simplified scenes and cameras for the drawings: a room of tiles, leaves in front of it, triangles through the eye.
+//! Simplified scenes and cameras for testing the drawings: a tiled room, leaves in front of it, triangles through the eye.
 
 use std::time::Instant;
 
@@ -16,7 +16,7 @@ use crate::monitor::Silent;
 use crate::simplify::quad_mesh::QuadMesh;
 use crate::simplify::raster::{Compositing, DrawSettings, Drawn, draw_picture};
 
-/// Pixels along a side of a picture.
+/// Width of a picture in pixels.
 const SIZE: u32 = 96;
 
 #[derive(Debug)]
@@ -27,7 +27,7 @@ pub struct DrawingCase {
     pub settings: DrawSettings,
 }
 
-/// All cases; the last one is timed.
+/// Returns all cases; the last one is timed.
 pub fn cases(compositing: Compositing) -> Result<Vec<DrawingCase>> {
     let settings = DrawSettings { size: [SIZE, SIZE - 11], compositing, samples: 1 };
     let (in_room, away) = (DVec3::new(0.3, -0.2, 0.1), DVec3::new(1e5, -2e4, 3e5));
@@ -43,7 +43,7 @@ pub fn cases(compositing: Compositing) -> Result<Vec<DrawingCase>> {
     };
     let homogeneous = |builder: &mut Builder| {
         builder.room(DVec3::ZERO, 4.0);
-        // Weights that differ by corner: texture coordinates are not affine in the plane of a tile.
+        // Homogeneous weights that differ by corner: texture coordinates are not affine within a tile.
         builder.stq =
             (0..).zip(&builder.mesh.uvs).map(|(at, uv)| uv.extend(1.0) * (1.0 + 0.3 * (at % 4) as f32)).collect();
     };
@@ -83,14 +83,14 @@ pub fn run(gpu: &Gpu, case: &DrawingCase) -> Result<DrawingResult> {
     Ok(DrawingResult { agreement, on_device, on_cpu })
 }
 
-/// Runs the pictures that a drawing takes part in.
+/// Renders all pictures that use a drawing, and compares them with the CPU's.
 pub fn test_drawing(gpu: &Gpu, drawing: &'static Drawing) -> Result<KernelReport> {
     #[cfg(feature = "epipolar")]
     if drawing.name == kernels::TRIANGLES.name {
         return super::triangles::test(gpu, drawing.name);
     }
     let mut report = KernelReport::new(drawing.name);
-    // Fragments are counted by a drawing of their own where depth hides some.
+    // With a z-buffer a separate drawing counts fragments, because the depth test hides some.
     let is_painter = drawing.name == kernels::QUADS_PAINTER.name;
     let cases = cases(if is_painter { Compositing::Painter } else { Compositing::ZBuffer })?;
     for case in &cases {

@@ -1,4 +1,4 @@
-//! Units of one dispatch, gathered one by one into the buffers of a decoding kernel.
+//! Collects the units of one dispatch into the buffers of a decoding kernel.
 
 use crate::depth::domain::LOG2_TABLE;
 use crate::gpu::harness::Case;
@@ -13,18 +13,18 @@ pub struct Gathered {
     pub stream: Vec<u32>,
     /// Tables of the transform codec.
     pub tables: Vec<u32>,
-    /// Passes of its reader.
+    /// Passes of the kernel's reader.
     pub passes: u32,
-    /// Pictures before the dispatch, as far as they are not 0.
+    /// Pictures before the dispatch; missing words are 0.
     pub before: Vec<u32>,
-    /// Pictures after it.
+    /// Expected pictures after the dispatch.
     pub expected: Vec<u32>,
     pub inputs: u64,
     pub pixels: u64,
 }
 
 impl Gathered {
-    /// Adds a unit whose picture becomes `shown`; answers its number.
+    /// Adds a unit whose expected picture is `shown`; returns its index.
     pub fn push_unit(&mut self, unit: Unit, shown: Vec<u32>) -> u32 {
         let (picture, stride) = (self.expected.len() as u32, shown.len() as u32 / unit.height);
         self.units.push(Unit { picture, stride, ..unit });
@@ -32,7 +32,7 @@ impl Gathered {
         self.units.len() as u32 - 1
     }
 
-    /// Adds a job, whose work follows that of the jobs before.
+    /// Adds a job; its work follows that of the previous jobs.
     pub fn push_job(&mut self, job: Job, work: u32) {
         self.jobs.push(Job { end: self.work() + work, ..job });
     }

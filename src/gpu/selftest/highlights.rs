@@ -1,4 +1,4 @@
-//! Views with highlights: glossy floors and balls under suns and lamps in hard places.
+//! Views with highlights: glossy floors and balls under suns and lamps at difficult positions.
 
 use std::time::Instant;
 
@@ -19,10 +19,10 @@ use crate::scene::capture::SamplePattern;
 use crate::scene::{Lamp, Light, Material, Object, Phong, Quad, SceneAtTime, Shape, Sky, Sphere, Texture, Window};
 
 const SIZE: [u32; 2] = [72, 40];
-/// Metres between the first view and the last.
+/// Metres from the first view to the last.
 const BASELINE_M: f64 = 0.6;
 
-/// A floor, a ball and a wall of one gloss under lamps.
+/// Creates a scene of a glossy floor and ball and a matte wall under lamps.
 fn scene(exponent: f64, radiance: f64, lamps: &[[f64; 3]]) -> SceneAtTime {
     let phong = Phong { weight: DVec3::new(0.5, 0.4, 0.3), exponent };
     let glossy = Material { phong, ..Material::diffuse(Texture::Solid(DVec3::new(0.2, 0.3, 0.4))) };
@@ -61,7 +61,7 @@ fn case(
     Ok(InterpolationCase { label: label.to_owned(), views, sources, settings })
 }
 
-/// Hard ones; the last one is timed.
+/// Returns all cases, difficult ones first; the last one is timed.
 pub fn cases() -> Result<Vec<InterpolationCase>> {
     let half = 0.5 * BASELINE_M;
     let views = (7, BASELINE_M, f64::INFINITY);
@@ -118,7 +118,7 @@ mod tests {
             let of = Interpolator::new(&case.views, &case.sources, case.settings);
             let count = case.views.offsets_m.len();
             let (_, counters) = of.views(0..count, &Silent).unwrap();
-            // Views in one place are those of the source, which shows its own light.
+            // Views at one position coincide with the source, which shows its own radiance without splits.
             let is_own = case.views.baseline_m() == 0.0;
             assert!(is_own || counters.splits > 100, "{}: {counters:?}", case.label);
         }

@@ -1,4 +1,4 @@
-//! Inputs of the kernel of nodes: all functions on all levels, in units of odd sizes, in all domains.
+//! Inputs of the node kernel: all functions on all levels, in units of odd sizes, in all domains.
 
 use crate::depth::DomainParts;
 use crate::depth::domain::{Domain, DomainKind};
@@ -34,10 +34,10 @@ fn push(all: &mut Gathered, grid: Grid, domain: &Domain, nodes: &[Node]) {
     all.inputs += nodes.len() as u64;
 }
 
-/// Numbers at which sums wrap, signs change and codes are clamped.
+/// Values at which sums wrap, signs change and codes are clamped.
 const EDGES: [i32; 14] =
     [0, 1, -1, 31, 32, -32, 128, -129, i32::MAX, i32::MIN, i32::MAX - 8191, 1 << 30, (1 << 30) - 8193, 1_073_725_440];
-/// Lines: of equal points, along the edges, diagonal, and as steep as they can be.
+/// Lines with equal endpoints, along the edges, diagonal, and of extreme slopes.
 const LINES: [[u8; 4]; 10] = [
     [0, 0, 0, 0],
     [9, 9, 9, 9],
@@ -50,11 +50,11 @@ const LINES: [[u8; 4]; 10] = [
     [0, 255, 1, 0],
     [255, 254, 0, 255],
 ];
-/// Sides of units: less than a leaf, odd, just over a level, and as large as they may be.
+/// Sizes of units: smaller than a leaf, odd, and just over a power of two.
 const SIZES: [[u32; 2]; 10] =
     [[1, 1], [3, 2], [4, 4], [5, 3], [7, 9], [8, 8], [17, 33], [50, 18], [129, 64], [255, 257]];
 
-/// All domains, with ordinary numbers and with the most extreme that are legal.
+/// Returns all domains, with ordinary parameters and with the most extreme legal ones.
 fn domains() -> Vec<Domain> {
     let parts = [
         (DomainKind::Log, 0, 0),
@@ -77,7 +77,7 @@ fn words_into(words: &[i32; 6], tail: [[u8; 4]; 2]) -> [u8; COEFFICIENT_BYTES] {
     out
 }
 
-/// Six numbers: edges, small slopes around a value, or anything.
+/// Returns six coefficients: edge values, random bits, or small slopes around a value.
 fn numbers(random: &mut Random) -> [i32; 6] {
     match random.below(4) {
         0 => std::array::from_fn(|_| random.pick(&EDGES).unwrap_or_default()),
@@ -106,7 +106,7 @@ fn coefficients(function: Function, random: &mut Random) -> [u8; COEFFICIENT_BYT
         Function::Raw | Function::Bc4w => {
             let mut bytes = [0; COEFFICIENT_BYTES];
             random.fill(&mut bytes);
-            // A block's line must not be a marker.
+            // The last word of a BC4w block must not equal the marker.
             bytes[31] &= if function == Function::Bc4w { 0x7f } else { 0xff };
             bytes
         }
@@ -121,7 +121,7 @@ fn functions_of(level: u8) -> &'static [Function] {
     }
 }
 
-/// A node at a place, of a random function that its level may have.
+/// Returns a node with a random function that is legal for its level.
 pub(super) fn random_node(place: Place, random: &mut Random) -> Node {
     let function = random.pick(functions_of(place.level)).unwrap_or(Function::Raw);
     let coefficients = coefficients(function, random);
@@ -129,7 +129,7 @@ pub(super) fn random_node(place: Place, random: &mut Random) -> Node {
     Node { place, coefficients }
 }
 
-/// Random nodes that do not overlap, in the order of the walk; some places may stay empty.
+/// Returns random nodes that do not overlap, in depth-first order; with `holes` some places remain empty.
 pub fn random_nodes(grid: Grid, holes: bool, random: &mut Random) -> Vec<Node> {
     fn walk(grid: Grid, place: Place, holes: bool, random: &mut Random, out: &mut Vec<Node>) {
         if !grid.has(place) || (holes && random.one_in(5)) {

@@ -1,4 +1,4 @@
-//! Light fields and cameras for the rendering kernels: built-in scenes and hard cases of views.
+//! Light fields and cameras for testing the rendering kernels: built-in scenes and difficult sets of views.
 
 use std::time::Instant;
 
@@ -23,9 +23,9 @@ use crate::scene::{DemoKind, DemoScene, Pass, SceneAtTime};
 use crate::views::from_images::{FaceImages, from_images};
 use crate::views::{ColorCoding, LightField, UNKNOWN, View};
 
-/// Pixels along a side of a captured image.
+/// Width and height of a captured image in pixels.
 const FACE: u32 = 48;
-/// Pixels along a side of a picture.
+/// Width of a picture in pixels.
 const SIZE: u32 = 96;
 
 #[derive(Debug, Clone)]
@@ -43,7 +43,7 @@ impl PictureCase {
     }
 }
 
-/// All cases; the last one is timed.
+/// Returns all cases; the last one is timed.
 pub fn cases() -> Result<Vec<PictureCase>> {
     let codes = ColorCoding::Codes(ToneMap::default());
     let dark = ColorCoding::Codes(ToneMap { transfer: Transfer::Linear, exposure_ev: -1.5 });
@@ -91,10 +91,10 @@ pub fn cases() -> Result<Vec<PictureCase>> {
     }
     let lens = Lens { near_m: 2.0, far_m: 6.0, ..Lens::new(80.0) };
     cases[13].camera = Camera::look_at(eye, eye + DVec3::new(-0.7, -0.15, -0.6), DVec3::Y, lens)?;
-    // Towards both spheres.
+    // Look towards both spheres.
     let eye = cases[12].camera.eye();
     cases[12].camera = Camera::look_at(eye, eye + DVec3::new(0.0, -0.8, -1.6), DVec3::Y, Lens::new(85.0))?;
-    // The paper's algorithm.
+    // The paper's algorithm, without refinements.
     for case in [0, 8, 13] {
         cases[case].settings.refinements = Refinements::NONE;
     }
@@ -171,7 +171,7 @@ impl Captured {
         Captured { scene: scene.at(0.4), middle, reach, has_material: false }
     }
 
-    /// A picture of cube maps captured at these places.
+    /// Returns a case with cube maps captured at these positions.
     fn case(&self, label: &'static str, places: &[DVec3], coding: ColorCoding, eye: DVec3) -> Result<PictureCase> {
         let side = if places.len() > 12 { 8 } else { FACE };
         let windows = Face::CUBE.map(|face| (face, ImageProjection::cube_face(face, side)));
@@ -179,7 +179,7 @@ impl Captured {
         self.seen_by(label, LightField { views: views.collect::<Result<_>>()?, coding }, eye)
     }
 
-    /// A picture of perspective images of different sizes, each turned.
+    /// Returns a case with rotated perspective images of different sizes.
     fn pictures(&self, label: &'static str, coding: ColorCoding) -> Result<PictureCase> {
         let places = corners(self.middle, self.reach * 0.3);
         let views = places.iter().enumerate().map(|(at, &place)| {
@@ -240,7 +240,7 @@ impl Captured {
     }
 }
 
-/// The corners of a box, and its middle.
+/// Returns the corners of a box, and a point near its centre.
 fn corners(middle: DVec3, half: DVec3) -> Vec<DVec3> {
     let sign = |at: u32, bit: u32| if at >> bit & 1 == 0 { -1.0 } else { 1.0 };
     let mut places: Vec<DVec3> =
@@ -249,18 +249,18 @@ fn corners(middle: DVec3, half: DVec3) -> Vec<DVec3> {
     places
 }
 
-/// More places than cube maps have layers on a device.
+/// Returns more positions than a device has texture layers for cube maps.
 fn crowd(middle: DVec3, half: DVec3) -> Vec<DVec3> {
     let part = |at: usize, prime: usize| (at * prime % 47) as f64 / 23.0 - 1.0;
     (0..44).map(|at| middle + half * DVec3::new(part(at, 5), part(at, 11), part(at, 17))).collect()
 }
 
-/// Looks along a diagonal, so that no ray is parallel to a face of a cube map.
+/// Returns a camera that looks along a diagonal, so that no ray is parallel to a cube face.
 fn looking(eye: DVec3) -> Result<Camera> {
     Camera::look_at(eye, eye + DVec3::new(-0.7, -0.15, -0.6), DVec3::Y, Lens { aspect: 1.13, ..Lens::new(80.0) })
 }
 
-/// Takes images away, and forgets texels of others.
+/// Removes some images, and marks texels of the others as unknown.
 fn hide(field: &mut LightField) {
     for (at, view) in field.views.iter_mut().enumerate() {
         view.faces[at % 6] = None;

@@ -1,4 +1,5 @@
-//! Inputs of the planning kernels: all ways to reach a frame, in tables of all lengths, and more items than a workgroup.
+//! Inputs of the planning kernels: all ways to reach a frame, tables of many lengths, and more items than a workgroup has
+//! invocations.
 
 use crate::color::cells::builder::CellBuilder;
 use crate::color::{CellChunk, CellFormat};
@@ -38,7 +39,7 @@ impl Planned {
         let jobs = self.all.job_words();
         Case {
             label: label.to_owned(),
-            // One workgroup plans everything.
+            // One workgroup plans all items.
             invocations: 1,
             passes: 0,
             buffers: [
@@ -62,7 +63,7 @@ impl Planned {
         let frames: Vec<u32> = ascending(random);
         let last = frames.last().copied().unwrap_or(0);
         let far = if random.one_in(8) { 1 << 31 } else { last + 9 };
-        // Where each frame is whole, each has a record: there are no others to step over.
+        // If frames are coded independently, every frame has a record.
         let whole = random.one_in(6);
         let window = if whole { 0 } else { random.pick(&[1, 2, 3, 4, 17, 255]).unwrap_or(1) };
         let frames = if whole { (0..=last).collect() } else { frames };
@@ -104,7 +105,7 @@ impl Planned {
             builder.push_keyframe::<u8>(&[random.word() as u8; 3]);
             (0..random.below(6)).for_each(|_| builder.push_weight(random.word() as u8, 1));
         }
-        // More frames than weights: the last ones hold a keyframe.
+        // More frames than weights: the last frames show a keyframe.
         let frames = builder.frame_count() + random.below(3);
         let Ok(payload) = builder.finish() else { return };
         let Ok(chunk) = CellChunk::<u8>::parse(payload, CellFormat::of_samples(1, 1), frames) else { return };
@@ -145,7 +146,7 @@ impl Planned {
     }
 }
 
-/// Frames of a table: the first is 0, the others ascend.
+/// Returns the frames of a table: ascending from 0.
 fn ascending(random: &mut Random) -> Vec<u32> {
     let mut frames = vec![0];
     for _ in 0..random.below(40) {

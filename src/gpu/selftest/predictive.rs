@@ -1,5 +1,5 @@
-//! Random streams of predictive depth, with any code or with levels. Their chunks come from the encoder: by chance, no payload
-//! would end where its last frame does.
+//! Random streams of predictive depth, with arbitrary codes or with levels. An encoder writes their chunks, because a random
+//! payload almost never ends together with its last frame.
 
 use crate::container::EncodedChunk;
 use crate::depth::BACKGROUND_CODE;
@@ -14,7 +14,7 @@ use crate::error::Result;
 use crate::gpu::selftest::boxes::random_picture;
 use crate::math::random::Random;
 
-/// A header of pixels that lie in any way but in a square cube face.
+/// Returns a random header for pixels of any projection except a square cube face.
 pub fn random_header(random: &mut Random) -> Result<PredictiveHeader> {
     let levels = if random.one_in(2) { random_levels(random)? } else { Levels::default() };
     let (bound, projection) = match (levels.is_empty(), random.one_in(2)) {
@@ -27,7 +27,7 @@ pub fn random_header(random: &mut Random) -> Result<PredictiveHeader> {
     Ok(PredictiveHeader { bound, epsilon: 0, keyframe_interval: 64, projection, tables: Tables::default(), levels })
 }
 
-/// One level, a few or the most, anywhere among the codes of surfaces.
+/// Returns random levels: one, a few or the maximum number, anywhere among surface codes.
 fn random_levels(random: &mut Random) -> Result<Levels> {
     let count = match random.below(4) {
         0 => 1,
@@ -40,7 +40,7 @@ fn random_levels(random: &mut Random) -> Result<Levels> {
     Levels::new(codes)
 }
 
-/// A chunk of at most `frames` frames; each changes a rectangle of the one before.
+/// Returns a chunk of at most `frames` frames; each changes a rectangle of the previous one.
 pub fn random_chunk(
     header: &PredictiveHeader,
     [width, height]: [u32; 2],
@@ -67,7 +67,7 @@ pub fn random_chunk(
     Ok(encoder.finish())
 }
 
-/// A code, or the number of a level; one of 16 becomes background.
+/// Maps a value to a code or the index of a level; one of 16 becomes background.
 fn number_of(header: &PredictiveHeader, value: u16) -> u16 {
     match header.levels.codes().len() {
         _ if value.is_multiple_of(16) => BACKGROUND_CODE,

@@ -1,4 +1,4 @@
-//! Rooms and leaves of textured tiles, which drawings are tested with.
+//! Textured rooms and leaves for testing the drawings.
 
 use std::sync::Arc;
 
@@ -9,11 +9,11 @@ use crate::math::random::Random;
 use crate::mesh::{ImageTexture, Mesh, Wrap};
 use crate::simplify::quad_mesh::QuadMesh;
 
-/// Texels along a side of the atlas: tiles of 32.
+/// Width and height of the atlas in texels; it has 8 x 8 tiles of 32 x 32 texels.
 const ATLAS: u32 = 256;
 const TILES: u32 = 8;
 
-/// Tiles of an atlas of smooth colours: those of even numbers are opaque, others are leaves with soft edges.
+/// Builds a mesh and its atlas of smooth colours: tiles with even indices are opaque, the others are leaves with soft edges.
 pub(super) struct Builder {
     pub(super) mesh: Mesh,
     pub(super) stq: Vec<Vec3>,
@@ -25,18 +25,18 @@ impl Builder {
         Builder { mesh: Mesh::default(), stq: Vec::new(), random: Random::new(SEED) }
     }
 
-    /// A number in -1..1.
+    /// Returns a random number in -1..1.
     fn part(&mut self) -> f64 {
         f64::from(self.random.below(1 << 20)) / f64::from(1 << 19) - 1.0
     }
 
-    /// A quad from a corner along two sides, with a tile of the atlas; corners of the tile are centres of texels.
+    /// Adds a quad, given a corner and two sides, with a tile of the atlas. The quad's corners map to centres of texels.
     fn quad(&mut self, corner: DVec3, sides: [DVec3; 2], tile: u32) {
         let first = self.mesh.positions.len() as u32;
         let side = ATLAS / TILES;
         for [x, y] in [[0u32, 0], [1, 0], [1, 1], [0, 1]] {
             let point = corner + f64::from(x) * sides[0] + f64::from(y) * sides[1];
-            // As files hold it.
+            // Round to single precision, as in files.
             self.mesh.positions.push(point.as_vec3().as_dvec3());
             let place = [tile % TILES, tile / TILES % TILES].map(|at| (at * side) as f32 + 0.5);
             let reach = (side - 1) as f32;
@@ -46,13 +46,13 @@ impl Builder {
         self.mesh.material_of.extend([0; 2]);
     }
 
-    /// A square across the z axis.
+    /// Adds a square perpendicular to the z axis.
     pub(super) fn square(&mut self, middle: DVec3, reach: f64, tile: u32) {
         let corner = middle - reach * (DVec3::X + DVec3::Y);
         self.quad(corner, [2.0 * reach * DVec3::X, 2.0 * reach * DVec3::Y], tile);
     }
 
-    /// The sides of a cube, each of 4 x 4 opaque tiles.
+    /// Adds the six sides of a cube, each of 4 x 4 opaque tiles.
     pub(super) fn room(&mut self, middle: DVec3, reach: f64) {
         let axes = [DVec3::X, DVec3::Y, DVec3::Z];
         for side in 0..6 {
@@ -67,7 +67,7 @@ impl Builder {
         }
     }
 
-    /// Leaves in all directions, from far to near.
+    /// Adds leaves in all directions, from far to near.
     pub(super) fn leaves(&mut self, count: u32) {
         for at in 0..count {
             let distance = 3.5 - 2.5 * f64::from(at) / f64::from(count);
@@ -79,7 +79,7 @@ impl Builder {
         }
     }
 
-    /// The triangles alone.
+    /// Returns the mesh without the texture.
     pub(super) fn into_mesh(self) -> Mesh {
         self.mesh
     }
@@ -91,8 +91,8 @@ impl Builder {
             let tile = y / side * TILES + x / side;
             let place = [x % side, y % side].map(|at| f64::from(at) / f64::from(side - 1) - 0.5);
             let wave = |channel: u32| {
-                // Neighbours differ by little, as tiles of one surface do: a pixel on their edge may show either, as devices round
-                // corners to parts of a pixel.
+                // Neighbouring tiles differ little, as tiles of one surface do. A pixel on their common edge may show either of
+                // them, because devices round corners to fractions of a pixel.
                 let turn = 0.1 * f64::from(tile % 5 + channel) + f64::from(channel + 1) * place[0] * place[1];
                 (127.5 + 110.0 * turn.sin()) as u8
             };

@@ -1,4 +1,4 @@
-//! Inputs of the kernels that go over rows of pixels: compaction and erosion (Epipolar 3.3).
+//! Inputs of the kernels that process rows of pixels: compaction and erosion (Epipolar 3.3).
 
 use crate::epipolar::compact::{compact, counts};
 use crate::epipolar::erosion::{edges, eroded};
@@ -7,14 +7,14 @@ use crate::gpu::layout::{PixelRows, words_of};
 use crate::math::random::Random;
 
 const WORKGROUP: u32 = 256;
-/// Widths and numbers of rows: one, odd, those of a workgroup and beside; the last one is timed.
+/// Widths and heights: one, odd, and around the size of a workgroup; the last one is timed.
 const SIZES: [[u32; 2]; 9] = [[1, 1], [1, 700], [3, 2], [255, 3], [256, 1], [257, 5], [1025, 2], [4096, 1], [960, 540]];
 
 fn block([width, rows]: [u32; 2], stride: u32) -> Vec<u32> {
     words_of(&[PixelRows { width, rows, stride, spare: 0 }])
 }
 
-/// A layer: its size and stride, and what its pixels show.
+/// A layer: its size and stride, and the triangle number plus 1 of each pixel.
 struct Layer {
     label: String,
     size: [u32; 2],
@@ -22,7 +22,7 @@ struct Layer {
     shown: Vec<u32>,
 }
 
-/// Layers that show nothing, all of a surface, or some of it, with and without gaps between rows.
+/// Returns layers without, with only, and with some active pixels, with and without padding between rows.
 fn layers(seed: u64) -> Vec<Layer> {
     let mut random = Random::new(seed);
     let kinds: [(&str, u32); 4] = [("nothing", 0), ("everything", 1), ("every third", 3), ("a little", 40)];
@@ -38,7 +38,7 @@ fn layers(seed: u64) -> Vec<Layer> {
 }
 
 impl Layer {
-    /// Texels as drawings leave them: gaps between rows and second words are no part of the layer.
+    /// Returns the layer as texels of a drawing, with arbitrary values in the padding and in the second words.
     fn texels(&self) -> Vec<u32> {
         const LEFT_OUT: u32 = 0xdead_beef;
         let [width, stride] = [self.size[0], self.stride].map(|count| count as usize);
@@ -86,7 +86,7 @@ pub(super) fn compacted(seed: u64) -> Vec<Case> {
     layers(seed).into_iter().map(case).collect()
 }
 
-/// Moves of surfaces: flat, slanted, by chance, the greatest, and steps of the tolerance and one more.
+/// Returns moves of flat and slanted surfaces, random moves, maximum moves, and steps at the tolerance and just above it.
 fn moves([width, rows]: [u32; 2], random: &mut Random) -> Vec<i32> {
     const MAX_VALUE: i32 = 1 << 26;
     let mut moves = Vec::new();
@@ -156,7 +156,7 @@ mod tests {
         let marked = u64::from(last(erosion(SEED)).iter().sum::<u32>());
         let most = u64::from(960u32 * 540);
         assert!(marked > most / 10 && marked < most, "{marked}");
-        // Some steps of the tolerance are edges, and others are not.
+        // Some steps near the tolerance are edges, and others are not.
         let edges = last(erosion_edges(SEED));
         assert!(edges.windows(2).any(|pair| pair[0] == pair[1]) && edges.iter().any(|count| *count > 100));
     }

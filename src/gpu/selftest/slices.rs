@@ -1,5 +1,5 @@
-//! Inputs of the kernels of epipolar slices: surfaces in random places, in views of all widths, from sources in and beside them; and whole
-//! views of given sources.
+//! Inputs of the kernels of epipolar slices: random surfaces, in views of many widths, from sources at and around them; and
+//! comparison of whole views of given sources.
 
 use std::collections::HashMap;
 
@@ -28,7 +28,7 @@ use crate::math::random::Random;
 use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
 
-/// Views and their sources.
+/// Output views and their sources.
 #[derive(Debug, Clone)]
 pub struct InterpolationCase {
     pub label: String,
@@ -37,10 +37,11 @@ pub struct InterpolationCase {
     pub settings: InterpolateSettings,
 }
 
-/// What differs between views of a device and of the CPU.
+/// Differences between views of a device and of the CPU.
 #[derive(Debug, Clone, Default)]
 pub struct InterpolationResult {
-    /// Pixels of other light or coverage, and counters; of views with highlights, pixels that differ by more than is allowed, too.
+    /// Pixels with different colour or coverage, and differing counters; for views with highlights, also pixels outside the
+    /// tolerance.
     pub mismatches: u64,
     pub first: Option<String>,
 }
@@ -54,7 +55,8 @@ impl InterpolationResult {
     }
 }
 
-/// Interpolates all views on a device and on the CPU: without highlights all bits must be equal, and with them the views must agree.
+/// Interpolates all views on a device and on the CPU. Without highlights all bits must be equal; with highlights the views must
+/// agree within tolerances.
 pub fn run(on_device: &GpuInterpolator<'_>, case: &InterpolationCase) -> Result<InterpolationResult> {
     let mut result = InterpolationResult::default();
     let is_glossy = case.sources.iter().flat_map(|source| &source.rows).any(|row| !row.gloss.is_empty());
@@ -74,7 +76,7 @@ pub fn run(on_device: &GpuInterpolator<'_>, case: &InterpolationCase) -> Result<
     Ok(result)
 }
 
-/// The views of a device and of the CPU, whose counters must be equal.
+/// Interpolates on a device and on the CPU; the counters must be equal.
 fn on_both(
     on_device: &GpuInterpolator<'_>,
     case: &InterpolationCase,
@@ -86,7 +88,7 @@ fn on_both(
     let (found, counted) = on_device.views(&of, all.clone(), &Silent)?;
     let (expected, mut counters) = Cpu.views(&of, all, &Silent)?;
     counters.threads = counted.threads;
-    // Fragments have no order on a device.
+    // A device processes fragments in no defined order, so these counters do not exist there.
     let pixels = case.views.size.iter().map(|&side| u64::from(side)).product::<u64>() * expected.len() as u64;
     (counters.depth_tests_won, counters.pixels_by_layer) = (pixels - counters.hole_pixels, Default::default());
     let differs = counted != counters || found.len() != expected.len();
@@ -110,7 +112,7 @@ fn pixels(view: &InterpolatedView) -> Vec<([u16; 3], Coverage)> {
     bits.zip(view.coverage.data().iter().copied()).collect()
 }
 
-/// Widths and numbers of views: one, odd, those of a workgroup and beside.
+/// Widths and numbers of views: one, odd, and around the size of a workgroup.
 const SIZES: [(u32, u32); 12] = [
     (1, 1),
     (1, 9),
@@ -127,14 +129,14 @@ const SIZES: [(u32, u32); 12] = [
 ];
 const ROWS: usize = 7;
 
-/// Random sources for each size, a row with nothing among them; the last case has many lines.
+/// Creates random sources for each size; one row is empty. The last case has many lines.
 fn inputs(seed: u64) -> Vec<InterpolationCase> {
     let mut random = Random::new(seed);
     let case = |(at, &(width, count)): (usize, &(u32, u32))| -> Result<InterpolationCase> {
         let baseline_m = [0.5, 0.0, 3.0, 0.02][at % 4];
         let focus_m = if at % 3 == 0 { f64::INFINITY } else { 2.5 };
         let views = views([width, ROWS as u32], count, baseline_m, focus_m)?;
-        // At the views, between them, and beyond.
+        // At the views, between them, and beyond them.
         let offsets_m = [0.5, -0.5, 0.1, -7.0, 90.0].map(|part: f64| part * baseline_m.max(0.01));
         let sources = (0..at % 5 + usize::from(at == 11)).map(|source| {
             let rows = (0..ROWS).map(|row| if row == 3 { SourceRow::default() } else { row_of(width, &mut random) });
@@ -156,7 +158,7 @@ fn views(size: [u32; 2], count: u32, baseline_m: f64, focus_m: f64) -> Result<Ou
     OutputViews::new(camera, size, count, Spread::Baseline(baseline_m), focus_m)
 }
 
-/// Three layers of surfaces that are flat, slanted, at an extreme distance, or nowhere.
+/// Creates a row with three layers of surfaces: flat, slanted, at an extreme distance, or missing.
 fn row_of(width: u32, random: &mut Random) -> SourceRow {
     const EXTREMES: [f32; 5] = [f32::MIN_POSITIVE, 1e-6, 1e12, f32::MAX, f32::INFINITY];
     let mut pixels = Vec::new();
@@ -194,8 +196,8 @@ struct Expected {
     words: [u32; 2],
 }
 
-/// Gives all pixels of all views in the order of kernels, with the CPU's winners. Answers what kernels read, the pixels that lines of each
-/// scanline cover, and the number of pixels.
+/// Calls `of_pixel` for all pixels of all views in the order of the kernels, with the CPU's winners. Returns the kernels'
+/// input, the number of pixels that the lines of each scanline cover, and the number of pixels.
 fn dispatch(
     input: &InterpolationCase,
     mut of_pixel: impl FnMut(&Interpolator<'_>, (usize, usize), &[Line], &Expected),
@@ -300,7 +302,7 @@ fn is_gloss(of: &Interpolator<'_>, row: usize, line: &Line) -> bool {
     matches!(of.source_pixel(row, line).light, Light::Gloss(_))
 }
 
-/// The words of a pixel. Its scanline has no gloss, so that the CPU adds no highlight to its light.
+/// Returns the words of a pixel. Its scanline has an empty gloss list, so the CPU adds no highlight.
 fn pixel_of(of: &Interpolator<'_>, (row, view): (usize, usize), lines: &[Line], expected: &Expected) -> [u32; 2] {
     let (color, coverage) = Shader::new(of, lines, row).pixel(expected.winner, view);
     let is_own = expected.words[1] & WINNER_OWN != 0;

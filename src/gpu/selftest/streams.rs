@@ -1,7 +1,7 @@
-//! Random valid streams of every codec, decoded by both decoders in any order of frames.
+//! Random valid streams of every codec, decoded on a device and on the CPU in any order of frames.
 //!
-//! Payloads are made by chance and not by an encoder: they hold what the format allows and no footage asks for. A small
-//! part of the intermediate form, and predictive depth, come from their encoders.
+//! Most payloads are random rather than encoded, so they contain what the format allows but no footage needs. Some payloads of
+//! the intermediate form, and all predictive depth, come from encoders.
 
 use crate::color::cells::builder::CellBuilder;
 use crate::color::transform::payload::CELLS;
@@ -39,11 +39,11 @@ use crate::streams::{
     MaterialHeader, NodeHeader,
 };
 
-/// Faces of a probe, each with a stream of depth, of colour, of material and of alpha.
+/// Number of faces of a probe; each has a stream of depth, colour, material and alpha.
 const FACES: u8 = 6;
-/// Frames requested of each stream.
+/// Frames requested from each stream.
 const VISITS: u32 = 6;
-/// The kernels of all families, in the order in which they are compared.
+/// Kernels of all families, in the order of comparison.
 static DECODING: [&Kernel; 12] = [
     &kernels::NODES,
     &kernels::BOXES_CODES,
@@ -67,7 +67,7 @@ pub struct StreamsReport {
     pub verification: Verification,
 }
 
-/// Decodes at least `count` random streams on both devices. The monitor advances by one for each stream.
+/// Decodes at least `count` random streams on a device and on the CPU. The monitor advances by one per stream.
 pub fn test_streams(gpu: &Gpu, count: u64, seed: u64, monitor: &dyn Monitor) -> Result<StreamsReport> {
     let mut report = StreamsReport::default();
     let mut random = Random::new(seed);
@@ -96,7 +96,7 @@ fn compare(
 ) -> Result<()> {
     let mut on_gpu = GpuDecoder::new(gpu, decoder, streams)?;
     if random.one_in(8) {
-        // Enough for any of these chunks and its successor, too little for all of them.
+        // Large enough for any of these chunks and its successor, too small for all of them.
         let chunks = decoder.reader().index().chunks.iter();
         let of = chunks.filter_map(|chunk| {
             let stream = streams.iter().find(|stream| stream.index == chunk.key.stream)?;
@@ -212,7 +212,7 @@ fn random_temporal(random: &mut Random) -> TemporalSettings {
     TemporalSettings { window, epsilon: 0, max_aabbs: 256, keyframe_interval: 64 }
 }
 
-/// Adds a random stream, and its coded chunks.
+/// Adds a random stream, and its encoded chunks.
 fn add_stream(
     writer: &mut Writer<Vec<u8>>,
     face: u8,
@@ -222,12 +222,12 @@ fn add_stream(
 ) -> Result<()> {
     let side = |random: &mut Random| if random.one_in(4) { 1 + random.below(90) } else { 1 + random.below(24) };
     let (width, height) = (side(random), side(random));
-    // At least a few units, at most a few dozen.
+    // A few to a few dozen units.
     let part = |size: u32, random: &mut Random| size.div_ceil(6).max(1 + random.below(size + 4));
     let grid = if header.in_blocks() { 4 } else { 1 };
     let (unit_width, unit_height) = (part(width, random), part(height, random));
     let (unit_width, unit_height) = (unit_width.next_multiple_of(grid), unit_height.next_multiple_of(grid));
-    // Each frame of some codecs takes bytes.
+    // Some codecs take bytes for every frame.
     let is_short = Family::of(header).kernel == &kernels::NODES || is_predictive(header) || tables_of(header).is_some();
     let long = random.one_in(20) && !is_short;
     let frame_count = 1 + random.below(if long { 100_000 } else { 40 });
@@ -274,7 +274,7 @@ fn unit_chunks(
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(_), .. }) => nodes(grid, count, random)?,
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Tree(header), .. }) => {
                 let domain = header.domain.domain()?;
-                // Made by an encoder, frame by frame.
+                // An encoder writes it frame by frame.
                 count = count.min(8);
                 tree(grid, domain, count, random)?
             }
@@ -286,7 +286,7 @@ fn unit_chunks(
                 records::<u16>(Layout::Values, size, count, random)?
             }
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(header), .. }) => {
-                // Made by an encoder, frame by frame, which may close the chunk early.
+                // An encoder writes it frame by frame and may close the chunk early.
                 let Some(chunk) = predictive::random_chunk(header, size, count.min(8), random)? else { break };
                 count = chunk.frame_count;
                 chunk.payload
@@ -311,7 +311,7 @@ fn unit_chunks(
     Ok(chunks)
 }
 
-/// Frames that have a record: the first, and some after it.
+/// Returns frames that have a record: the first, and some of the following.
 fn record_frames(count: u32, random: &mut Random) -> Vec<u32> {
     let mut frames = vec![0];
     let mut frame = 0;
@@ -349,12 +349,12 @@ fn tree(grid: Grid, domain: Domain, count: u32, random: &mut Random) -> Result<V
 fn blocks(grid: Grid, count: u32, random: &mut Random) -> Vec<u8> {
     let mut payload = vec![0; picture_bytes(grid) * count as usize];
     random.fill(&mut payload);
-    // The last bytes of a block must not be a marker.
+    // The last word of a block must not equal the marker.
     payload.iter_mut().skip(31).step_by(32).for_each(|byte| *byte &= 0x7f);
     payload
 }
 
-/// Records of all kinds, also those that no encoder of ours writes.
+/// Returns records of all kinds, including those that the encoder never writes.
 fn records<T: BoxTexel>(layout: Layout, size: [u32; 2], count: u32, random: &mut Random) -> Result<Vec<u8>> {
     let mut table = TableBuilder::default();
     for frame in record_frames(count, random) {
@@ -396,7 +396,8 @@ fn color<S: CellSample + Keyed>(
     any_payload::<S>(format.cell.size, count, tables, random)
 }
 
-/// Keyframes with weights between them; weights behind the last lead to the next chunk, which the last one has not.
+/// Returns keyframes with weights between them. Weights after the last keyframe blend into the next chunk, so the last chunk
+/// has none.
 fn cells<S: CellSample>(format: &CellFormat<S>, count: u32, last: bool, random: &mut Random) -> Result<Vec<u8>> {
     let mut builder = CellBuilder::default();
     loop {

@@ -1,4 +1,5 @@
-//! Inputs of the kernels that make texels: tiles of all sizes and places, both kinds of depth, images of one texel and of odd sizes.
+//! Inputs of the kernels that write texels: tiles of all sizes and positions, both kinds of depth, images of one texel and of
+//! odd sizes.
 
 use crate::depth::DepthRange;
 use crate::gpu::harness::Case;
@@ -9,7 +10,7 @@ use crate::march::{DepthPyramid, Level};
 use crate::math::random::Random;
 use crate::views::{BACKGROUND, ColorCoding, FaceTexels, InverseDepth, UNKNOWN};
 
-/// A code: near, far and background are as likely as others.
+/// Returns a random code; one of three is near, far or background, or adjacent to them.
 fn code(random: &mut Random) -> u16 {
     let hard = [0, 1, u16::MAX - 2, u16::MAX - 1, u16::MAX];
     if random.one_in(3) { random.pick(&hard).unwrap_or_default() } else { random.word() as u16 }
@@ -36,7 +37,7 @@ pub(super) fn depths(seed: u64) -> Vec<Case> {
         }
         let (mut pictures, mut jobs, mut total) = (vec![0; 3], Vec::<DepthJob>::new(), 0);
         let pitch = size[0].next_multiple_of(64);
-        // Texels that no job has, and those between rows, stay as they are.
+        // Texels without a job, and the padding between rows, must not change.
         let mut planes = vec![0xdead_beef; (pitch * size[1]) as usize];
         let before = planes.clone();
         let (columns, rows) = (1 + size[0] / 40, 1 + size[1] / 50);
@@ -162,7 +163,7 @@ pub(super) fn squares(seed: u64) -> Vec<Case> {
             below = (above, values);
         }
     }
-    // What takes longest is timed.
+    // The largest case is timed.
     cases.sort_by_key(|case| case.pixels);
     cases
 }

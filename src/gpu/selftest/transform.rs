@@ -1,5 +1,5 @@
-//! Inputs of the kernels of the transform codec: random trees of blocks of all sizes and lengths, levels up to the largest,
-//! palettes, every size of cells, and moving pictures as the encoder codes them.
+//! Inputs of the kernels of the transform codec: random trees of blocks of all sizes and lengths, levels up to the maximum,
+//! palettes, cells of many sizes, and moving pictures from the encoder.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ use crate::gpu::selftest::gathered::Gathered;
 use crate::gpu::transform_tables::TransformTables;
 use crate::math::random::Random;
 
-/// A payload that no encoder would write.
+/// Returns a random legal payload, which an encoder would not write.
 pub fn any_payload<S: Keyed>(size: [usize; 2], frames: u32, tables: &Tables, random: &mut Random) -> Result<Vec<u8>> {
     let taste = random.pick(&[USUAL, ANY, WHOLE, PALETTES]).unwrap_or(USUAL);
     let mut index = || random.pick(&[0, 255, 30, 100, 160]).unwrap_or(0);
@@ -35,7 +35,7 @@ pub fn any_payload<S: Keyed>(size: [usize; 2], frames: u32, tables: &Tables, ran
     random_payload::<S>(size, frames as usize, &header, tables, (taste, &mut |end| random.below(end)))
 }
 
-/// The built-in sets, and two of random frequencies.
+/// Returns the built-in table sets, and two sets with random frequencies.
 pub fn random_tables(random: &mut Random) -> Tables {
     let set = |random: &mut Random| -> TableSet<_> {
         let mut counts = Counts::default();
@@ -77,7 +77,7 @@ fn push<S: Keyed + CellSample>(all: &mut Gathered, tables: &Tables, cell: &Cell,
     Ok(())
 }
 
-/// Random trees: every size of blocks and length, cells smaller than a block and of many regions.
+/// Returns random trees: every block size and length, cells smaller than a block and cells of many regions.
 fn random_case<S: Keyed + CellSample>(sizes: &[[usize; 2]], lengths: &[u32], random: &mut Random) -> Result<Gathered> {
     let tables = random_tables(random);
     let mut all = Gathered { tables: TransformTables::new([&tables]).words, ..Gathered::default() };
@@ -89,13 +89,13 @@ fn random_case<S: Keyed + CellSample>(sizes: &[[usize; 2]], lengths: &[u32], ran
     Ok(all)
 }
 
-/// Sample kinds with pictures that an encoder codes.
+/// Sample types with a test picture for the encoder.
 pub trait Coded: Keyed + CellSample {
     type Quality: Quality<Self>;
 
     fn quality() -> Result<Self::Quality>;
 
-    /// A sample from a value of 0 to 255.
+    /// Converts a value of 0 to 255 to a sample.
     fn of_level(level: u8) -> Self;
 }
 
@@ -123,7 +123,8 @@ impl Coded for HalfKey {
     }
 }
 
-/// A disc with soft edges on a gradient with some noise, and flat bars, moving by a pixel a frame.
+/// Returns a picture of a disc with soft edges on a gradient with some noise, and flat bars. The disc moves by one pixel per
+/// frame.
 fn moving_picture<S: Coded>(size: [usize; 2], frame: u32, random: &mut Random) -> Vec<S> {
     let mut samples = Vec::with_capacity(3 * size[0] * size[1]);
     for (y, x) in (0..size[1] as i32).flat_map(|y| (0..size[0] as i32).map(move |x| (y, x))) {
@@ -138,7 +139,7 @@ fn moving_picture<S: Coded>(size: [usize; 2], frame: u32, random: &mut Random) -
     samples
 }
 
-/// Cells as the encoder codes them.
+/// Returns cells that the encoder wrote.
 fn coded_case<S: Coded>(random: &mut Random) -> Result<Gathered> {
     const SIZE: [usize; 2] = [64, 64];
     const FRAMES: u32 = 24;
@@ -168,7 +169,7 @@ pub(super) fn cases<S: Coded>(seed: u64) -> Vec<Case> {
         ("cells of many regions", random_case::<S>(&many, &[1, 3, 11], random)),
         ("moving pictures", coded_case::<S>(random)),
     ];
-    // A payload that the CPU refuses is missed among the inputs.
+    // If a payload fails to parse, the case has no inputs, which the test of `ROWS` detects.
     cases.map(|(label, gathered)| gathered.unwrap_or_default().case(label)).into()
 }
 

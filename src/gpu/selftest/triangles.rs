@@ -1,4 +1,5 @@
-//! Scenes whose surfaces a device draws: what pixels show beside what rays meet, layer by layer, and pictures of both.
+//! Scenes for testing triangle layers on a device: compares drawn surfaces with those hit by rays, layer by layer, and pictures
+//! of both.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -66,7 +67,7 @@ fn room(middle: DVec3) -> SceneMesh {
     SceneMesh::new(builder.into_mesh(), [MeshMaterial::default()].into())
 }
 
-/// Squares in the air; with a cutoff they are holes outside of a disk.
+/// Returns a mesh of floating squares; with a cutoff they are cut to disks.
 fn leaves(cutoff: Option<f64>) -> SceneMesh {
     let mut builder = Builder::new();
     builder.leaves(60);
@@ -88,7 +89,7 @@ fn leaves(cutoff: Option<f64>) -> SceneMesh {
     SceneMesh::new(mesh, [MeshMaterial { plain, ..MeshMaterial::default() }].into())
 }
 
-/// A picture from the last view, and the surfaces at the middles of all pixels: drawn, and by rays.
+/// Renders the last view with drawn triangles and with rays, counts the surfaces at all pixel centres in both, and compares.
 pub fn run(gpu: &Gpu, case: &TriangleCase) -> Result<Agreement> {
     let (scene, views) = (&case.scene, &case.views);
     let samples = SamplePattern::new(4)?;
@@ -103,7 +104,7 @@ pub fn run(gpu: &Gpu, case: &TriangleCase) -> Result<Agreement> {
     Agreement::of_images(&found, &expected, [found_count, expected_count])
 }
 
-/// Surfaces behind each other at the middles of all pixels.
+/// Returns the total number of surfaces behind the centres of all pixels.
 fn surfaces(seen: DrawnScene<'_>, (views, offset_m): (&OutputViews, f64)) -> Result<u64> {
     let from = views.viewpoint(offset_m);
     let [width, height] = views.size;

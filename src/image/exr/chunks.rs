@@ -1,8 +1,8 @@
-//! Chunks of an OpenEXR file: found by its offset tables, read, and compared with the room that their pixels have, before the
-//! `exr` crate decompresses them.
+//! Chunks of an OpenEXR file: located by the offset tables, read, and checked against the size of their pixels before the `exr`
+//! crate decompresses them.
 //!
 //! Every size that a chunk states is bounded by the length of the file or by the raw size of the chunk, which follows from the
-//! header. Counters inside of payloads are those of `payload`.
+//! header. `payload` checks the counters inside compressed payloads.
 
 use std::cell::Cell;
 use std::io::{BufRead, Read, Seek, SeekFrom};
@@ -22,12 +22,12 @@ use super::payload::{self, Room};
 use crate::error::{Error, Result};
 use crate::image::limits::ReadLimits;
 
-/// Tables of PIZ: a bitmap and its inverse, code lengths, and a decoding table with a list of long codes.
+/// Bytes of the PIZ tables: a bitmap and its inverse, code lengths, and a decoding table with a list of long codes.
 const PIZ_TABLE_BYTES: u64 = 4 << 20;
-/// Tables of inflating and of half floats.
+/// Bytes of the tables for inflating and for half floats.
 const TABLE_BYTES: u64 = 1 << 20;
 
-/// Places of the chunks of full resolution of the parts that are wanted, in the order of the file.
+/// Returns the file offsets of the full-resolution chunks of the wanted parts, in ascending order.
 pub fn places(opened: &mut Opened, is_wanted: impl Fn(usize) -> bool) -> Result<Vec<u64>> {
     let mut places = Vec::new();
     let mut table_at = opened.tables_at;
@@ -38,14 +38,14 @@ pub fn places(opened: &mut Opened, is_wanted: impl Fn(usize) -> bool) -> Result<
                 places.push(u64::from_le_bytes(bytes(&mut opened.file)?));
             }
         }
-        // The tables fit into the file: see `guard::open`.
+        // `guard::open` has checked that the tables fit into the file.
         table_at += 8 * header.chunk_count as u64;
     }
     places.sort_unstable();
     Ok(places)
 }
 
-/// Chunks of the largest level, which come first in the table of a part.
+/// Returns the number of chunks of the largest level; they come first in the offset table of a part.
 fn full_resolution_chunks(header: &Header) -> usize {
     match header.blocks {
         BlockDescription::ScanLines => header.chunk_count,
@@ -57,7 +57,7 @@ fn full_resolution_chunks(header: &Header) -> usize {
     }
 }
 
-/// Reads and decodes the chunk at a place.
+/// Reads and decompresses the chunk at byte `place`.
 pub fn read(opened: &mut Opened, place: u64, is_wanted: impl Fn(usize) -> bool) -> Result<UncompressedBlock> {
     let chunk = read_chunk(opened, place, is_wanted)?;
     let meta = &opened.meta;
@@ -73,13 +73,13 @@ thread_local! {
     static IS_GUARDED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// True while this thread turns panics into errors; the panic hook then prints nothing.
+/// Returns true while this thread converts panics to errors; the panic hook then prints nothing.
 pub fn is_guarded() -> bool {
     IS_GUARDED.get()
 }
 
-/// The result of `work`, `None` after a panic. This is the last resort: no payload is known that passes the checks of this module and
-/// makes the crate panic, but the crate does not promise that there is none. What a panic leaves half done is dropped.
+/// Returns the result of `work`, or `None` if it panics. No payload is known that passes the checks of this module and makes the
+/// crate panic, but the crate does not guarantee it. State that a panic leaves half-written is dropped.
 fn guarded<T>(work: impl FnOnce() -> T) -> Option<T> {
     IS_GUARDED.set(true);
     let done = catch_unwind(AssertUnwindSafe(work));
@@ -99,14 +99,14 @@ fn read_chunk(opened: &mut Opened, place: u64, is_wanted: impl Fn(usize) -> bool
         )));
     }
     let now = opened.file.stream_position().map_err(read_error)?;
-    // A seek to where the cursor is would empty the buffer.
+    // A seek discards the read buffer, even if the position does not change.
     if now != place {
         opened.file.seek(SeekFrom::Start(place)).map_err(read_error)?;
     }
     let file = &mut opened.file;
     let part = if opened.meta.requirements.is_multilayer() { i32::from_le_bytes(bytes(file)?) } else { 0 };
     let part = usize::try_from(part).ok().filter(|part| *part < opened.meta.headers.len() && is_wanted(*part));
-    // A damaged offset table may lead to a chunk that was not asked for.
+    // A damaged offset table may point to a chunk of a part that is not wanted.
     let part = part.ok_or_else(|| damaged(place, "belongs to another part"))?;
     let header = &opened.meta.headers[part];
     let (coordinates, line) = match header.blocks {
@@ -144,8 +144,8 @@ fn read_chunk(opened: &mut Opened, place: u64, is_wanted: impl Fn(usize) -> bool
     Ok(Chunk { layer_index: part, compressed_block })
 }
 
-/// Upper bound of the bytes that reading a file takes: its headers and offset tables, one chunk while it is decoded, and the
-/// display window with `wanted_bytes` for a pixel of the result. Errors are those of reading the headers.
+/// Returns an upper bound of the bytes allocated to read a file: its headers and offset tables, one chunk while it is decoded,
+/// and the display window at `wanted_bytes` per pixel. Fails if the headers cannot be read or claim too many pixels.
 pub fn reading_bytes(path: &Path, wanted_bytes: u64, limits: &ReadLimits) -> Result<u64> {
     let opened = open(path)?;
     check(&opened, wanted_bytes, limits).map_err(|error| error.in_file(path))?;
@@ -156,18 +156,18 @@ pub fn reading_bytes(path: &Path, wanted_bytes: u64, limits: &ReadLimits) -> Res
     Ok(plane.saturating_add(chunk.unwrap_or(0)).saturating_add(fixed))
 }
 
-/// Upper bound of the bytes that decoding one chunk of a part takes, with its payload.
+/// Returns an upper bound of the bytes allocated to decode one chunk of a part, including its payload.
 pub fn decoding_bytes(header: &Header, file_len: u64) -> u64 {
     let Vec2(width, height) = header.max_block_pixel_size();
     let room = Room::new(header, Vec2(width.min(header.layer_size.x()), height.min(header.layer_size.y())));
     let raw = room.raw_bytes;
     let payload = file_len.min(header.max_block_byte_size() as u64);
-    // A vector that grows to a size takes three times as much while it moves.
+    // A vector that grows to a size takes three times that size while it is reallocated.
     let decoded = match header.compression {
         Compression::Uncompressed => 0,
         Compression::B44 | Compression::B44A => 2 * raw,
         Compression::PIZ => PIZ_TABLE_BYTES.saturating_add(2 * raw),
-        // Bytes before and after they are interleaved.
+        // The bytes before and after interleaving.
         Compression::RLE | Compression::ZIP1 | Compression::ZIP16 => 4 * raw,
         Compression::PXR24 => 6 * raw,
         Compression::DWAA(_) | Compression::DWAB(_) => 12u64.saturating_mul(raw).saturating_add(room.dct_bytes()),

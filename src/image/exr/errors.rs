@@ -1,4 +1,4 @@
-//! Errors of the `exr` crate as ours.
+//! Converts errors of the `exr` crate to [`Error`].
 
 use crate::error::Error;
 

@@ -1,7 +1,7 @@
-//! Limits of what the header of an OpenEXR file may claim.
+//! Limits of the sizes that the header of an OpenEXR file may claim.
 //!
-//! [`open`] looks at the windows, names and channels of all parts before the `exr` crate computes with them, and [`check`]
-//! compares the pixels that a header claims with the length of its file before memory is allocated for them.
+//! [`open`] checks the windows, names and channels of all parts before the `exr` crate computes with them. [`check`] compares the
+//! pixels that a header claims with the length of the file before memory is allocated for them.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
@@ -17,30 +17,31 @@ use super::work::Work;
 use crate::error::{Error, Result};
 use crate::image::limits::ReadLimits;
 
-/// Any file may claim this much; see [`ReadLimits`].
+/// Bytes of decoded pixels that are allowed for a file of any size; see [`ReadLimits`].
 const PIXEL_FLOOR: u64 = 16 << 20;
-/// A display window may be larger than its data (an autocropped render), so it may claim more.
+/// Bytes of the display window that are allowed for a file of any size. It is larger than [`PIXEL_FLOOR`], since the display
+/// window may exceed the stored pixels (an autocropped render).
 const DISPLAY_FLOOR: u64 = 64 << 20;
 const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
-/// No side of an image or tile may be longer; keeps all products of sides and sample sizes inside 64 bits.
+/// Maximum side of an image or tile in pixels; products of sides and sample sizes then fit 64 bits.
 const MAX_SIDE: usize = 1 << 24;
-/// Channels of all parts. The crate and our search compare them with each other.
+/// Maximum number of channels of all parts. The crate and `channels` compare channels with each other.
 const MAX_CHANNELS: usize = 4096;
-/// Names in `multiView`, which every channel is compared with.
+/// Maximum number of names in `multiView`; every channel is compared with each of them.
 const MAX_VIEWS: usize = 256;
-/// Bytes of the name of a part or view. Every channel gets a copy.
+/// Maximum length in bytes of the name of a part or view. The name is copied for every channel.
 const MAX_NAME_BYTES: usize = 1024;
-/// Bytes of memory for a byte of a header: parts, channels and attributes as values, and copies of names.
+/// Bytes of memory per byte of a header: parsed parts, channels and attributes, and copies of names.
 pub(super) const HEADER_SHARE: u64 = 64;
-/// Bytes for an entry of an offset table: the entry, and the position of a chunk that was read.
+/// Bytes of memory per entry of an offset table: the entry, and the position of the chunk.
 pub(super) const CHUNK_ENTRY_BYTES: u64 = 64;
 
-/// A file whose headers have been read; its cursor is at the offset tables.
+/// An open file whose headers have been read; the file position is at the offset tables.
 pub(super) struct Opened {
     pub file: BufReader<File>,
     pub meta: MetaData,
     pub file_len: u64,
-    /// Place of the first offset table.
+    /// File offset of the first offset table.
     pub tables_at: u64,
     pub work: Work,
 }
@@ -91,8 +92,8 @@ fn refused_size(name: &str, width: i64, height: i64) -> Error {
     ))
 }
 
-/// The first window of the headers whose corners are exchanged, which the `exr` crate would exchange back, or which is too large
-/// for the crate's arithmetic. None also where the headers cannot be followed, which that crate reports.
+/// Returns the first window in the headers whose corners are swapped, which the `exr` crate would silently swap back, or which is
+/// too large for the crate's arithmetic. Returns `None` also if the headers cannot be parsed; the crate reports that error.
 fn wrong_window(file: &mut impl BufRead) -> Option<(&'static str, [i32; 4])> {
     let mut start = [0; 8];
     file.read_exact(&mut start).ok()?;
@@ -110,7 +111,7 @@ fn wrong_window(file: &mut impl BufRead) -> Option<(&'static str, [i32; 4])> {
             file.read_exact(&mut length).ok()?;
             let length = u64::from(u32::from_le_bytes(length));
             let window = ["dataWindow", "displayWindow"].into_iter().find(|window| window.as_bytes() == name);
-            // The crate reads the first bytes of a window, whatever the length of the attribute.
+            // The crate reads the first 16 bytes of a window, whatever the length of the attribute.
             match window.filter(|_| kind == b"box2i" && length >= 16) {
                 Some(window) => {
                     let mut corners = [[0; 4]; 4];
@@ -134,14 +135,14 @@ fn wrong_window(file: &mut impl BufRead) -> Option<(&'static str, [i32; 4])> {
     }
 }
 
-/// A text of a header up to its final 0, without it.
+/// Reads a NUL-terminated string of a header, without the NUL.
 fn text(file: &mut impl BufRead) -> Option<Vec<u8>> {
     let mut text = Vec::new();
     file.take(260).read_until(0, &mut text).ok()?;
     (text.pop() == Some(0)).then_some(text)
 }
 
-/// Limits of lists and sides, which searches and sums are made of.
+/// Checks the lengths of lists and names, the sides of windows and tiles, and the size of the offset tables.
 fn check_lists(opened: &Opened) -> Result<()> {
     let mut table_bytes = 0u64;
     let channels: usize = opened.headers().iter().map(|header| header.channels.list.len()).sum();
@@ -182,7 +183,7 @@ fn check_lists(opened: &Opened) -> Result<()> {
     Ok(())
 }
 
-/// Refuses headers that claim more pixels than the file could hold. `wanted_bytes` are those of a pixel of the result.
+/// Rejects headers that claim more pixels than the file could hold. `wanted_bytes` is the size of a pixel of the result.
 pub(super) fn check(opened: &Opened, wanted_bytes: u64, limits: &ReadLimits) -> Result<()> {
     let file_len = opened.file_len;
     let refuse = |bytes: u64| {

@@ -1,26 +1,27 @@
-//! Counters inside of compressed chunks, compared with the raw size of the chunk.
+//! Checks the counters inside compressed chunks against the raw size of the chunk.
 //!
 //! RLE, ZIP, PXR24 and PIZ state no sizes of their own: the `exr` crate decodes them up to the raw size. DWAA and DWAB state
-//! eleven, which the crate allocates by, and B44 leads to negative numbers where it is damaged.
+//! eleven counters, from which the crate computes allocation sizes. Damaged B44 blocks make the crate's sample arithmetic
+//! negative.
 
 use exr::math::Vec2;
 use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
 use exr::prelude::Compression;
 
-/// Numbers of 8 bytes that a DWA chunk begins with.
+/// Number of 8-byte counters at the start of a DWA chunk.
 pub(super) const DWA_COUNTERS: usize = 11;
-/// Coefficients of a block of 8x8 samples besides its mean.
+/// Number of AC coefficients of a block of 8x8 samples.
 const AC_OF_BLOCK: u64 = 63;
 
-/// What the pixels of a chunk have room for.
+/// Maximum sizes of the contents of a chunk, which follow from its pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Room {
     pub raw_bytes: u64,
     columns: usize,
     rows: usize,
     channels: u64,
-    /// Blocks of 8x8 samples of one channel.
+    /// Number of blocks of 8x8 samples of one channel.
     blocks: u64,
 }
 
@@ -40,16 +41,16 @@ impl Room {
         self.blocks.saturating_mul(self.channels)
     }
 
-    /// Bytes of the blocks of a DWA chunk: three channels as floats at once, and of all channels the coefficients as they are
-    /// inflated and as integers, and the samples.
+    /// Returns the bytes of the block buffers of a DWA chunk: three channels as floats at once, and for all channels the
+    /// coefficients, both as inflated and as integers, and the samples.
     pub fn dct_bytes(&self) -> u64 {
         self.blocks.saturating_mul(3 * 64 * 4 + 8).saturating_add(self.all_blocks().saturating_mul(4 * 2 * 64 + 2 * 64))
     }
 }
 
-/// What is wrong with a payload, as the rest of a sentence about the chunk.
+/// Checks a payload; the error continues a sentence about the chunk.
 pub fn check(header: &Header, room: &Room, payload: &[u8]) -> Result<(), String> {
-    // A chunk that compression would have made larger is stored as it is.
+    // A chunk that compression would enlarge is stored uncompressed.
     if payload.len() as u64 == room.raw_bytes {
         return Ok(());
     }
@@ -63,9 +64,9 @@ pub fn check(header: &Header, room: &Room, payload: &[u8]) -> Result<(), String>
     }
 }
 
-/// The counters of a DWA chunk: sizes of four sections as stored and as inflated, and counts of coefficients.
+/// Checks the counters of a DWA chunk: sizes of four sections as stored and as inflated, and counts of coefficients.
 fn check_dwa(room: &Room, payload: &[u8]) -> Result<(), String> {
-    // An empty chunk stands for zeros.
+    // An empty chunk decodes to zeros.
     if payload.is_empty() {
         return Ok(());
     }
@@ -78,9 +79,9 @@ fn check_dwa(room: &Room, payload: &[u8]) -> Result<(), String> {
     let (raw, stored) = (room.raw_bytes, payload.len() as u64);
     let limits = [
         ("bytes of unclassified channels", unknown, raw),
-        // The channels of both are different ones.
+        // Unclassified and run-length coded channels are disjoint.
         ("bytes of run-length coded channels", rle, raw.saturating_sub(unknown)),
-        // A run takes two bytes, and stands for one at least.
+        // A run takes two bytes and codes at least one byte.
         ("bytes of runs", rle_tokens, rle.saturating_mul(2)),
         ("AC coefficients", ac, room.all_blocks().saturating_mul(AC_OF_BLOCK)),
         ("DC coefficients", dc, room.all_blocks()),
@@ -97,8 +98,8 @@ fn check_dwa(room: &Room, payload: &[u8]) -> Result<(), String> {
     }
 }
 
-/// The blocks of 4x4 halves of a B44 chunk. A block steps from sample to sample, in files of every writer to numbers of 16 bits;
-/// the crate subtracts without a check.
+/// Checks the blocks of 4x4 halves of a B44 chunk. Each sample is coded as a difference from a neighbour, and in files of every
+/// encoder the sum is a 16-bit value. The crate subtracts without an overflow check.
 fn check_b44(header: &Header, room: &Room, payload: &[u8]) -> Result<(), String> {
     let short = || format!("has {} bytes, fewer than its blocks take", payload.len());
     let mut rest = payload;
@@ -109,7 +110,7 @@ fn check_b44(header: &Header, room: &Room, payload: &[u8]) -> Result<(), String>
             continue;
         }
         for _ in 0..room.columns.div_ceil(4) * room.rows.div_ceil(4) {
-            // A shift of 13 or more marks a block of one value.
+            // A shift of 13 or more marks a block with a single value, in 3 bytes.
             let bytes = if *rest.get(2).ok_or_else(short)? >= 13 << 2 { 3 } else { 14 };
             let (block, behind) = rest.split_at_checked(bytes).ok_or_else(short)?;
             if let Some(block) = block.first_chunk::<14>()
@@ -123,9 +124,10 @@ fn check_b44(header: &Header, room: &Room, payload: &[u8]) -> Result<(), String>
     Ok(())
 }
 
-/// Whether a block of 14 bytes leads to a number below zero: 16 bits of the first sample, 6 bits of shift, and 15 steps of 6 bits.
+/// Returns true if a sample of a 14-byte block is negative. The block has 16 bits of first sample, 6 bits of shift, and 15
+/// differences of 6 bits.
 fn steps_below_zero(block: &[u8; 14]) -> bool {
-    /// The sample that each step begins at: down the first column, then along the rows.
+    /// Sample that each difference is added to, and the sample it yields: down the first column, then along the rows.
     const FROM: [(usize, usize); 15] = [
         (0, 4),
         (4, 8),
@@ -153,7 +155,7 @@ fn steps_below_zero(block: &[u8; 14]) -> bool {
         if value < 0 {
             return true;
         }
-        // Larger ones lose their upper bits.
+        // Values of more than 16 bits are truncated.
         samples[to] = value & 0xffff;
     }
     false

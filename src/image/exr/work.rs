@@ -1,7 +1,7 @@
-//! Counts of the steps that the `exr` crate would take to decode a chunk, made before it does.
+//! Counts the steps that the `exr` crate needs to decode a chunk, before the chunk is decoded.
 //!
-//! The crate looks for a Huffman code of more than 14 bits in a list, entry by entry, and compares the channels of a DWA chunk with
-//! each other. A file of an encoder needs a few steps for a sample; a hostile one may need a hundred thousand.
+//! The crate searches for a Huffman code of more than 14 bits in a list, entry by entry, and compares the channels of a DWA chunk
+//! with each other. Files of real encoders need a few steps per sample; a hostile file may need a hundred thousand.
 
 use std::collections::HashSet;
 
@@ -10,30 +10,30 @@ use exr::prelude::Compression;
 
 use super::payload::{DWA_COUNTERS, Room};
 
-/// Steps that any file may take.
+/// Number of steps that any file is allowed.
 const FREE_STEPS: u64 = 1 << 26;
-/// Steps for a byte of a payload.
+/// Number of additional steps allowed per payload byte.
 const STEPS_PER_STORED_BYTE: u64 = 64;
-/// Bytes of pixels for a step.
+/// Raw pixel bytes per additional step allowed.
 const RAW_BYTES_PER_STEP: u64 = 4;
-/// Codes up to this length are found at once.
+/// Maximum length in bits of codes that a table lookup decodes.
 const SHORT_BITS: u32 = 14;
 const MAX_BITS: usize = 58;
-/// The values of 16 bits, and the code of a run.
+/// Number of Huffman symbols: all 16-bit values and the run code.
 const SYMBOLS: usize = (1 << 16) + 1;
-/// Bytes before the table of a Huffman code.
+/// Bytes before the code length table of a Huffman code.
 const HUFFMAN_HEAD: usize = 20;
-/// Lists up to this length are not looked at closer: they cannot take more steps than are allowed.
+/// Maximum length of lists for which decoding is not simulated: it cannot exceed the allowed steps.
 const SHORT_LIST: u64 = 64;
-/// Bytes of the shortest rule of a DWA chunk.
+/// Bytes of the shortest channel rule of a DWA chunk.
 const MIN_RULE_BYTES: u64 = 3;
-/// Rules of chunks that state none.
+/// Number of channel rules of chunks that state none (versions 0 and 1).
 const OLD_RULES: u64 = 25;
 
-/// Steps of the chunks of a file so far, and what they are measured by.
+/// Number of steps of the chunks of a file so far, and the limit.
 #[derive(Debug, Clone, Default)]
 pub struct Work {
-    /// Comparisons that sorting the channels of each part takes, for a rule.
+    /// Comparisons per rule to classify the channels of each part.
     channels: Vec<u64>,
     steps: u64,
     allowed: u64,
@@ -44,7 +44,7 @@ impl Work {
         Work { channels: headers.iter().map(comparisons).collect(), steps: 0, allowed: FREE_STEPS }
     }
 
-    /// Counts a chunk of a part; an error is the rest of a sentence about the chunk.
+    /// Adds a chunk of a part. Fails if the limit is exceeded; the error continues a sentence about the chunk.
     pub fn add(&mut self, part: usize, header: &Header, room: &Room, payload: &[u8]) -> Result<(), String> {
         let measure = STEPS_PER_STORED_BYTE.saturating_mul(payload.len() as u64);
         self.allowed = self.allowed.saturating_add(measure).saturating_add(room.raw_bytes / RAW_BYTES_PER_STEP);
@@ -72,7 +72,7 @@ impl Work {
     }
 }
 
-/// Comparisons of the channels of a part with the names of their layers, where chunks make any.
+/// Returns the number of comparisons of channels with layer names per rule; 0 unless the part is DWA compressed.
 fn comparisons(header: &Header) -> u64 {
     if !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
         return 0;
@@ -85,7 +85,7 @@ fn comparisons(header: &Header) -> u64 {
     header.channels.list.len() as u64 * layers.len() as u64
 }
 
-/// The Huffman code of a PIZ chunk, behind its bitmap.
+/// Returns the Huffman code of a PIZ chunk, which follows the bitmap.
 fn piz_code(payload: &[u8]) -> Option<&[u8]> {
     let (bounds, rest) = payload.split_at_checked(4)?;
     let [first, last] = [[bounds[0], bounds[1]], [bounds[2], bounds[3]]].map(u16::from_le_bytes).map(usize::from);
@@ -93,7 +93,7 @@ fn piz_code(payload: &[u8]) -> Option<&[u8]> {
     rest.get(bitmap + 4..)
 }
 
-/// The number of rules of a DWA chunk at most, and its coefficients where they have a Huffman code.
+/// Returns the maximum number of rules of a DWA chunk, and its AC coefficients if they are Huffman coded.
 fn dwa_parts(payload: &[u8]) -> (u64, Option<&[u8]>) {
     let (words, _) = payload.as_chunks::<8>();
     let Some(head) = words.first_chunk::<DWA_COUNTERS>() else { return (0, None) };
@@ -111,19 +111,19 @@ fn dwa_parts(payload: &[u8]) -> (u64, Option<&[u8]>) {
     (rules, code.filter(|_| count > 0 && coder == 0))
 }
 
-/// Entries of lists that decoding looks at, at most. 0 where the crate refuses the code before it decodes.
+/// Returns an upper bound of the list entries examined while decoding; 0 if the crate rejects the code before decoding.
 fn huffman_steps(code: &[u8]) -> u64 {
     Code::read(code).map_or(0, |code| code.steps())
 }
 
-/// A Huffman code whose longer codes have larger numbers of bits and smaller values.
+/// A canonical Huffman code: longer codes have smaller values.
 struct Code<'a> {
-    /// Codes of each length, and the first of them.
+    /// Number of codes of each length, and the first code of each length.
     counts: [u64; MAX_BITS + 1],
     first: [u64; MAX_BITS + 1],
-    /// Length and value of the code of a run, which a byte follows.
+    /// Length and value of the run code, which is followed by a count byte.
     run: (usize, u64),
-    /// Long codes that begin with each value of [`SHORT_BITS`] bits.
+    /// Number of long codes by their first [`SHORT_BITS`] bits.
     lists: Vec<u32>,
     coded: &'a [u8],
 }
@@ -160,7 +160,7 @@ impl<'a> Code<'a> {
         if longest <= SHORT_LIST {
             return 0;
         }
-        // Codes of encoders are complete, so that one code begins at every bit; others are not worth following.
+        // Codes written by encoders are complete, so every bit sequence decodes; incomplete codes are bounded without decoding.
         let covered: u128 = (1..=MAX_BITS).map(|length| u128::from(self.counts[length]) << (MAX_BITS - length)).sum();
         if covered != 1 << MAX_BITS {
             return longest.saturating_mul(self.coded.len() as u64 * 8 / u64::from(SHORT_BITS + 1));
@@ -190,7 +190,7 @@ impl<'a> Code<'a> {
     }
 }
 
-/// Lengths of the codes of the values from `min` to `max`, and the bytes behind them. Runs of zeros are packed.
+/// Returns the code lengths of the symbols `min` to `max`, and the bytes after the table. Runs of zero lengths are packed.
 fn lengths(bytes: &[u8], min: usize, max: usize) -> Option<(Vec<u8>, &[u8])> {
     let count = (max + 1).checked_sub(min)?;
     let mut bits = Bits { bytes, held: 0, count: 0 };
@@ -209,7 +209,7 @@ fn lengths(bytes: &[u8], min: usize, max: usize) -> Option<(Vec<u8>, &[u8])> {
     (lengths.len() == count).then_some((lengths, bits.bytes))
 }
 
-/// Reader of bits, highest first. 128 are held, as a code of 58 bits may begin at the last bit of a byte.
+/// Bit reader, most significant bit first. It buffers 128 bits, since a code of 58 bits may begin at the last bit of a byte.
 struct Bits<'a> {
     bytes: &'a [u8],
     held: u128,
@@ -217,7 +217,7 @@ struct Bits<'a> {
 }
 
 impl Bits<'_> {
-    /// The next bits, which stay.
+    /// Returns the next bits without consuming them.
     fn peek(&mut self, count: usize) -> Option<u64> {
         while self.count < count {
             let (byte, rest) = self.bytes.split_first()?;

@@ -1,4 +1,4 @@
-//! OpenEXR files of half or float channels, ZIP compressed.
+//! Writes OpenEXR files with half or float channels, ZIP compressed.
 
 use std::io::{BufWriter, Cursor, Seek, Write};
 use std::path::Path;
@@ -17,22 +17,23 @@ use crate::files::DiskFile;
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 use crate::image::primaries::Primaries;
 
-/// Writes channels R, G, B as halves, ZIP compressed. The bytes depend on the pixels alone.
+/// Writes channels R, G, B as halves, ZIP compressed. The bytes of the file depend only on the pixels.
 pub fn write_color(path: &Path, plane: &ColorPlane) -> Result<()> {
     write_color_of(path, plane, Primaries::REC709)
 }
 
-/// As [`write_color`], with `chromaticities` unless they are those of Rec. 709, which files without that attribute have.
+/// Writes colour as [`write_color`] does, with `chromaticities` unless the primaries are Rec. 709, the default of the format.
 pub fn write_color_of(path: &Path, plane: &ColorPlane, primaries: Primaries) -> Result<()> {
     write(path, plane, (halves(plane, ["R", "G", "B"], |value| value), primaries))
 }
 
-/// Writes channels R, G, B and A as halves, ZIP compressed; colour is multiplied by alpha already, as the format has it.
+/// Writes channels R, G, B and A as halves, ZIP compressed; colour is premultiplied by alpha, as OpenEXR defines it.
 pub fn write_rgba(path: &Path, plane: &Plane<[f16; 4]>) -> Result<()> {
     write_rgba_and(path, plane, std::iter::empty(), Primaries::REC709)
 }
 
-/// As [`write_rgba`], with more channels of the same size as floats, and `chromaticities` as [`write_color_of`].
+/// Writes colour as [`write_rgba`] does, with additional float channels of the same size, and `chromaticities` as in
+/// [`write_color_of`].
 pub fn write_rgba_and<'a>(
     path: &Path,
     plane: &Plane<[f16; 4]>,
@@ -54,7 +55,7 @@ pub fn write_depth(path: &Path, plane: &DepthPlane) -> Result<()> {
     write(path, plane, (vec![("Z", FlatSamples::F32(plane.data().to_vec()))], Primaries::REC709))
 }
 
-/// Writes three channels of the given names as halves (rounded to nearest), ZIP compressed.
+/// Writes three channels with the given names as halves, rounded to nearest, ZIP compressed.
 pub fn write_material(path: &Path, plane: &MaterialPlane, names: [&str; 3]) -> Result<()> {
     let [a, b, c] = names;
     if a == b || a == c || b == c || names.contains(&"") {
@@ -63,17 +64,18 @@ pub fn write_material(path: &Path, plane: &MaterialPlane, names: [&str; 3]) -> R
     write(path, plane, (halves(plane, names, f16::from_f32), Primaries::REC709))
 }
 
-/// Bytes of a file of channels R, G, B and A as halves, ZIP compressed, with `chromaticities` as [`write_color_of`].
+/// Returns the bytes of a file with channels R, G, B and A as halves, ZIP compressed, and `chromaticities` as in
+/// [`write_color_of`].
 pub fn rgba_bytes(plane: &Plane<[f16; 4]>, primaries: Primaries) -> Result<Vec<u8>> {
     file_bytes(plane, (halves(plane, ["R", "G", "B", "A"], |value| value), primaries))
 }
 
-/// As [`rgba_bytes`], of three channels, rounded to nearest.
+/// Returns the bytes of a file with three channels as halves, rounded to nearest, ZIP compressed.
 pub fn triple_bytes(plane: &Plane<[f32; 3]>, names: [&str; 3]) -> Result<Vec<u8>> {
     file_bytes(plane, (halves(plane, names, f16::from_f32), Primaries::REC709))
 }
 
-/// Channels by name, and the primaries of their colours.
+/// Channels by name, and the primaries of the colour channels.
 type Channels<'a> = (Vec<(&'a str, FlatSamples)>, Primaries);
 
 fn file_bytes<T>(plane: &Plane<T>, channels: Channels<'_>) -> Result<Vec<u8>> {

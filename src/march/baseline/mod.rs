@@ -1,4 +1,4 @@
-//! Baselines of ray marching (CALF 7.3).
+//! Baseline renderers for comparison with ray marching (CALF 7.3).
 
 pub mod reproject;
 pub mod splat;

@@ -1,7 +1,7 @@
-//! Interpolation at true depths, by the weights of the paper: for comparison with ray marching.
+//! Reprojection baseline: interpolates colours at the true depths, with the weights of the paper.
 //!
-//! Enters: active views, a camera, and the true distance of each pixel. Leaves: a picture. The truth has one surface for each pixel,
-//! which is taken for opaque.
+//! Takes active views, a camera, and the true distance of each pixel. Returns a rendered image. The ground truth has one surface
+//! per pixel, which is treated as opaque.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -13,8 +13,9 @@ use crate::march::{ActiveViews, Counters, RayResult, Rendered, background, surfa
 use crate::math::Camera;
 use crate::monitor::Monitor;
 
-/// Renders with true distances in metres, `+inf` where there is no surface. Secondary rays, several samples, and near and far of the
-/// camera are left out: the truth knows none of them. The monitor advances by one for each row.
+/// Renders with true distances in metres; `+inf` marks a pixel without a surface. Secondary rays, supersampling, and the near and
+/// far planes of the camera are not supported, because the ground truth does not include them. The monitor advances by one per
+/// row.
 pub fn reproject(
     views: &ActiveViews<'_>,
     camera: &Camera,

@@ -1,8 +1,8 @@
 //! Point splatting (CALF 7.3).
 //!
-//! Enters: active views and a camera. Leaves: a picture. Each surface texel is projected into one pixel, where the nearest
-//! wins; background texels are behind everything. Pixels without a texel are holes. A point is there or not: texels of an alpha
-//! below a half are left out, and others are opaque.
+//! Takes active views and a camera. Returns a rendered image. Each surface texel is projected into one pixel, where the nearest
+//! point wins; background texels are behind all surfaces. Pixels without a point are holes. Points have no partial coverage:
+//! texels with an alpha below a half are skipped, and others are opaque.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::{BACKGROUND, FaceTexels, UNKNOWN};
 
-/// Texels of less are left out.
+/// Minimum alpha of a texel that is drawn.
 const MIN_ALPHA: f32 = 0.5;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,9 +25,9 @@ struct Point {
     color: Vec3,
 }
 
-/// Splats. Of the settings, `size`, `holes`, `background`, and the first and last of the distances count: a point is one pixel, however
-/// many samples a pixel has. Of points at the same distance the first wins, in the order of views, faces and texels. The
-/// monitor advances by one for each row of the picture, when all points are drawn.
+/// Renders by splatting. Uses the settings `size`, `holes`, `background`, and the first and last of the distances. A point covers
+/// one pixel, regardless of the number of samples. Of points at the same distance the first wins, in the order of views, faces
+/// and texels. The monitor advances by the number of rows after all points are drawn.
 pub fn splat(
     views: &ActiveViews<'_>,
     camera: &Camera,
@@ -45,7 +45,7 @@ pub fn splat(
             let row = |row: u32| -> Vec<_> {
                 (0..face.size[0]).filter_map(|column| image.point([column, row], camera, settings)).collect()
             };
-            // Projected in parallel, depth-tested in order.
+            // Points are projected in parallel and depth-tested in order.
             let rows: Vec<Vec<(usize, Point)>> = (0..face.size[1]).into_par_iter().map(row).collect();
             for (at, point) in rows.into_iter().flatten() {
                 let nearer = |held: Point| point.distance_m < held.distance_m;
@@ -86,7 +86,8 @@ struct Image<'a> {
 }
 
 impl Image<'_> {
-    /// Index of the pixel of a texel. None outside of the picture, and for unknown and transparent texels.
+    /// Returns the pixel index and the point of a texel. None if the point is outside the image, the range of distances or the
+    /// clip planes, and for unknown and transparent texels.
     fn point(&self, [column, row]: [u32; 2], camera: &Camera, settings: &RenderSettings) -> Option<(usize, Point)> {
         let Image { view, face, number, clip } = self;
         let texel = row as usize * face.size[0] as usize + column as usize;
@@ -155,7 +156,7 @@ mod tests {
 
     const CODING: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Linear, exposure_ev: 0.0 });
 
-    /// A perspective view of three texels that looks along −Z with 90 degrees from left to right.
+    /// A perspective view of three texels that looks along −Z with a horizontal field of view of 90 degrees.
     fn view(position: DVec3, inverse_depth: [f32; 3], gray: [u8; 3]) -> View {
         let map = crate::image::TexelMap { scale: [1.5, 1.5], centre: [1.5, 0.5] };
         let mut face = FaceTexels::unknown([3, 1], map, CODING);
@@ -166,12 +167,12 @@ mod tests {
         View { name: "a".into(), probe: 0, position, probe_from_world: DMat3::IDENTITY, near_m, far_m, faces }
     }
 
-    /// Codes and alpha of a picture from the origin with the same field of view.
+    /// Returns the codes and alpha of an image rendered from the origin with the same field of view.
     fn shown(views: Vec<View>, holes: HoleFill) -> (Vec<u8>, Vec<f32>) {
         shown_between(views, holes, [0.0, f64::INFINITY])
     }
 
-    /// The same, of what lies between near and far of the camera.
+    /// Like [`shown`], with near and far planes of the camera.
     fn shown_between(views: Vec<View>, holes: HoleFill, range_m: [f64; 2]) -> (Vec<u8>, Vec<f32>) {
         let field = LightField { views, coding: CODING };
         let all: Vec<usize> = (0..field.views.len()).collect();
@@ -203,15 +204,15 @@ mod tests {
         for views in [vec![near.clone(), far.clone()], vec![far.clone(), near]] {
             assert_eq!(shown(views, HoleFill::Blank), (vec![10, 20, 30], vec![1.0; 3]));
         }
-        // Equal distances: the first.
+        // At equal distances the first point wins.
         let views = vec![far.clone(), view(DVec3::ZERO, [0.25; 3], [1, 2, 3])];
         assert_eq!(shown(views, HoleFill::Blank).0, [40, 50, 60]);
-        // A texel that is mostly transparent is none.
+        // A texel with an alpha below a half is skipped.
         let mut glass = view(DVec3::ZERO, [0.5; 3], [10, 20, 30]);
         let mut alpha = [127, 128, 255].into_iter();
         set_alpha(&mut glass, |_, _| alpha.next().unwrap());
         assert_eq!(shown(vec![glass, far.clone()], HoleFill::Blank), (vec![40, 20, 30], vec![1.0; 3]));
-        // A background is behind everything, also of the view that comes first.
+        // Background is behind all surfaces, even if its view comes first.
         let views =
             vec![view(DVec3::ZERO, [BACKGROUND; 3], [7, 8, 9]), view(DVec3::ZERO, [0.25, UNKNOWN, 0.25], [40, 50, 60])];
         assert_eq!(shown(views, HoleFill::Blank).0, [40, 8, 60]);
@@ -231,12 +232,12 @@ mod tests {
 
     #[test]
     fn points_move_by_their_depth_and_leave_holes() {
-        // A step of 2/3 to the right is a pixel at depth 1, and a quarter of one at depth 4.
+        // Moving the view 2/3 m to the right moves a point by one pixel at depth 1, and by a quarter of a pixel at depth 4.
         let moved = |inverse: f32| vec![view(DVec3::new(2.0 / 3.0, 0.0, 0.0), [inverse; 3], [10, 20, 30])];
         assert_eq!(shown(moved(1.0), HoleFill::Blank), (vec![0, 10, 20], vec![0.0, 1.0, 1.0]));
         assert_eq!(shown(moved(1.0), HoleFill::Nearest), (vec![10, 10, 20], vec![0.0, 1.0, 1.0]));
         assert_eq!(shown(moved(0.25), HoleFill::Blank).0, [10, 20, 30]);
-        // Nearer than rays begin, farther than they end, and behind the eye.
+        // Points nearer than the first step, farther than the last one, and behind the eye.
         let near = vec![view(DVec3::ZERO, [4.0; 3], [10, 20, 30])];
         assert_eq!(shown(near, HoleFill::Nearest), (vec![0; 3], vec![0.0; 3]));
         assert_eq!(shown(moved(0.01), HoleFill::Blank).1, [0.0; 3]);

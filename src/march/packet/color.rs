@@ -1,5 +1,5 @@
-//! Colours of four points at once: [`crate::march::interpolate::seen_from_eye`] up to rounding of logarithms and of the order
-//! of sums, less than a hundredth of an 8-bit code.
+//! Interpolation of the colours of four points at once. Equals [`crate::march::interpolate::seen_from_eye`] up to the rounding of
+//! logarithms and the order of sums: less than a hundredth of an 8-bit code.
 
 use glam::Vec3;
 
@@ -13,23 +13,24 @@ use crate::march::{DEPTH_EPSILON, Interpolated, Refinements, RenderSettings};
 use crate::views::{BACKGROUND, ColorTexels, UNKNOWN};
 
 struct Sums {
-    /// Red, green and blue, in codes up to 255 or light.
+    /// Red, green and blue, in codes up to 255 or linear RGB.
     color: [Lanes; 3],
     weight: Lanes,
-    /// Weights of colours, times alpha; where no view has alpha they are those of all.
+    /// Sum of the weights times alpha, or of the plain weights if no view has alpha.
     shown: Lanes,
     has_alpha: bool,
     difference: Lanes,
-    /// Weights of texels that have the surface, and of those that have no nearer one.
+    /// Sums of the weights of texels that have the surface, and of texels that have no nearer one.
     covered: Lanes,
     all: Lanes,
-    /// The first of these times alpha, where a view has alpha.
+    /// `covered` with weights times alpha, if a view has alpha.
     opaque: Lanes,
     refinements: Refinements,
     tolerance: Lanes,
 }
 
-/// Colours of the surface points in the `asked` lanes. None where no view has a surface in its direction.
+/// Interpolates the colours of the surface points in the `asked` lanes. None if no view has a surface in the direction of a
+/// point.
 pub(crate) fn seen_from_eye(
     views: &PacketViews<'_>,
     guesses: &mut [usize],
@@ -87,7 +88,7 @@ fn length(points: &Points) -> Lanes {
     Lanes::from_array(square.to_array().map(f32::sqrt))
 }
 
-/// [`crate::march::interpolate::angle_weight`].
+/// Packet form of [`crate::march::interpolate::angle_weight`].
 #[inline(always)]
 fn angle_weight(view: &PacketView<'_>, points: &Points, from_eye_m: Lanes) -> Lanes {
     let [x, y, z] = view.from_eye;
@@ -119,7 +120,7 @@ fn add(
     places: &Places,
     (lanes, of_view, edge_part): (u32, Lanes, Option<Lanes>),
 ) {
-    // Of the texels around a place, and those before and after them.
+    // Columns and rows of the four texels around each position, and of the texels before and after them.
     let (mut columns, mut rows, mut parts) = ([Lanes::ZERO; 4], [Lanes::ZERO; 4], [Lanes::ZERO; 2]);
     for (axis, along) in [&mut columns, &mut rows].into_iter().enumerate() {
         let at = places.at[axis] - 0.5;
@@ -144,7 +145,7 @@ fn add(
             _ => Lanes::ZERO,
         };
         let depth: [[Lanes; 4]; 4] = std::array::from_fn(|row| std::array::from_fn(|column| depth(row, column)));
-        // At the rim of an image two of the four texels are one.
+        // At the border of an image two of the four texels are the same.
         let [is_column, is_row] = [columns[1].cmpeq(columns[2]), rows[1].cmpeq(rows[2])];
         std::array::from_fn(|tap| {
             let (row, column) = (1 + tap / 2, 1 + tap % 2);
@@ -166,14 +167,14 @@ fn add(
     }
 }
 
-/// Inverse depths of surfaces; others are 0.
+/// Returns the inverse depths of known texels, and 0 for unknown ones.
 #[inline(always)]
 fn surface_of(depth: Lanes) -> Lanes {
     either(depth.cmplt(Lanes::splat(UNKNOWN)), depth, Lanes::ZERO)
 }
 
 impl Sums {
-    /// Adds texels; `weight` lacks the factor of depth, and for the colour that of edges.
+    /// Adds texels. `weight` lacks the depth factor and, for the colour, the edge factor.
     #[inline(always)]
     fn add(&mut self, (weight, edge_part): (Lanes, Lanes), planar_m: Lanes, texels: &Texels) {
         let is_known = texels.depth.cmplt(Lanes::splat(UNKNOWN));
@@ -205,7 +206,7 @@ impl Sums {
     }
 }
 
-/// Inverse depths of the texels of these columns and rows.
+/// Returns the inverse depths of the texels at these columns and rows.
 #[inline(always)]
 fn depth_of(view: &PacketView<'_>, places: &Places, lanes: u32, [column, row]: [Lanes; 2]) -> Lanes {
     let texel = |face: usize, at: usize| view.depth[face].get(at).copied().unwrap_or(UNKNOWN);
@@ -221,7 +222,7 @@ fn depth_of(view: &PacketView<'_>, places: &Places, lanes: u32, [column, row]: [
     Lanes::from_array(depths)
 }
 
-/// Texels of one face with coded colours.
+/// Returns texels of one face with coded colours.
 #[inline(always)]
 fn texels_of_face(face: &CodedFace<'_>, at: [u32; 4]) -> Texels {
     let depth_of = |lane: usize| face.depth.get(at[lane] as usize).copied().unwrap_or(UNKNOWN);
@@ -234,7 +235,7 @@ fn texels_of_face(face: &CodedFace<'_>, at: [u32; 4]) -> Texels {
     }
 }
 
-/// Texels of these lanes, each in its own face; colours of other lanes and of no surface are 0.
+/// Returns the texels of these lanes, each in its own face. Colours of other lanes and of texels without a surface are 0.
 #[inline(never)]
 fn texels_anywhere(view: &PacketView<'_>, places: &Places, lanes: u32, [column, row]: [Lanes; 2]) -> Texels {
     let (column, row) = (to_whole(column), to_whole(row));
@@ -250,7 +251,7 @@ fn texels_anywhere(view: &PacketView<'_>, places: &Places, lanes: u32, [column, 
     Texels { depth: Lanes::from_array(depths), color, alpha }
 }
 
-/// Red, green and blue: codes up to 255, or light; 0 in other lanes. And alpha.
+/// Returns red, green and blue, as codes up to 255 or linear RGB, and alpha. Colours of other lanes are 0.
 fn colors(view: &PacketView<'_>, places: &Places, lanes: u32, texels: &[usize; 4]) -> ([Lanes; 3], Lanes) {
     let mut codes = [0u32; 4];
     let mut alpha = [1.0; 4];

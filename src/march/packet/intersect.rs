@@ -1,7 +1,7 @@
-//! Four rays marched side by side.
+//! Ray marching of four rays at once.
 //!
-//! Enters: active views and the directions of four rays. Leaves: the hits and counts of [`crate::march::layers::Primary::first_hits`],
-//! bit for bit.
+//! Takes active views and the directions of four rays. Returns the hits and counts of
+//! [`crate::march::layers::Primary::first_hits`], bit for bit.
 
 use glam::Vec3;
 
@@ -15,14 +15,14 @@ pub(crate) struct Packet {
     x: Lanes,
     y: Lanes,
     z: Lanes,
-    /// The greatest coordinates.
+    /// Largest absolute coordinate of each direction.
     reach: Lanes,
     /// Rays in use, as bits.
     pub(crate) rays: u32,
 }
 
 impl Packet {
-    /// One to four rays, by their directions of length 1.
+    /// Creates a packet of one to four rays from their directions of length 1.
     pub(crate) fn new(directions: &[Vec3]) -> Packet {
         let lanes = |part: fn(Vec3) -> f32| {
             Lanes::from_array(std::array::from_fn(|lane| {
@@ -35,17 +35,17 @@ impl Packet {
     }
 
     pub(crate) fn at(&self, distance_m: Lanes) -> Points {
-        // A ray adds its origin, which is 0 here and changes nothing but the sign of a zero.
+        // `Ray::at` also adds the origin. Rays of a packet start at 0, so leaving it out only affects the sign of a zero.
         Points { x: self.x * distance_m, y: self.y * distance_m, z: self.z * distance_m }
     }
 }
 
-/// The lanes that have something, as bits.
+/// Returns the lanes that have a value, as bits.
 pub(crate) fn bits_of<T>(lanes: &[Option<T>; 4]) -> u32 {
     lanes.iter().enumerate().fold(0, |bits, (lane, has)| bits | u32::from(has.is_some()) << lane)
 }
 
-/// Views that are marched, and what ends that.
+/// Views that are marched, and the condition that ends marching.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Marching {
     /// All views, until a surface.
@@ -54,11 +54,11 @@ enum Marching {
     One(usize),
 }
 
-/// Marches packets. Tests first the view that proved the last segment, which changes no result.
+/// State of marching packets. The view that proved the last segment is tested first, which does not change results.
 pub(crate) struct PacketMarch<'a> {
     views: &'a PacketViews<'a>,
     order: Vec<usize>,
-    /// The face of the last points in each view.
+    /// Face of the last points in each view.
     guesses: Vec<usize>,
 }
 
@@ -76,8 +76,8 @@ impl<'a> PacketMarch<'a> {
         self.order[..=rank].rotate_right(1);
     }
 
-    /// Lanes, of those tested, whose points end marching: [`crate::march::active_views::ActiveViews::is_surface`] of all views, or that
-    /// one sees past none.
+    /// Returns the tested lanes whose points end marching: with all views, points that
+    /// [`crate::march::active_views::ActiveViews::is_surface`] accepts; with one view, points that the view does not see past.
     fn stops(&mut self, marching: Marching, tested: u32, points: &Points) -> u32 {
         if let Marching::One(at) = marching {
             return tested & !self.views.views[at].test(points, &mut self.guesses[at]).empty;
@@ -98,7 +98,7 @@ impl<'a> PacketMarch<'a> {
         left & occupied
     }
 
-    /// [`crate::march::layers::Primary::first_hits`].
+    /// Packet form of [`crate::march::layers::Primary::first_hits`].
     pub(crate) fn first_hits(
         &mut self,
         packet: &Packet,
@@ -118,7 +118,7 @@ impl<'a> PacketMarch<'a> {
         std::array::from_fn(|lane| FirstHits { nearest_m: nearest_m[lane], all_m: all_m[lane] })
     }
 
-    /// [`crate::march::intersect::intersect_from`], of each ray from a step on.
+    /// Packet form of [`crate::march::intersect::intersect_from`], with a first step for each ray.
     pub(crate) fn hits(
         &mut self,
         packet: &Packet,
@@ -133,7 +133,7 @@ impl<'a> PacketMarch<'a> {
         self.refine(packet, &settings.steps, (Marching::All, steps), counters)
     }
 
-    /// Lanes whose points at these steps are on or behind a surface of all views.
+    /// Returns the lanes whose points at these steps are on or behind a surface of all views.
     pub(crate) fn surfaces(
         &mut self,
         packet: &Packet,
@@ -148,14 +148,14 @@ impl<'a> PacketMarch<'a> {
         self.stops(Marching::All, tested, &points)
     }
 
-    /// Lanes whose points at these steps a view knows to be on or behind a surface.
+    /// Returns the lanes whose points at these steps are on or behind a surface of one view.
     fn occupied(&mut self, view: usize, packet: &Packet, steps: &Steps, at: [Option<usize>; 4]) -> u32 {
         let Some(other) = at.iter().flatten().next().copied() else { return 0 };
         let points = packet.at(Lanes::from_array(at.map(|at| steps.distances_m[at.unwrap_or(other)])));
         bits_of(&at) & self.views.views[view].test(&points, &mut self.guesses[view]).occupied
     }
 
-    /// [`crate::march::intersect::first_step`], of each ray from a step on.
+    /// Packet form of [`crate::march::intersect::first_step`], with a first step for each ray.
     fn first_steps(
         &mut self,
         packet: &Packet,
@@ -220,7 +220,7 @@ impl<'a> PacketMarch<'a> {
                 return hits;
             }
             counters.march_steps += u64::from(live.count_ones());
-            // Lanes without a ray, and finished ones, take the places of another.
+            // Lanes without a ray and finished lanes copy the segment of an active lane.
             if let Some(other) = lanes_of(live).next() {
                 lanes_of(ALL & !live).for_each(|lane| (from_m[lane], to_m[lane]) = (from_m[other], to_m[other]));
             }
@@ -233,7 +233,7 @@ impl<'a> PacketMarch<'a> {
                 let occupancies = view.test(&to, guess);
                 occupied |= occupancies.occupied;
                 past |= occupancies.empty;
-                // A segment that ends in no empty point is not empty.
+                // A segment is not empty if its last point is not.
                 let mut empty = left & single & occupancies.empty;
                 let tested = left & !single & occupancies.empty;
                 if tested != 0 {
@@ -266,7 +266,7 @@ impl<'a> PacketMarch<'a> {
         counters: &mut Counters,
     ) -> [Option<f32>; 4] {
         let tested = bits_of(&hits);
-        // Rays without a hit take the places of another.
+        // Lanes without a hit copy that of another lane.
         let Some(other) = hits.iter().flatten().next().copied() else { return [None; 4] };
         let (mut empty_m, mut surface_m) = (Lanes::ZERO, Lanes::ZERO);
         for (lane, hit) in hits.iter().enumerate() {

@@ -1,15 +1,15 @@
-//! Arithmetic on the numbers of four rays at once.
+//! SIMD arithmetic on four lanes, one per ray of a packet.
 
 use glam::{BVec4A, Vec4};
 use wide::{f32x4, i32x4};
 
-/// A number of each of four rays.
+/// One number per ray of a packet.
 pub(crate) type Lanes = Vec4;
 
-/// All four rays, as bits.
+/// Bits of all four lanes.
 pub(crate) const ALL: u32 = 0b1111;
 
-/// The bits of √½.
+/// Bits of √½ in single precision.
 const ROOT_OF_HALF: i32 = 0x3f35_04f3;
 
 #[derive(Debug, Clone, Copy)]
@@ -19,7 +19,7 @@ pub(crate) struct Points {
     pub(crate) z: Lanes,
 }
 
-/// The lanes whose bits are set, in rising order.
+/// Iterates over the lanes whose bits are set, in ascending order.
 pub(crate) fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let lane = bits.trailing_zeros();
@@ -33,7 +33,7 @@ pub(crate) fn either(mask: BVec4A, yes: Lanes, no: Lanes) -> Lanes {
     Lanes::select(mask, yes, no)
 }
 
-/// The natural logarithm of normal numbers above 0, to a millionth.
+/// Returns the natural logarithm of positive normal numbers, to within a millionth.
 #[inline(always)]
 pub(crate) fn ln(lanes: Lanes) -> Lanes {
     let (exponent, part) = split(lanes);
@@ -43,42 +43,42 @@ pub(crate) fn ln(lanes: Lanes) -> Lanes {
     exponent * std::f32::consts::LN_2 + 2.0 * s * series
 }
 
-/// Lanes of at least 0 and below 2³¹ without what follows the point.
+/// Truncates numbers of at least 0 and below 2³¹ to integers.
 #[inline(always)]
 pub(crate) fn to_whole(lanes: Lanes) -> [u32; 4] {
     bytemuck::cast(cut(lanes))
 }
 
-/// The greatest whole numbers that are not above lanes of less than 2³¹ either side of 0.
+/// Rounds numbers of magnitude below 2³¹ down to integers.
 #[inline(always)]
 pub(crate) fn floor(lanes: Lanes) -> Lanes {
     let cut = to_lanes(cut(lanes));
     cut - either(cut.cmpgt(lanes), Lanes::ONE, Lanes::ZERO)
 }
 
-/// Numbers of the texels that columns and rows, of at least 0, fall into, in images with so many columns and at most 2²³
-/// texels.
+/// Returns the indices of the texels at these columns and rows, which are at least 0, in images with this number of columns and
+/// at most 2²³ texels.
 #[inline(always)]
 pub(crate) fn number_of([column, row]: [Lanes; 2], columns: Lanes) -> [u32; 4] {
     bytemuck::cast(cut(to_lanes(cut(row)) * columns) + cut(column))
 }
 
-/// The three lower bytes of each number.
+/// Converts the three lower bytes of each number to floats.
 #[inline(always)]
 pub(crate) fn bytes(numbers: [u32; 4]) -> [Lanes; 3] {
     let numbers: i32x4 = bytemuck::cast(numbers);
-    // Numbers with few digits are divided by powers of two without a rest.
+    // The division by a power of two is exact.
     let byte = |at: i32| to_lanes(numbers & i32x4::splat(0xff << (8 * at))) * (1.0 / (1 << (8 * at)) as f32);
     [byte(0), byte(1), byte(2)]
 }
 
-/// The highest byte of each number.
+/// Converts the highest byte of each number to floats.
 #[inline(always)]
 pub(crate) fn fourth_bytes(numbers: [u32; 4]) -> Lanes {
     to_lanes(bytemuck::cast(numbers.map(|number| number >> 24)))
 }
 
-/// Exponent and part of normal numbers above 0: each is 2^exponent · part, with a part from √½ to √2.
+/// Splits positive normal numbers into exponent and mantissa: each is 2^exponent · mantissa, with a mantissa from √½ to √2.
 #[inline(always)]
 fn split(lanes: Lanes) -> (Lanes, Lanes) {
     const PART: i32 = (1 << 23) - 1;

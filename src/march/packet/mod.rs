@@ -1,4 +1,4 @@
-//! Four rays at once: the SIMD form of the march.
+//! SIMD form of ray marching: four rays at once.
 
 pub mod color;
 pub mod intersect;

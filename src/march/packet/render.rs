@@ -30,7 +30,7 @@ pub(crate) struct PacketRow<'a> {
 }
 
 impl PacketRow<'_> {
-    /// Hits of up to four rays from the eye, by their directions of length 1.
+    /// Returns the hits of up to four rays from the eye, given their directions of length 1.
     pub(crate) fn hits(&mut self, directions: &[Vec3], counters: &mut Counters) -> [PrimaryHit; 4] {
         let primary = self.scene.primary;
         let packet = Packet::new(directions);
@@ -65,7 +65,7 @@ impl PacketRow<'_> {
         shown
     }
 
-    /// Drives rays until they are done, as [`Primary::follow`] does one.
+    /// Advances the walks of all rays until they are done, as [`Primary::follow`] does for one ray.
     fn follow(&mut self, packet: &Packet, walks: &mut [Option<LayerWalk<'_, '_>>; 4], counters: &mut Counters) {
         let settings = self.scene.primary.settings;
         loop {
@@ -91,9 +91,9 @@ impl PacketRow<'_> {
         }
     }
 
-    /// What the views see on rays at these distances in metres.
+    /// Interpolates the colours of the points at these distances in metres along the rays.
     fn seen(&mut self, packet: &Packet, at_m: [Option<f32>; 4]) -> [Option<Interpolated>; 4] {
-        // Rays without a distance take that of another.
+        // Lanes without a distance copy that of another lane.
         let Some(other_m) = at_m.iter().flatten().next().copied() else { return [None; 4] };
         let points = packet.at(Lanes::from_array(at_m.map(|at_m| at_m.unwrap_or(other_m))));
         let asked = (bits_of(&at_m), &points);

@@ -1,8 +1,8 @@
-//! Occupancy tests of four points at once: [`ActiveView::occupancy`] and [`crate::march::segments::is_segment_empty`], with the
-//! same operations in the same order, so that results are the same bits.
+//! Occupancy tests of four points at once. They perform the operations of [`ActiveView::occupancy`] and
+//! [`crate::march::segments::is_segment_empty`] in the same order, so that results are the same bits.
 //!
-//! Points of a packet are close together and to those tested before, so they are guessed to lie in the same face. Where their
-//! places in it confirm that, no face is computed.
+//! Points of a packet are close to each other and to the points tested before, so they are first projected into the same face as
+//! those. If the projected positions confirm this guess, the face is not computed.
 
 use glam::Vec4;
 
@@ -12,7 +12,7 @@ use crate::march::segments::{ROUNDING, SURELY_BELOW_ONE};
 use crate::march::{ActiveView, ActiveViews, Footprint, MIN_M, ViewPyramids};
 use crate::views::{ColorCoding, ColorTexels, FaceTexels, UNKNOWN};
 
-/// Longest side of a guessed image, in texels: places in it are exact to far less than one.
+/// Maximum side of an image whose face is guessed, in texels: positions in it have an error far below one texel.
 const LONGEST_GUESSED: f32 = 65_536.0;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,13 +22,13 @@ struct Map {
 }
 
 pub(crate) struct PacketView<'a> {
-    /// Columns of the rotation into its axes.
+    /// Columns of the rotation from the world into the view's axes.
     turn: [[Lanes; 3]; 3],
-    /// Rows of the rotations into right, down and forward of the faces of a cube.
+    /// Rows of the rotations from the world into right, down and forward of each cube face.
     turns_of_faces: [[[Lanes; 3]; 3]; 6],
-    /// For [`PacketView::guessed`]: a cube whose images have one projection, which covers the face.
+    /// Projection for [`PacketView::guessed`], if all images of a cube have the same one and it covers the face.
     whole_faces: Option<Map>,
-    /// [`PacketView::near_m`], at least [`MIN_M`].
+    /// [`PacketView::near_m`], but at least [`MIN_M`].
     least_guessed_m: Lanes,
     pub(crate) from_eye: [Lanes; 3],
     reach_m: f32,
@@ -39,36 +39,36 @@ pub(crate) struct PacketView<'a> {
     footprint: Footprint,
     pub(crate) has_edges: bool,
     is_view: bool,
-    /// Whether indices of texels are below 2²³.
+    /// True if all texel indices are below 2²³.
     pub(crate) are_small: bool,
     pyramids: &'a ViewPyramids,
     pub(crate) faces: [Option<&'a FaceTexels>; 7],
-    /// Eight, so that three bits are always an index.
+    /// Inverse depths of each face. There are eight entries, so that any three bits are a valid index.
     pub(crate) depth: [&'a [f32]; 8],
-    /// [`DepthPyramid::around`](crate::march::DepthPyramid), or empty.
+    /// [`DepthPyramid::around`](crate::march::DepthPyramid) of each face, or empty.
     squares: [&'a [f32]; 8],
     pub(crate) width: [u32; 8],
-    /// Empty for colours that are light.
+    /// Empty for linear colours.
     pub(crate) codes: [&'a [[u8; 4]]; 8],
     has_alpha: [bool; 8],
     maps: [Map; 7],
-    /// The projection of all images, if it is one.
+    /// Projection of all images, if they have the same one.
     alike: Option<Map>,
 }
 
-/// Texels of an image whose colours are codes.
+/// Texels of an image with coded colours.
 pub(crate) struct CodedFace<'a> {
     pub(crate) depth: &'a [f32],
     pub(crate) codes: &'a [[u8; 4]],
     pub(crate) has_alpha: bool,
 }
 
-/// Numbers of faces, a byte for each lane.
+/// Face indices, one byte per lane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Faces(u32);
 
 impl Faces {
-    /// A byte of 1 for every bit.
+    /// Expands four bits to four bytes, each 0 or 1.
     const SPREAD: [u32; 16] = {
         let mut spread = [0; 16];
         let mut bits = 0;
@@ -81,7 +81,7 @@ impl Faces {
 
     const VIEW: Faces = Faces(0x0606_0606);
 
-    /// Of cubes, by the lanes whose main axis is x, or y, and those where it is negative.
+    /// Returns the faces of a cube from the lanes whose main axis is x, or y, and the lanes where it is negative.
     #[inline(always)]
     fn of_cube(is_x: u32, is_y: u32, negative: u32) -> Faces {
         let spread = |bits: u32| Faces::SPREAD[(bits & ALL) as usize];
@@ -93,7 +93,7 @@ impl Faces {
         Faces((face as u32 & 7) * 0x0101_0101)
     }
 
-    /// The face of all lanes, if it is one.
+    /// Returns the face of all lanes, if they have the same one.
     #[inline(always)]
     pub(crate) fn only(self) -> Option<usize> {
         (self.0 == (self.0 & 7) * 0x0101_0101).then_some((self.0 & 7) as usize)
@@ -107,7 +107,7 @@ impl Faces {
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Places {
-    /// Lanes in an image, as bits; values of others mean nothing.
+    /// Lanes that lie in an image, as bits; the values of other lanes are undefined.
     pub(crate) exist: u32,
     pub(crate) face: Faces,
     plane: [Lanes; 2],
@@ -115,23 +115,24 @@ pub(crate) struct Places {
     inverse_depth: Lanes,
     /// Column and row, in texels.
     pub(crate) at: [Lanes; 2],
-    /// Columns and rows of the images.
+    /// Width and height of the images, in texels.
     pub(crate) size: [Lanes; 2],
     scale: [Lanes; 2],
 }
 
-/// Rows of the rotation into right, down and forward of a cube's face, from the columns of that into the view's axes.
+/// Returns the rows of the rotation from the world into right, down and forward of a cube face, from the columns of the rotation
+/// into the view's axes.
 fn turn_of_face(turn: [[Lanes; 3]; 3], face: Face) -> [[Lanes; 3]; 3] {
     let [forward, right, down] = face.axes();
     [right, down, forward].map(|axis| {
-        // One coordinate of an axis is 1 or -1, the others are 0.
+        // One coordinate of an axis is 1 or −1, the others are 0.
         let at = [axis.x, axis.y, axis.z].iter().position(|&part| part != 0.0).unwrap_or(0);
         let sign = Lanes::splat(axis[at] as f32);
         turn.map(|column| sign * column[at])
     })
 }
 
-/// Occupancy of four points in a view, as bits; neither bit is set where it is unknown.
+/// Occupancy of four points in a view, as bits; neither bit is set if the occupancy is unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Occupancies {
     pub(crate) empty: u32,
@@ -199,10 +200,11 @@ impl<'a> PacketView<'a> {
         }
     }
 
-    /// Projections of points, if all of them surely lie in this face of a cube, and none within near.
+    /// Projects points into this face of a cube. None unless all of them certainly lie in the face, and none is nearer than the
+    /// near distance.
     ///
-    /// The axes of a face are those of the view up to signs, which do not affect rounding. Where no coordinate in the plane at
-    /// depth 1 is above [`SURELY_BELOW_ONE`], the point is in no other face, and needs no clamping.
+    /// The axes of a face are those of the view up to signs, which do not affect rounding. If no coordinate in the plane at depth
+    /// 1 is above [`SURELY_BELOW_ONE`], the point is in no other face and needs no clamping.
     #[inline(always)]
     fn guessed(&self, points: &Points, face: usize) -> Option<Places> {
         let Map { size, texels: TexelMap { scale, centre } } = self.whole_faces?;
@@ -227,7 +229,7 @@ impl<'a> PacketView<'a> {
         Some(Places { exist: ALL, face: Faces::all(face), plane, planar_m, inverse_depth, at, size, scale })
     }
 
-    /// Projections of points; `guess` is the face of earlier points, and is updated.
+    /// Projects points; `guess` is the face of earlier points, and is updated.
     #[inline(always)]
     pub(crate) fn places_of(&self, points: &Points, guess: &mut usize) -> Places {
         match self.guessed(points, *guess) {
@@ -336,7 +338,7 @@ impl<'a> PacketView<'a> {
         [each(|map| map.size), each(|map| map.texels.scale), each(|map| map.texels.centre)]
     }
 
-    /// The greatest inverse depths of the texels of the footprint.
+    /// Returns the maximum inverse depth of each footprint's texels.
     #[inline(always)]
     fn footprint_depth(&self, places: &Places) -> Lanes {
         match self.footprint {
@@ -373,21 +375,21 @@ impl<'a> PacketView<'a> {
         let surface = self.footprint_depth(places);
         let known = surface.cmpne(Vec4::splat(UNKNOWN)).bitmask() & places.exist;
         let before = surface.cmplt(places.inverse_depth).bitmask();
-        // No distance is less than the planar depth.
+        // The distance of a point is at least its planar depth, so no point is nearer than the near distance.
         if places.planar_m.cmpge(self.near_m).bitmask() == ALL {
             return Occupancies { empty: known & before, occupied: known & !before };
         }
         let square = local.x * local.x + local.y * local.y + local.z * local.z;
         let near = square.cmplt(Vec4::splat(self.near_squared)).bitmask();
         let centre = near & square.cmple(Vec4::splat(f32::MIN_POSITIVE)).bitmask() & !places.exist;
-        // Within near, points are empty whatever the texels say, where there is an image.
+        // Points nearer than the near distance are empty, regardless of the texels, if the face has an image.
         let captured =
             (0..4).filter(|&lane| !self.depth[places.face.of(lane)].is_empty()).fold(0, |all, lane| all | 1 << lane);
         let near = near & places.exist & captured;
         Occupancies { empty: known & before | near | centre, occupied: known & !(near | before) }
     }
 
-    /// The face of all four places, if its colours are codes.
+    /// Returns the face of all four positions, if they have the same one and its colours are codes.
     #[inline(always)]
     pub(crate) fn face_of_codes(&self, places: &Places) -> Option<CodedFace<'a>> {
         let face = places.face.only().filter(|_| places.exist == ALL && self.are_small)?;
@@ -395,14 +397,14 @@ impl<'a> PacketView<'a> {
         (codes.len() == depth.len()).then_some(CodedFace { depth, codes, has_alpha })
     }
 
-    /// Lanes, of those tested, whose segments it proves empty.
+    /// Returns the tested lanes whose segments the view proves empty.
     #[inline(always)]
     pub(crate) fn prove(&self, tested: u32, ends: [&Points; 2], guess: usize, reach_m: Lanes) -> u32 {
         let error_m = ROUNDING * (reach_m + self.reach_m) + MIN_M;
         if let Some(first) = self.guessed(ends[0], guess)
             && let Some(last) = self.guessed(ends[1], guess)
         {
-            // In a cube, the planar depth is the greatest coordinate.
+            // In a cube, the planar depth is the largest absolute coordinate.
             let farthest_m = first.planar_m.max(last.planar_m) + 2.0 * error_m;
             let whole = self.prove_whole(tested, farthest_m);
             return if whole == tested { whole } else { self.prove_between(tested, whole, [&first, &last], error_m) };
@@ -421,13 +423,13 @@ impl<'a> PacketView<'a> {
         self.prove_between(tested, whole, [&self.places(&a), &self.places(&b)], error_m)
     }
 
-    /// Lanes, of those tested, that are nearer to the view than any surface.
+    /// Returns the tested lanes whose segments are nearer to the view than any surface.
     #[inline(always)]
     fn prove_whole(&self, tested: u32, farthest_m: Lanes) -> u32 {
         tested & (self.greatest_inverse_depth * farthest_m).cmplt(Vec4::splat(SURELY_BELOW_ONE)).bitmask()
     }
 
-    /// Adds to `proved` the lanes that the texels between the ends prove empty.
+    /// Adds to `proved` the lanes whose segments the texels between the ends prove empty.
     #[inline(always)]
     fn prove_between(&self, tested: u32, mut proved: u32, [first, last]: [&Places; 2], error_m: Lanes) -> u32 {
         let nearest_m = first.planar_m.min(last.planar_m);
@@ -467,9 +469,10 @@ impl<'a> PacketView<'a> {
     }
 }
 
-/// The four texels around each place in an image.
+/// The four texels around each position in an image.
 struct Around {
-    /// The first texel, and how far the last column and the last row are from it: one or none.
+    /// Index of the first texel. `across` and `down` are the offsets to the last column and the last row, or 0 if they are the
+    /// same as the first.
     first: [u32; 4],
     across: [u32; 4],
     down: [u32; 4],
@@ -489,14 +492,15 @@ impl Around {
         }
     }
 
-    /// Whether there are four texels around each place.
+    /// True if all four positions have four distinct texels.
     #[inline(always)]
     fn are_squares(&self) -> bool {
         (0..4).fold(true, |all, lane| all & (self.across[lane] == 1) & (self.down[lane] != 0))
     }
 }
 
-/// The greatest inverse depths of the texels around each place, by lane and number of the texel; [`UNKNOWN`] where one is.
+/// Returns the maximum inverse depth of the texels around each position; [`UNKNOWN`] if any of them is. `texel` returns an
+/// inverse depth by lane and texel index.
 #[inline(always)]
 fn greatest_of(places: &Around, texel: impl Fn(usize, usize) -> Option<f32>) -> Lanes {
     let of = |lane: usize| {
@@ -510,7 +514,7 @@ fn greatest_of(places: &Around, texel: impl Fn(usize, usize) -> Option<f32>) -> 
 
 pub(crate) struct PacketViews<'a> {
     pub(crate) views: Vec<PacketView<'a>>,
-    /// Number of the view nearest to the eye, the first of several.
+    /// Index of the view nearest to the eye, the first of equally near ones.
     pub(crate) nearest: Option<usize>,
     pub(crate) are_codes: bool,
     pub(crate) has_alpha: bool,
@@ -553,7 +557,7 @@ mod tests {
             let (active, view) = (&views.views[0], &flat.views[0]);
             for at in 0..40_000u32 {
                 let part = |prime: u32| ((at * prime) % 2003) as f32 / 1001.5 - 1.0;
-                // In the view's axes, also on the edges of faces and next to them, and near the centre.
+                // Points in the view's axes, including points on edges of faces, next to them, and near the centre.
                 let mut local = Vec3::new(part(7), part(11), part(13));
                 if at.is_multiple_of(8) {
                     local[at as usize / 8 % 3] = local[(at as usize / 8 + 1) % 3] * [1.0, -1.0][at as usize / 24 % 2];
@@ -570,7 +574,7 @@ mod tests {
                 let way = view.local(&points);
                 let places = view.places(&way);
                 for lane in 0..4 {
-                    // The model in single precision, bit for bit.
+                    // The scalar projection in single precision must give the same bits.
                     let expected = active.view.project(Vec3::new(way.x[lane], way.y[lane], way.z[lane]));
                     let is_missing = view.faces[places.face.of(lane)].is_none();
                     assert_eq!(places.exist >> lane & 1 == 1 && !is_missing, expected.is_some());

@@ -1,6 +1,7 @@
 //! Playback: selects views and units for each frame request, decodes, renders, and measures.
 //!
-//! Enters: an open container, requests ([`crate::evaluate::frame_requests`]), a renderer. Leaves: pictures, a trace, statistics.
+//! Takes an open container, frame requests ([`crate::evaluate::frame_requests`]) and a renderer. Returns rendered images, a
+//! trace, and statistics.
 
 use std::time::Instant;
 
@@ -30,8 +31,8 @@ use crate::views::{Change, CpuBackend, LightField, ProbeChoice, TexelBackend};
 /// Units of the active views that are decoded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum DecodeScope {
-    /// The visible set (CALF 6.2). With secondary rays all materials too, and all units where a material is specular, as such
-    /// rays go anywhere.
+    /// The visible set (CALF 6.2). With secondary rays also all materials, and all units if a material is specular, because such
+    /// rays can go anywhere.
     #[default]
     Seen,
     All,
@@ -44,16 +45,16 @@ pub struct PlaybackOptions {
     pub decode: DecodeScope,
 }
 
-/// Settings of pictures; near and far default to those of the light field.
+/// Settings of rendered images. Near and far default to those of the light field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PictureOptions {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Steps of a ray, at least 1.
+    /// Number of steps of a ray, at least 1.
     pub steps: u32,
-    /// How often the interval before a hit is halved.
+    /// Number of bisections of the interval before a hit.
     pub refine: u32,
-    /// Start of rays in metres; by default a tenth of the nearest surface of all views.
+    /// Start of rays in metres; by default a tenth of the distance of the nearest surface of all views.
     pub near_m: Option<f32>,
     /// End of rays in metres; by default beyond all surfaces of the views.
     pub far_m: Option<f32>,
@@ -62,11 +63,11 @@ pub struct PictureOptions {
     pub holes: HoleFill,
     pub background: BackgroundFill,
     pub specular: SpecularMode,
-    /// Most bounces of a ray.
+    /// Maximum number of bounces of a ray.
     pub max_bounces: u32,
     pub acceleration: Acceleration,
     pub refinements: Refinements,
-    /// Planes beside pictures; made by the CPU only.
+    /// Auxiliary planes to render; only the CPU supports them.
     pub aovs: Vec<AovKind>,
 }
 
@@ -116,22 +117,22 @@ pub struct Stage<'s> {
 }
 
 pub trait Renderer {
-    /// Secondary rays, which decide what is decoded.
+    /// Secondary rays of the renderer, which affect what is decoded.
     fn specular(&self) -> SpecularMode {
         SpecularMode::None
     }
 
-    /// What decodes and keeps depth and colour, unless the CPU does; always the same.
+    /// Returns the backend that decodes and keeps depth and colour, or none if the CPU does. Every call must return the same one.
     fn backend(&mut self) -> Option<&mut dyn TexelBackend> {
         None
     }
 
-    /// Takes over changes since the last call. Called once per frame request, before its pictures.
+    /// Applies changes since the last call. Called once per frame request, before its images are rendered.
     fn update(&mut self, _stage: &Stage<'_>, _changes: &[Change]) -> Result<()> {
         Ok(())
     }
 
-    /// Renders a picture. The monitor advances by one per row.
+    /// Renders an image. The monitor advances by one per row.
     fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered>;
 }
 
@@ -171,7 +172,7 @@ impl Renderer for CpuRenderer {
         if !camera.has_moving_eye() {
             return picture(&views, camera, &settings, monitor);
         }
-        // Steps of all columns are those from the middle of the eyes.
+        // All columns use the steps computed from the middle of the eyes.
         let settings = RenderSettings { size: [settings.size[1], 1], ..settings };
         render_columns(self.options.size, camera, monitor, |camera, monitor| {
             picture(&views_from(camera.eye()), camera, &settings, monitor)
@@ -179,7 +180,7 @@ impl Renderer for CpuRenderer {
     }
 }
 
-/// The middle of the eyes that look.
+/// Returns the mean position of the cameras.
 fn eye_of(request: &FrameRequest) -> DVec3 {
     request.cameras.iter().map(Camera::eye).sum::<DVec3>() / request.cameras.len().max(1) as f64
 }
@@ -194,7 +195,7 @@ pub struct Shown {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PlaybackSummary {
     pub shots: usize,
-    /// Most active views of one.
+    /// Maximum number of active views of one request.
     pub most_views: usize,
     pub counters: Counters,
     pub counts: ShowCounts,
@@ -211,7 +212,7 @@ pub struct Playback<'a> {
     summary: PlaybackSummary,
     update_ms: Vec<f64>,
     render_ms: Vec<f64>,
-    /// Of the container's light.
+    /// Primaries of the container's colours.
     primaries: Primaries,
 }
 
@@ -230,7 +231,7 @@ impl<'a> Playback<'a> {
         })
     }
 
-    /// Least bytes of the views that requests show.
+    /// Returns the minimum bytes that suffice to show the views of each request.
     pub fn least_bytes<'r>(&self, requests: impl IntoIterator<Item = &'r FrameRequest>) -> u64 {
         let mut selector = ViewSelector::new(self.options.selection);
         let of_request = |request: &FrameRequest| {
@@ -240,7 +241,7 @@ impl<'a> Playback<'a> {
         requests.into_iter().map(of_request).max().unwrap_or(0)
     }
 
-    /// Keeps to a memory budget, of which others take `beside_bytes`.
+    /// Sets a memory budget, of which `beside_bytes` are used by others.
     pub fn limit_memory(&mut self, budget: Budget, beside_bytes: u64) {
         self.player.limit_memory(budget, beside_bytes);
     }

@@ -1,4 +1,4 @@
-//! What marching is compared with, as renderers of a playback (CALF 7.3): points, and true distances.
+//! Renderers that ray marching is compared with in a playback (CALF 7.3): point splatting, and reprojection at true distances.
 
 use std::collections::VecDeque;
 
@@ -10,7 +10,7 @@ use crate::march::{ActiveViews, PictureOptions, Pyramids, Rendered, Renderer, St
 use crate::math::Camera;
 use crate::monitor::Monitor;
 
-/// Draws every texel as a point.
+/// Renders every texel as a point.
 #[derive(Debug, Clone, Default)]
 pub struct SplatRenderer {
     pub options: PictureOptions,
@@ -23,11 +23,11 @@ impl Renderer for SplatRenderer {
     }
 }
 
-/// Finds colours where surfaces are known to be.
+/// Interpolates colours at the true surface distances.
 #[derive(Debug, Clone, Default)]
 pub struct ReprojectRenderer {
     pub options: PictureOptions,
-    /// Distances in metres for the next pictures, one plane for each.
+    /// True distances in metres for the next images, one plane per image.
     pub distances_m: VecDeque<DepthPlane>,
 }
 

@@ -1,4 +1,4 @@
-//! Frames of an animated light field: view selection, decoding, rendering, timing (CALF 6.2, 6.3).
+//! Playback of animated light fields: view selection, decoding, rendering, timing (CALF 6.2, 6.3).
 
 pub mod frames;
 pub mod methods;

@@ -11,7 +11,8 @@ pub struct Pacing {
 }
 
 impl Pacing {
-    /// Statistics of times; 0 where there are none. A percentile is the least time that this share of frames does not exceed.
+    /// Computes the statistics of times; 0 if there are none. A percentile is the smallest time that this fraction of frames does
+    /// not exceed.
     pub fn of(times_ms: &[f64]) -> Pacing {
         let mut sorted = times_ms.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -28,10 +29,10 @@ impl Pacing {
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct FramePacing {
-    /// Update and pictures together.
+    /// Update and rendering together.
     #[serde(flatten)]
     pub frame: Pacing,
-    /// Selection of views and units, decoding, and bringing what changed to where pictures are made.
+    /// Selection of views and units, decoding, and transfer of changes to the renderer.
     #[serde(rename = "update_ms")]
     pub update: Pacing,
     #[serde(rename = "render_ms")]

@@ -1,42 +1,42 @@
-//! Performance-based culling: how many views fit into the target time of a frame (CALF 6.3).
+//! Performance-based culling: limits the number of views so that frames meet their target time (CALF 6.3).
 //!
-//! Enters: how long frames took, and with how many views. Leaves: how many views the next one may have. It is a function of
-//! these figures alone.
+//! Takes the times of past frames and their numbers of views. Returns the maximum number of views of the next frame, which
+//! depends on these measurements only.
 //!
 //! Frame time is not proportional to the number of views: some work is constant, and rays that few views stop are marched
-//! farther, so that fewer views can take longer. So times are kept by number of views, as medians of the last frames, since a
-//! frame with a new view takes longer once. A slow frame reduces the views to as many as would fit at equal cost each; a
-//! reduction that did not help is undone, and not tried again while its time is remembered. Views come back one by one, after
-//! several frames in a row with time to spare, so that views do not flicker.
+//! farther, so fewer views can take longer. Times are therefore kept per number of views, as medians of the last frames, because
+//! the first frame with a new view takes longer. A slow frame reduces the number of views to as many as would fit at equal cost
+//! each. A reduction that did not help is undone, and not tried again while its time is remembered. Views are added back one by
+//! one, after several consecutive frames with time to spare, so that views do not flicker.
 
 use std::collections::{BTreeMap, VecDeque};
 
-/// Frames over which the median is taken.
+/// Number of frames over which the median is taken.
 const FRAMES: usize = 5;
-/// Frames before which nothing is decided, as the first ones are slow.
+/// Minimum number of frames before a decision, because the first ones are slow.
 const MIN_SAMPLES: usize = 3;
-/// Frames after which a time is forgotten, as the visible scene changes.
+/// Number of frames after which a time is forgotten, because the visible scene changes.
 const MEMORY: u64 = 120;
-/// Part of the time that must suffice for one view more.
+/// Maximum fraction of the target time that the predicted frame time with one more view may take.
 const ROOM: f64 = 0.85;
-/// Part of a frame's time below which another number of views is worth a change.
+/// Fraction of a frame's time below which the time of another number of views justifies a change.
 const WORTH: f64 = 0.85;
-/// Frames in a row that must have had room.
+/// Number of consecutive frames with time to spare before a view is added.
 const PATIENCE: u32 = 8;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct PerformanceCulling {
     target_ms: f64,
-    /// By number of views, the last frames that had so many: which one it was, and its milliseconds.
+    /// Last frames by number of views: the frame's number and its milliseconds.
     times: BTreeMap<usize, VecDeque<(u64, f64)>>,
     frame: u64,
-    /// The most views that the next frame may have, at least 1; none where nothing was ever too slow.
+    /// Maximum number of views of the next frame, at least 1; none if no frame was too slow yet.
     pub most: Option<usize>,
     roomy: u32,
 }
 
 impl PerformanceCulling {
-    /// Frames are to take at most `target_ms`, above 0. There is no limit before one takes longer.
+    /// Creates a limit for frames of at most `target_ms`, above 0. The number of views is unlimited until a frame takes longer.
     pub fn new(target_ms: f64) -> PerformanceCulling {
         PerformanceCulling { target_ms, times: BTreeMap::new(), frame: 0, most: None, roomy: 0 }
     }
@@ -59,7 +59,7 @@ impl PerformanceCulling {
         if median_ms > self.target_ms {
             self.roomy = 0;
             let next = self.after_a_slow_one(median_ms, views);
-            // A limit that says no more than the number of views that there are is none.
+            // An unlimited number of views stays unlimited if no view is culled.
             if next != views || self.most.is_some() {
                 self.most = Some(next);
             }
@@ -67,7 +67,7 @@ impl PerformanceCulling {
             self.roomy += 1;
             if self.roomy >= PATIENCE {
                 self.roomy = 0;
-                // As long as fewer views take part than may, the limit does not bind.
+                // The limit stays if it exceeds the number of active views, because it has no effect.
                 self.most = self.most.map(|most| most.max(views + 1).min(most.saturating_add(1)));
             }
         } else {
@@ -75,7 +75,7 @@ impl PerformanceCulling {
         }
     }
 
-    /// The time of frames with so many views, where enough of them are remembered.
+    /// Returns the median time of frames with this number of views, if enough are remembered.
     fn median_ms(&self, views: usize) -> Option<f64> {
         let times = self.times.get(&views).filter(|times| times.len() >= MIN_SAMPLES)?;
         let mut sorted: Vec<f64> = times.iter().map(|&(_, ms)| ms).collect();
@@ -83,10 +83,10 @@ impl PerformanceCulling {
         sorted.get((sorted.len() - 1) / 2).copied()
     }
 
-    /// How many views come after frames that took too long with `views` of them.
+    /// Returns the number of views after frames that took too long with `views` of them.
     fn after_a_slow_one(&self, median_ms: f64, views: usize) -> usize {
         let known = || self.times.keys().filter_map(|&count| Some((count, self.median_ms(count)?)));
-        // Fewer views brought nothing: back to the most that were as fast.
+        // Fewer views did not help: return to the largest number that was as fast.
         if let Some((count, _)) = known().rfind(|&(count, ms)| count > views && ms <= median_ms) {
             return count;
         }
@@ -99,8 +99,8 @@ impl PerformanceCulling {
         fastest.filter(|&(_, ms)| ms < WORTH * median_ms).map_or(views, |(count, _)| count)
     }
 
-    /// What a frame would take with one view more: as measured, else between what was measured, else as if each view cost the
-    /// same, whichever of these two is less.
+    /// Predicts the time of a frame with one more view. Returns its measured time if known; else the smaller of an estimate at
+    /// equal cost per view and an interpolation to the next larger measured number of views.
     fn one_more_ms(&self, median_ms: f64, views: usize) -> f64 {
         if let Some(ms) = self.median_ms(views + 1) {
             return ms;
@@ -115,7 +115,7 @@ impl PerformanceCulling {
 mod tests {
     use super::*;
 
-    /// Views of each of some frames, where a view costs `cost_ms(frame)` and there are `views` of them.
+    /// Returns the number of views of each frame, where a view costs `cost_ms(frame)` and there are `views` of them.
     fn run(target_ms: f64, views: usize, frames: usize, cost_ms: impl Fn(usize) -> f64) -> Vec<usize> {
         let mut culling = PerformanceCulling::new(target_ms);
         let mut taken = Vec::new();
@@ -132,9 +132,9 @@ mod tests {
         let taken = run(10.0, 9, 60, |_| 2.0);
         assert_eq!(taken[..MIN_SAMPLES], [9; MIN_SAMPLES]);
         assert!(taken[MIN_SAMPLES..].iter().all(|&views| views == 5), "{taken:?}");
-        // One at least.
+        // At least one view remains.
         assert_eq!(run(10.0, 9, 60, |_| 100.0)[59], 1);
-        // Where all fit, nothing happens.
+        // If all views fit, none is culled.
         assert!(run(10.0, 9, 60, |_| 1.0).iter().all(|&views| views == 9));
     }
 
@@ -151,17 +151,17 @@ mod tests {
         let taken = run(10.0, 9, 300, |frame| if frame < 50 { 3.0 } else { 1.0 });
         assert_eq!(taken[49], 3);
         assert!(taken[49..].windows(2).all(|pair| pair[1] == pair[0] || pair[1] == pair[0] + 1), "{taken:?}");
-        // 8 of them fit with room to spare.
+        // 8 of them fit with time to spare.
         assert_eq!(taken[299], 8);
         let turns = taken[50..].windows(2).filter(|pair| pair[0] != pair[1]).count();
         assert_eq!(turns, 5);
-        // Noise of a tenth about a cost with which 5 views just fit: it settles.
+        // With noise of 10% around a cost at which 5 views just fit, the number of views settles.
         let noisy = run(10.0, 9, 400, |frame| 1.9 * (1.0 + 0.1 * ((frame * 37 % 11) as f64 / 5.0 - 1.0)));
         let turns = noisy[100..].windows(2).filter(|pair| pair[0] != pair[1]).count();
         assert_eq!(turns, 0, "{noisy:?}");
     }
 
-    /// Views of each of some frames, where a frame with so many takes `frame_ms(views)`.
+    /// Returns the number of views of each frame, where a frame with n views takes `frame_ms(n)`.
     fn run_uneven(target_ms: f64, views: usize, frames: usize, frame_ms: impl Fn(usize) -> f64) -> Vec<usize> {
         let mut culling = PerformanceCulling::new(target_ms);
         let mut taken = Vec::new();
@@ -175,14 +175,14 @@ mod tests {
 
     #[test]
     fn a_step_that_makes_frames_slower_is_undone() {
-        // As measured of a scene in which one view stops few rays.
+        // Measured on a scene in which one view stops few rays.
         let taken = run_uneven(60.0, 6, 100, |views| [0.0, 125.0, 80.0, 100.0, 130.0, 150.0, 179.0][views]);
         assert_eq!(taken[..10], [6, 6, 6, 2, 2, 2, 1, 1, 1, 2]);
         assert!(taken[10..].iter().all(|&views| views == 2), "{taken:?}");
-        // Where views cost nothing, leaving them out brings nothing.
+        // If views cost nothing, culling them does not help.
         let taken = run_uneven(60.0, 6, 100, |_| 70.0);
         assert!(taken[6..].iter().all(|&views| views == 6), "{taken:?}");
-        // Where nearly all of the time is the same for any number of views, a few too many went at first.
+        // With a constant cost of 20 ms, the number of views settles within the target.
         let taken = run_uneven(60.0, 9, 200, |views| 20.0 + 5.0 * views as f64);
         assert!(taken[199] >= 5 && taken.iter().skip(6).all(|&views| 20 + 5 * views <= 60), "{taken:?}");
     }

@@ -1,16 +1,18 @@
 //! Selection of active views (CALF 6.3).
 //!
-//! Enters: where views stand, an eye, how long earlier pictures took. Leaves: the views in the order of their priority, each
-//! in a slot that it keeps for as long as it stays, and why the others are left out.
+//! Takes the positions of views, an eye, and the times of past frames. Returns the views in order of priority, each in a slot
+//! that it keeps while it is active, and the reason why each other view is culled.
 //!
-//! What the paper leaves open is settled so:
+//! Choices where the paper is ambiguous:
 //!
-//! - Priority by angle is that at a reference point, between the ways to the eye and to the view. A view in the reference
-//!   point has no direction and counts as one at a right angle; where the eye is in it, distance decides.
-//! - Culling by angle is at the eye. A view in the eye has no direction: only another one there is redundant to it.
-//! - Views of the same priority come by their distance, then by their number.
+//! - Priority by angle uses the angle at a reference point between the directions to the eye and to the view. A view at the
+//!   reference point has no direction and counts as 90 degrees; if the eye is at the reference point, distance decides.
+//! - Culling by angle uses the angle at the eye. A view at the eye has no direction: only another view at the eye is redundant to
+//!   it.
+//! - Views of equal priority are ordered by distance, then by index.
 //!
-//! Pictures depend on the order, which is a function of the eye alone, and not on slots. Only performance culling reads clocks.
+//! Rendered images depend on the order of the views, which is a function of the eye only, and not on slots. Only performance
+//! culling reads clocks.
 
 use glam::DVec3;
 
@@ -28,33 +30,33 @@ pub enum ViewPriority {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SelectionSettings {
     pub priority: ViewPriority,
-    /// The reference point of [`ViewPriority::Angle`], in metres; where there is none, the middle of all candidates.
+    /// Reference point of [`ViewPriority::Angle`], in metres; by default the mean position of all candidates.
     pub pivot: Option<DVec3>,
-    /// Least angle in degrees, seen from the eye, to a view of higher priority.
+    /// Minimum angle in degrees, seen from the eye, to a view of higher priority.
     pub cull_angle_deg: Option<f64>,
-    /// Most active views, at least 1.
+    /// Maximum number of active views, at least 1.
     pub most: Option<usize>,
-    /// Target time of a frame, update and pictures; views of low priority are left out to meet it.
+    /// Target time of a frame in milliseconds, for update and rendering; views of low priority are culled to meet it.
     pub target_ms: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Active {
-    /// The place that it keeps while it stays.
+    /// Slot that the view keeps while it is active.
     pub slot: usize,
     pub view: usize,
     /// Metres from the eye.
     pub distance_m: f64,
-    /// Degrees between eye and view at the reference point.
+    /// Angle between eye and view at the reference point, in degrees.
     pub angle_deg: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Why {
-    /// Below the least angle to this view of higher priority.
+    /// The angle to this view of higher priority is below the minimum.
     Angle(usize),
     Limit,
-    /// With it a frame would take too long.
+    /// With this view the frame would take too long.
     Performance,
 }
 
@@ -62,7 +64,7 @@ pub enum Why {
 pub struct Selection {
     /// Active views, in order of priority.
     pub active: Vec<Active>,
-    /// The others, in the same order, and why.
+    /// Culled views in the same order, with the reason.
     pub culled: Vec<(usize, Why)>,
 }
 
@@ -116,7 +118,7 @@ impl ViewSelector {
         }
     }
 
-    /// All candidates in order of priority, without slots.
+    /// Returns all candidates in order of priority, without slots.
     fn by_priority(&self, candidates: &[Candidate], eye: DVec3) -> Vec<Active> {
         let middle = || candidates.iter().map(|candidate| candidate.position).sum::<DVec3>() / candidates.len() as f64;
         let pivot = self.settings.pivot.unwrap_or_else(middle);
@@ -135,7 +137,7 @@ impl ViewSelector {
         all
     }
 
-    /// Views that have a slot keep it; the others take the first that is free.
+    /// Assigns slots: views that have a slot keep it, and others take the first free one.
     fn give_slots(&mut self, active: &mut [Active]) {
         for slot in &mut self.slots {
             *slot = slot.filter(|&view| active.iter().any(|active| active.view == view));
@@ -152,7 +154,7 @@ impl ViewSelector {
     }
 }
 
-/// The angle at the reference point between a view and the eye.
+/// Returns the angle in degrees, at the reference point, between a view and the eye.
 fn angle_at_pivot_deg(to_view: DVec3, to_eye: DVec3) -> f64 {
     if to_eye == DVec3::ZERO {
         0.0
@@ -163,7 +165,7 @@ fn angle_at_pivot_deg(to_view: DVec3, to_eye: DVec3) -> f64 {
     }
 }
 
-/// The angle at the eye between two views, given the vectors to them.
+/// Returns the angle in degrees, at the eye, between two views, given the vectors to them.
 fn apart_deg(a: DVec3, b: DVec3) -> f64 {
     match (a == DVec3::ZERO, b == DVec3::ZERO) {
         (true, true) => 0.0,
@@ -172,7 +174,7 @@ fn apart_deg(a: DVec3, b: DVec3) -> f64 {
     }
 }
 
-/// The angle between two vectors, neither of them 0; exact also where it is small.
+/// Returns the angle in degrees between two nonzero vectors; accurate for small angles.
 fn angle_deg(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b)).to_degrees()
 }

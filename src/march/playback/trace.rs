@@ -1,4 +1,4 @@
-//! Trace of a playback: one line of JSON per frame.
+//! Playback trace: one line of JSON per frame.
 
 use serde::Serialize;
 
@@ -7,22 +7,22 @@ use crate::views::LightField;
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FrameTrace {
-    /// Number of the frame request, from 0.
+    /// Index of the frame request, from 0.
     pub shot: usize,
     pub frame: u32,
     /// Mean position of the cameras in metres.
     pub eye: [f64; 3],
     pub active: Vec<ActiveTrace>,
-    /// Other views that have the frame.
+    /// Culled views that have the frame.
     pub culled: Vec<CulledTrace>,
     /// Units that were decoded.
     pub cells_decoded: u64,
     pub cells_skipped: u64,
     /// Stored bytes that were read.
     pub bytes_read: u64,
-    /// Milliseconds before pictures were made.
+    /// Milliseconds of selection, decoding and update, before rendering.
     pub update_ms: f64,
-    /// Milliseconds that the pictures took.
+    /// Milliseconds of rendering.
     pub render_ms: f64,
 }
 
@@ -39,7 +39,7 @@ pub struct CulledTrace {
     pub probe: String,
     /// `angle`, `limit` or `performance`.
     pub why: &'static str,
-    /// The view that it is redundant to, by the angle.
+    /// View of higher priority that makes it redundant; only for `angle`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by: Option<String>,
 }

@@ -1,7 +1,7 @@
-//! The material of a surface point: SampleMaterial of algorithm 4 (CALF 6.1).
+//! Material of a surface point: SampleMaterial of algorithm 4 (CALF 6.1).
 //!
-//! Enters: active views and a surface point. Leaves: weights of reflection and refraction and the index of refraction,
-//! interpolated as colours are.
+//! Takes active views and a surface point. Returns the weights of reflection and refraction and the index of refraction,
+//! interpolated like colours.
 
 use glam::Vec3;
 
@@ -9,22 +9,22 @@ use crate::march::ActiveViews;
 use crate::march::interpolate::surface_texels;
 use crate::streams::convert::IOR_RANGE;
 
-/// Sums of weights below this are 0: half a step of their 8 bits.
+/// A sum of weights up to this counts as 0: half a step of their 8-bit codes.
 pub const MIN_WEIGHT: f32 = 0.5 / 255.0;
-/// A refractive material whose weights sum up to this much is clear glass, which follows Fresnel's equations.
+/// Minimum sum of weights at which a refractive material is clear glass, which follows Fresnel's equations.
 pub const CLEAR: f32 = 0.95;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
-    /// Mirror reflection, 0 to 1.
+    /// Weight of mirror reflection, 0 to 1.
     pub reflect: f32,
-    /// Refraction, 0 to 1; at most 1 together with `reflect`.
+    /// Weight of refraction, 0 to 1; at most 1 together with `reflect`.
     pub refract: f32,
     /// Index of refraction, 1 to 3.
     pub ior: f32,
 }
 
-/// The material of a surface point. None where no view has one, or its weights are 0.
+/// Interpolates the material of a surface point. None if no view has one, or its weights are 0.
 pub fn surface_material(views: &ActiveViews<'_>, point: Vec3) -> Option<Material> {
     let (mut reflect, mut refract, mut ior, mut weights) = (0.0, 0.0, 0.0, 0.0);
     surface_texels(views, point, |texel| {
@@ -39,14 +39,14 @@ pub fn surface_material(views: &ActiveViews<'_>, point: Vec3) -> Option<Material
         return None;
     }
     let ior = if refract > 0.0 { IOR_RANGE[0] + ior / refract * (IOR_RANGE[1] - IOR_RANGE[0]) } else { IOR_RANGE[0] };
-    // Weights of a damaged file may add up to more than 1.
+    // Weights of a damaged file may sum to more than 1.
     let whole = weights.max(reflect + refract);
     Some(Material { reflect: reflect / whole, refract: refract / whole, ior })
 }
 
 impl Material {
-    /// The material at another angle, whose cosine with the normal is `cosine`. Clear glass was captured with Fresnel's
-    /// weights for the direction of its probe; they become those of this angle.
+    /// Returns the material at another angle, whose cosine with the normal is `cosine`. Clear glass was captured with Fresnel's
+    /// weights for the direction of its probe, which are replaced by those for this angle.
     #[must_use]
     pub fn at_angle(self, cosine: f32) -> Material {
         let whole = self.reflect + self.refract;
@@ -58,13 +58,14 @@ impl Material {
     }
 }
 
-/// The reflected part of unpolarised light on its way into a material of index `ior`, `cosine` with the normal.
+/// Returns the reflected fraction of unpolarised light that enters a material of index `ior`; `cosine` is that of the angle with
+/// the normal.
 pub fn fresnel(cosine: f32, ior: f32) -> f32 {
     let cosine = cosine.clamp(0.0, 1.0);
     let inside = (1.0 - (1.0 - cosine * cosine) / (ior * ior)).max(0.0).sqrt();
     let across = (cosine - ior * inside) / (cosine + ior * inside);
     let along = (ior * cosine - inside) / (ior * cosine + inside);
-    // Both are 0 over 0 at a grazing angle to an index of 1, which reflects nothing.
+    // Both are 0/0 at a grazing angle and an index of 1, which reflects nothing.
     let part = 0.5 * (across * across + along * along);
     if part.is_finite() { part.min(1.0) } else { 0.0 }
 }

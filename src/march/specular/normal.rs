@@ -1,9 +1,9 @@
-//! Normal and curvature of a surface point, from the depths around it (CALF 6.1).
+//! Normal and curvature of a surface point, estimated from the depths around it (CALF 6.1).
 //!
-//! Each view that sees the point fits a polynomial of the second degree to the inverse planar depths of 5 × 5 texels, or of
-//! 3 × 3: planes are linear in inverse planar depth, so they come out exactly. At an edge it fits a plane to the texels of
-//! the same surface. Normals of views are averaged with the weights of their colours times the cosine of the viewing angle:
-//! one view's few texels are too noisy, and a mirror doubles the error.
+//! Each view that sees the point fits a quadratic polynomial to the inverse planar depths of 5 × 5 or 3 × 3 texels. Planes are
+//! linear in inverse planar depth, so they are fitted exactly. At an edge it fits a plane to the texels of the same surface.
+//! Normals of views are averaged with the weights of their colours times the cosine of the viewing angle: the few texels of one
+//! view are too noisy, and a mirror doubles the error.
 
 use glam::Vec3;
 
@@ -11,29 +11,29 @@ use crate::image::Face;
 use crate::march::{ActiveView, ActiveViews, DEPTH_EPSILON};
 use crate::views::{BACKGROUND, FaceTexels, UNKNOWN};
 
-/// A view sees a point where the logarithm of its depth differs by at most this.
+/// Maximum difference of log depths at which a view sees a point.
 pub const SAME_SURFACE: f32 = 0.02;
-/// Texels of a fit on each side of its middle, at most: 5 × 5.
+/// Maximum number of texels of a fit on each side of its centre: 5 × 5.
 pub const MAX_REACH: i32 = 2;
-/// Greatest relative residual of a polynomial: a little more than the steps of depth codes leave.
+/// Maximum relative residual of a polynomial: slightly more than the quantisation of depth codes.
 pub const FIT: f32 = 0.01;
-/// Adjacent texels are of one surface where their inverse depths differ by at most this part.
+/// Maximum relative difference of the inverse depths of adjacent texels of one surface.
 pub const SAME_PATCH: f32 = 0.03;
-/// Texels are of one solid where the sums of their weights, in 255ths, differ by at most this.
+/// Maximum difference of the sums of weights, in 255ths, of texels of one solid.
 pub const SAME_MATERIAL: i32 = 64;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Patch {
-    /// Of length 1, along the world's axes, on the side of the views.
+    /// Unit normal in world axes, on the side of the views.
     pub normal: Vec3,
-    /// Turn of the normal in radians per metre: 1 over the radius of a sphere, 0 where flat, below 0 where concave. None
-    /// where too few texels are known.
+    /// Rotation of the normal in radians per metre: 1 over the radius of a sphere, 0 for a flat surface, below 0 for a concave
+    /// one. None if too few texels are known.
     pub curvature: Option<f32>,
-    /// Width in metres of a texel of the view with the greatest weight.
+    /// Width in metres of a texel of the view with the maximum weight.
     pub texel_m: f32,
 }
 
-/// The surface at a point. None where no view has a fit.
+/// Returns the surface at a point. None if no view has a fit.
 pub fn patch(views: &ActiveViews<'_>, point: Vec3) -> Option<Patch> {
     let (mut normal, mut curvature, mut bent, mut best) = (Vec3::ZERO, 0.0, 0.0, [0.0, 0.0]);
     for view in &views.views {
@@ -52,15 +52,15 @@ pub fn patch(views: &ActiveViews<'_>, point: Vec3) -> Option<Patch> {
     Some(Patch { normal, curvature: (bent > 0.0).then(|| curvature / bent), texel_m: best[1] })
 }
 
-/// The surface in one view, in its own axes.
+/// Surface estimate of one view, in the view's axes.
 #[derive(Debug, Clone, Copy)]
 struct Local {
     normal: Vec3,
     curvature: Option<f32>,
     texel_m: f32,
-    /// Difference of the logarithms of depth between the fit and the point.
+    /// Difference of the log depths of the fit and of the point.
     difference: f32,
-    /// Cosine between the normal and the way to the viewpoint.
+    /// Cosine of the angle between the normal and the direction to the viewpoint.
     facing: f32,
 }
 
@@ -87,7 +87,7 @@ fn of_view(view: &ActiveView<'_>, local: Vec3) -> Option<Local> {
 #[derive(Debug, Clone, Copy)]
 struct Fit {
     c: [f32; 6],
-    /// Whether the terms of the second degree are known.
+    /// True if the quadratic terms are known.
     bends: bool,
 }
 
@@ -116,7 +116,7 @@ impl Image<'_> {
         [0, 1].map(|axis| self.texel[axis] as f32 + 0.5 + offset[axis])
     }
 
-    /// The surface has `inverse depth = normal · (u, v, 1)`, up to the length of the normal.
+    /// Returns the unit normal. The surface has `inverse depth = normal · (u, v, 1)`, up to the length of the normal.
     fn normal(&self, fit: &Fit, offset: [f32; 2]) -> Option<Vec3> {
         let [u, v] = self.face.map.plane(self.place(offset));
         let [x, y] = fit.slope(offset);
@@ -130,7 +130,7 @@ impl Image<'_> {
         self.face.map.direction(self.number, self.place(offset)) / fit.value(offset)
     }
 
-    /// Turn of the normal over two texels along and two down.
+    /// Returns the rotation of the normal per metre, measured over two texels along each axis.
     fn curvature(&self, fit: &Fit) -> Option<f32> {
         let (mut turned, mut moved) = (0.0, 0.0);
         for [a, b] in [[[-1.0, 0.0], [1.0, 0.0]], [[0.0, -1.0], [0.0, 1.0]]] {
@@ -142,7 +142,7 @@ impl Image<'_> {
         curvature.is_finite().then_some(curvature)
     }
 
-    /// Inverse depth of a neighbour that may belong to the same surface.
+    /// Returns the inverse depth of a neighbour that may belong to the same surface.
     fn get(&self, x: i32, y: i32) -> Option<f32> {
         let column = self.texel[0].checked_add_signed(x).filter(|&column| column < self.face.size[0])?;
         let row = self.texel[1].checked_add_signed(y).filter(|&row| row < self.face.size[1])?;
@@ -160,7 +160,8 @@ impl Image<'_> {
         (1..=MAX_REACH).rev().find_map(|reach| self.bent(reach)).or_else(|| self.flat())
     }
 
-    /// Least squares of the second degree over a whole square of (2·reach + 1)² texels; none where it does not fit.
+    /// Fits a quadratic polynomial by least squares to a complete square of (2·reach + 1)² texels. None if the residual is too
+    /// large.
     fn bent(&self, reach: i32) -> Option<Fit> {
         let side = (2 * reach + 1) as f32;
         // Sums of x² and of (x² − mean)² over a row.
@@ -194,7 +195,7 @@ impl Image<'_> {
         Some(fit)
     }
 
-    /// A plane through the middle of 3 × 3 texels, fitted to those that are near enough to it.
+    /// Fits a plane through the centre of 3 × 3 texels to those with a similar inverse depth.
     fn flat(&self) -> Option<Fit> {
         let middle = self.get(0, 0)?;
         let (mut xx, mut xy, mut yy, mut xd, mut yd) = (0.0f32, 0.0f32, 0.0f32, 0.0f32, 0.0f32);
@@ -220,7 +221,7 @@ impl Image<'_> {
     }
 }
 
-/// Sum of the weights of a texel, in 255ths.
+/// Returns the sum of the weights of a texel, in 255ths.
 fn solid(face: &FaceTexels, at: usize) -> Option<i32> {
     face.material.as_ref().map(|texels| i32::from(texels[at][0]) + i32::from(texels[at][1]))
 }

@@ -1,10 +1,10 @@
-//! Refractive proxies: closed shapes that stand for refractive solids, each with a map of its environment (CALF 6.1).
+//! Refractive proxies: closed shapes that replace refractive solids, each with a map of its environment (CALF 6.1).
 //!
-//! A solid shows mostly what it hides, and magnifies errors of its shape. So a shape fitted to all its texels replaces
-//! normals from a few, and an environment map at its centre says what leaving rays meet.
+//! A solid shows mostly what it hides from the views, and it magnifies errors of its shape. Therefore a shape fitted to all its
+//! texels replaces normals estimated from a few texels, and an environment map at its centre determines what leaving rays meet.
 //!
-//! Proxies are made anew for each picture, and take longer than a small picture does. So none are made for a picture
-//! without specular texels in its frustum; that test uses texels alone, and so is the same on all devices.
+//! Proxies are made for each image, which takes longer than rendering a small image. None are made for an image without specular
+//! texels in its frustum. That test uses texels only, so it gives the same result on all devices.
 
 use std::sync::Arc;
 
@@ -17,12 +17,13 @@ use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::{ColorCoding, View, has_specular_weight};
 
-/// A point belongs to a proxy where it is at most this far from its surface, in parts of its radius, and [`REACH_TEXELS`].
+/// Maximum distance between a proxy's surface and a point that belongs to the proxy, as a fraction of the radius.
+/// [`REACH_TEXELS`] is added.
 pub const NEAR_SURFACE: f32 = 0.03;
-/// Rays meet surfaces up to the diagonal of a texel too early, in the view with the smallest texels there: see
-/// [`Footprint::Around`](crate::march::Footprint).
+/// Additional distance, in texels of the view with the smallest texels at the point: rays meet surfaces up to the diagonal of a
+/// texel too early, see [`Footprint::Around`](crate::march::Footprint).
 pub const REACH_TEXELS: f32 = std::f32::consts::SQRT_2;
-/// Margin of a texel in the frustum test, in widths of it: colours and materials are interpolated.
+/// Margin of a texel in the frustum test, in texel widths: colours and materials are interpolated.
 pub const MARGIN_TEXELS: f64 = 4.0;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -30,9 +31,9 @@ pub struct Proxy {
     pub sphere: Sphere,
     /// Index of refraction, 1 to 3.
     pub ior: f32,
-    /// A point belongs to the proxy where it is at most this far from its surface, in metres.
+    /// Maximum distance between the surface and a point that belongs to the proxy, in metres.
     pub reach_m: f32,
-    /// Local environment map: a view from the centre, along the world's axes. Its position is not used.
+    /// Local environment map: a view from the centre, in world axes. Its position is not used.
     pub environment: View,
     pub(crate) pyramids: Arc<ViewPyramids>,
 }
@@ -45,7 +46,7 @@ impl Proxy {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proxies {
-    /// By size in texels, greatest first.
+    /// Ordered by size in texels, largest first.
     pub proxies: Vec<Proxy>,
     coding: ColorCoding,
 }
@@ -55,12 +56,12 @@ impl Proxies {
         Proxies { proxies: Vec::new(), coding }
     }
 
-    /// The proxies that a provider finds.
+    /// Creates the proxies of a provider.
     pub fn of(provider: &dyn ProxyProvider, views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Proxies> {
         Ok(Proxies { proxies: provider.proxies(views, monitor)?, coding: views.coding })
     }
 
-    /// The proxy whose surface contains a point.
+    /// Returns the index of the proxy whose surface contains a point.
     pub fn at(&self, point: Vec3) -> Option<usize> {
         self.proxies.iter().position(|Proxy { sphere, reach_m, .. }| {
             ((point - sphere.centre).length() - sphere.radius_m).abs() <= *reach_m
@@ -73,7 +74,7 @@ impl Proxies {
     }
 }
 
-/// [`Proxy::reach_m`] of a sphere.
+/// Returns [`Proxy::reach_m`] for a sphere.
 pub(crate) fn reach_m(views: &ActiveViews<'_>, sphere: &Sphere) -> f32 {
     let texel_m = |view: &ActiveView<'_>| {
         let scale = view.view.faces.iter().flatten().map(|face| face.map.scale[0].abs().max(face.map.scale[1].abs()));
@@ -84,11 +85,11 @@ pub(crate) fn reach_m(views: &ActiveViews<'_>, sphere: &Sphere) -> f32 {
 }
 
 pub trait ProxyProvider {
-    /// The proxies of these views, the most important first.
+    /// Returns the proxies of these views, the most important first.
     fn proxies(&self, views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Proxy>>;
 }
 
-/// The proxies of a provider that a camera's picture needs.
+/// Returns the proxies of a provider that a camera's image needs.
 pub fn proxies_in_sight(
     provider: &dyn ProxyProvider,
     views: &ActiveViews<'_>,
@@ -102,7 +103,7 @@ pub fn proxies_in_sight(
     }
 }
 
-/// Whether a specular texel, occluded or not, lies in a camera's frustum.
+/// True if a specular texel, occluded or not, lies in a camera's frustum.
 pub fn has_specular_in_frustum(views: &ActiveViews<'_>, camera: &Camera) -> bool {
     let [forward, right, down] = camera.axes();
     let window = camera.window();

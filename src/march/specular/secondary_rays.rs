@@ -1,19 +1,20 @@
 //! Secondary rays of reflective and refractive surfaces: CalculateColor_RR of algorithm 4 (CALF 6.1).
 //!
-//! Enters: a surface hit with the colour that views saw there. Leaves: linear light.
+//! Takes a surface hit with the colour interpolated from the views. Returns linear RGB.
 //!
-//! A ray's share of the light starts as 1 and is only divided: by the weights of the material, among the reflected ray,
-//! the refracted ray and the colour that views saw. As in the paper, a ray that finds nothing gives its weight to that
-//! colour. So no picture is brighter than its brightest input.
+//! The share of a ray starts at 1 and is only divided, by the weights of the material, among the reflected ray, the refracted ray
+//! and the interpolated colour. As in the paper, a ray that finds nothing gives its share to the interpolated colour. Therefore
+//! no image is brighter than its brightest input.
 //!
-//! What a refractive solid shows is mostly hidden from the views. A ray that leaves a proxy
-//! ([`crate::march::specular::proxy`]) ends in the proxy's environment, with the colour that views see there, or saw there
-//! through the solid. Of other solids, the colour that views saw stands in for what is hidden.
+//! What a refractive solid shows is mostly hidden from the views. A ray that leaves a proxy ([`crate::march::specular::proxy`])
+//! ends in the proxy's environment map, with the colour that views see at that point, or that they captured through the solid.
+//! For other solids, the interpolated colour of the solid replaces what is hidden.
 //!
-//! What a view saw of a surface holds the reflection and refraction that it saw there. Where the eye sees the surface from nearly the same
-//! direction, that is shown (not in the paper): pictures become what a probe recorded as the eye comes to it.
+//! The interpolated colour of a surface contains the reflection and refraction that the view captured. If the eye sees the
+//! surface from nearly the same direction as a view, the captured colour is shown (not in the paper), so that images converge to
+//! what a probe recorded as the eye approaches the probe.
 //!
-//! Secondary rays go anywhere, so all units of the active views must be decoded.
+//! Secondary rays can go anywhere, so all units of the active views must be decoded.
 
 use glam::Vec3;
 
@@ -26,30 +27,31 @@ use crate::march::{
 };
 use crate::views::{BACKGROUND, UNKNOWN};
 
-/// Rays of a smaller share are not traced.
+/// Minimum share of a ray that is traced.
 pub const MIN_SHARE: f32 = 1.0 / 256.0;
 /// Upper limit of [`RenderSettings::max_bounces`].
 pub const MAX_BOUNCES: u32 = 8;
-/// Rays start this far above a surface, in its texels.
+/// Height above a surface at which rays start, in texels of the surface.
 pub const LIFT_TEXELS: f32 = 1.0;
-/// A ray that stays hidden from all views for longer than this, in texels of the surface that it leaves, is lost: it may
-/// have met a surface that nobody sees.
+/// Maximum length over which a ray may be hidden from all views, in texels of the surface that it leaves. A ray that is hidden
+/// for longer is discarded, because it may have met a surface that no view sees.
 pub const HIDDEN_TEXELS: f32 = 12.0;
 
-/// Sine of the angle between the directions of the eye and of a view to a surface at which what the view saw no longer counts.
+/// Minimum sine of the angle between the eye's and a view's directions to a surface at which the colour captured by the view is
+/// not used.
 pub const RECORDED_SINE: f32 = 0.05;
 
 #[derive(Debug, Clone, Copy)]
 pub struct SurfaceHit {
-    /// Metres from the eye.
+    /// In metres relative to the eye.
     pub point: Vec3,
-    /// Direction of the ray, of length 1.
+    /// Unit direction of the ray.
     pub direction: Vec3,
-    /// Interpolated linear light.
+    /// Interpolated linear RGB.
     pub light: Vec3,
 }
 
-/// A surface whose share of the light is not divided yet.
+/// A surface hit whose share is not divided yet.
 #[derive(Debug, Clone, Copy)]
 struct Pending {
     hit: SurfaceHit,
@@ -59,9 +61,9 @@ struct Pending {
 
 #[derive(Debug, Clone, Copy)]
 enum Departure {
-    /// It is in empty space at the step of this number.
+    /// The ray is in empty space at the step with this index.
     Empty(usize),
-    /// It meets another surface before the first step, at this distance in metres.
+    /// The ray meets another surface before the first step, at this distance in metres.
     Hit(f32),
 }
 
@@ -93,8 +95,8 @@ impl<'a> SecondaryRays<'a> {
         light
     }
 
-    /// What views recorded of a point that look in nearly the eye's direction, and its share of the light: 1 where one looks in that
-    /// direction, 0 where all differ by [`RECORDED_SINE`] or more.
+    /// Returns the colour of a point captured by views that look in nearly the eye's direction, and its share: 1 if a view looks
+    /// in exactly that direction, 0 if all differ by [`RECORDED_SINE`] or more.
     fn recorded(&self, point: Vec3) -> Option<(f32, Vec3)> {
         let difference = self.settings.tolerance();
         let share = |view: &ActiveView<'_>| {
@@ -116,7 +118,8 @@ impl<'a> SecondaryRays<'a> {
         Some((share * share * (3.0 - 2.0 * share), light_of(self.views.coding, found.color)))
     }
 
-    /// Divides the share of a surface among its secondary rays; returns the light that needs no further rays.
+    /// Divides the share of a surface among its secondary rays. Returns the RGB, multiplied by its share, that needs no further
+    /// rays.
     fn divide(&mut self, next: &Pending, counters: &mut Counters) -> Vec3 {
         let Pending { mut hit, share, bounces } = *next;
         let whole = share * hit.light;
@@ -125,10 +128,10 @@ impl<'a> SecondaryRays<'a> {
         }
         counters.material_samples += 1;
         let Some(material) = surface_material(self.views, hit.point) else { return whole };
-        // The eye's own rays; what others meet is seen from elsewhere.
+        // For primary rays only: surfaces that other rays hit are not seen from the eye.
         let is_primary = bounces == self.settings.max_bounces.min(MAX_BOUNCES);
         if is_primary && self.settings.refinements.edges {
-            // A mirror doubles the error of a place.
+            // A mirror doubles the error of a position.
             let ray = Ray { origin: Vec3::ZERO, direction: hit.direction };
             hit.point = ray.at(self.views.on_texels(&ray, hit.point.length(), counters));
         }
@@ -174,13 +177,13 @@ impl<'a> SecondaryRays<'a> {
         recorded + light + left.max(0.0) * hit.light
     }
 
-    /// The surface at a hit: that of a proxy for refractive materials on one, else a patch fitted to texels.
+    /// Returns the surface at a hit: that of a proxy for a refractive material on one, else a patch fitted to texels.
     fn front(&self, hit: &SurfaceHit, material: &Material) -> Option<Front> {
         let proxy = if material.refract > 0.0 { self.proxies.at(hit.point) } else { None };
         let on_proxy = || {
             let sphere = self.proxies.proxies[proxy?].sphere;
             let point = sphere.entry(&Ray { origin: hit.point, direction: hit.direction })?;
-            // No lift: rays from a proxy are not compared with its own texels.
+            // No lift: rays that leave a proxy are not compared with its own texels.
             let curvature = Some(sphere.radius_m.recip());
             Some(Front { point, patch: Patch { normal: sphere.normal(point)?, curvature, texel_m: 0.0 }, proxy })
         };
@@ -188,7 +191,8 @@ impl<'a> SecondaryRays<'a> {
         on_proxy().or_else(on_texels)
     }
 
-    /// The light of a ray from a front; a surface that it hits is left pending. None where no view saw anything.
+    /// Traces a ray that leaves a front. Returns its RGB multiplied by `share`; a surface hit is pushed to `pending` and
+    /// contributes 0. None if no view saw what the ray meets.
     fn trace(&mut self, ray: &Ray, front: &Front, share: f32, bounces: u32, counters: &mut Counters) -> Option<Vec3> {
         counters.secondary_rays += 1;
         let (steps, acceleration) = (&self.settings.steps, self.settings.acceleration);
@@ -214,7 +218,7 @@ impl<'a> SecondaryRays<'a> {
                 self.pending.push(Pending { hit, share, bounces: bounces - 1 });
                 Some(Vec3::ZERO)
             }
-            // Hidden from all views, but seen through the solid.
+            // Hidden from all views, but captured through the solid.
             RayResult::Disoccluded(_) => {
                 let seen = surface_color(&self.environments[front.proxy?], point)?;
                 Some(share * light_of(self.views.coding, seen.color))
@@ -222,8 +226,8 @@ impl<'a> SecondaryRays<'a> {
         }
     }
 
-    /// Samples a ray in texels before its first step: steps are spaced for the eye, and the first may be beyond what the
-    /// ray meets. None where the ray stays hidden for too long.
+    /// Samples a ray at intervals of texels before its first step: steps are spaced for the eye, and the first one may be beyond
+    /// what the ray meets. None if the ray is hidden for too long.
     fn leave_surface(&self, ray: &Ray, texel_m: f32, counters: &mut Counters) -> Option<Departure> {
         let steps = &self.settings.steps;
         let mut empty_m = None;

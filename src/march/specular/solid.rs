@@ -1,33 +1,34 @@
-//! Refraction through a solid (CALF 6.1): where a ray that entered leaves it, and in which direction.
+//! Refraction through a solid (CALF 6.1): where a ray that has entered the solid leaves it, and in which direction.
 //!
 //! Depths show the front of a solid. Its back is the first of these that applies:
 //!
-//! - With a refractive proxy, the proxy's.
-//! - What a view on the other side sees: the first point of the ray that a view sees to be empty, on a refractive surface.
+//! - The back of the refractive proxy, if the solid has one.
+//! - The surface that a view on the other side sees: the first point of the ray that is empty in a view, if it lies on a
+//!   refractive surface.
 //! - A sphere that touches the front and has its curvature, cut off where a view sees past it.
-//! - None where the front is flat or concave: a pane, which the ray passes unchanged.
+//! - None, if the front is flat or concave: the solid is a pane, which the ray passes unchanged.
 
 use glam::Vec3;
 
 use crate::march::{ActiveViews, Counters, Patch, Ray, Sphere, Steps, fresnel, patch, surface_material};
 
-/// A front whose normal turns by less than this over a texel is flat.
+/// Maximum rotation of the normal over a texel of a flat front, in radians.
 pub const FLAT: f32 = 2e-3;
-/// A surface is a pane where the ray is in empty space this many texels behind it.
+/// Distance behind a concave front, in texels, at which empty space means that the ray was inside the solid and leaves it.
 pub const BEHIND_TEXELS: f32 = 3.0;
-/// Internal reflections at most, the first exit included; the rest of the light is lost.
+/// Maximum number of times that a ray meets the back of a solid, including the first; the remaining light is discarded.
 pub const MAX_INSIDE: usize = 3;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exit {
-    /// Its origin is on the back of the solid.
+    /// The origin is on the back of the solid.
     pub ray: Ray,
-    /// Its part of the light that entered.
+    /// Fraction of the light that entered the solid.
     pub part: f32,
 }
 
-/// The direction behind a surface whose normal is on the ray's side; `ratio` is the index of refraction before the
-/// surface over that behind it. None in total reflection.
+/// Returns the refracted direction behind a surface whose normal is on the ray's side. `ratio` is the index of refraction before
+/// the surface over that behind it. None in total internal reflection.
 pub fn refract(direction: Vec3, normal: Vec3, ratio: f32) -> Option<Vec3> {
     let cosine = (-direction.dot(normal)).clamp(0.0, 1.0);
     let behind_squared = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
@@ -41,10 +42,10 @@ pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
     direction - 2.0 * direction.dot(normal) * normal
 }
 
-/// Where a ray inside a solid meets its back.
+/// Point where a ray inside a solid meets its back.
 struct Back {
     point: Vec3,
-    /// Outward.
+    /// Outward unit normal.
     normal: Vec3,
 }
 
@@ -56,8 +57,8 @@ pub struct Refraction<'a> {
 }
 
 impl Refraction<'_> {
-    /// The rays that leave a solid of index `ior`, which `ray` enters at its origin, where `front` is its surface with the
-    /// normal on the ray's side: the direct one, then those after internal reflections.
+    /// Returns the rays that leave a solid of index `ior`: the direct one, then those after internal reflections. `ray` enters
+    /// the solid at its origin; `front` is the surface at that point, with the normal on the ray's side.
     pub fn pass(&self, ray: &Ray, front: &Patch, ior: f32, counters: &mut Counters) -> [Option<Exit>; MAX_INSIDE] {
         let mut exits = [None; MAX_INSIDE];
         let Ray { origin, direction } = *ray;
@@ -65,7 +66,7 @@ impl Refraction<'_> {
         let bend = curvature * front.texel_m;
         let behind = || origin + direction * (BEHIND_TEXELS * front.texel_m);
         if self.proxy.is_none() && bend < -FLAT && !self.views.is_surface(behind()) {
-            // Concave with empty space behind it: the ray was inside, and leaves.
+            // Concave with empty space behind it: the ray was inside and leaves.
             let leaves = refract(direction, front.normal, ior);
             exits[0] = leaves.map(|direction| Exit { ray: Ray { origin, direction }, part: 1.0 });
             return exits;
@@ -120,14 +121,14 @@ impl Refraction<'_> {
         Some(Back { point, normal: sphere?.normal(point)? })
     }
 
-    /// The distance, up to a limit, of the first point that is empty in a view.
+    /// Returns the distance, up to a limit, of the first point that is empty in a view.
     fn first_empty(&self, ray: &Ray, texel_m: f32, limit_m: f32, counters: &mut Counters) -> Option<f32> {
         let mut before_m = 0.0;
         let distances_m = self.steps.off_surface(texel_m).map(|(distance_m, _)| distance_m);
         for distance_m in distances_m.take_while(|&distance_m| distance_m <= limit_m) {
             counters.march_steps += 1;
             if !self.views.is_surface(ray.at(distance_m)) {
-                // The surface end is the nearer one here.
+                // The surface is at the near end of this interval.
                 return Some(self.views.refine(ray, [distance_m, before_m], self.steps.refine(), counters));
             }
             before_m = distance_m;
@@ -152,14 +153,14 @@ mod tests {
         let down = Vec3::new(sine, 0.0, -0.8);
         let inside = refract(down, Vec3::Z, 1.0 / 1.5).unwrap();
         assert!((inside.x - sine / 1.5).abs() < 1e-6 && inside.z < 0.0);
-        // On the way out it becomes what it was, up to the angle from which on nothing comes out.
+        // On leaving, the ray regains its original direction, up to the critical angle.
         assert!(refract(inside, Vec3::Z, 1.5).unwrap().distance(down) < 1e-6);
         assert_eq!(refract(Vec3::new(0.7, 0.0, -0.51f32.sqrt()), Vec3::Z, 1.5), None);
         assert_eq!(reflect(down, Vec3::Z), Vec3::new(sine, 0.0, 0.8));
     }
 
-    /// A wedge of glass without end: its front is the plane z = 0, which the first view sees, its back x + z = -1, which
-    /// the second one sees.
+    /// An infinite wedge of glass. Its front is the plane z = 0, which the first view sees; its back is the plane x + z = −1,
+    /// which the second view sees.
     fn wedge() -> LightField {
         let coding = ColorCoding::Codes(ToneMap::default());
         let plane = |at: DVec3, normal: DVec3, part: f64| {
@@ -200,11 +201,11 @@ mod tests {
         assert!(rest.iter().flatten().all(|exit| exit.part < 1e-3));
     }
 
-    /// What is reflected whole, and then finds no back, has not passed a pane.
+    /// A ray that is totally reflected and then finds no back has not passed through a pane.
     #[test]
     fn total_reflection_lets_nothing_through() {
         assert!(through_the_wedge(1.5).iter().all(Option::is_none));
-        // Below the critical angle some comes out, and not in the direction in which it came.
+        // Below the critical angle some light leaves, in a different direction.
         let [Some(Exit { ray, part }), ..] = through_the_wedge(1.2) else { panic!("nothing comes out") };
         assert!(part > 0.5 && ray.direction.angle_between(Vec3::NEG_Z).to_degrees() > 10.0);
     }

@@ -1,6 +1,6 @@
 //! Spheres as refractive proxies, fitted to refractive texels.
 //!
-//! Enters: active views. Leaves: the spheres on which connected refractive texels lie, with maps of their environments.
+//! Takes active views. Returns the spheres on which connected refractive texels lie, with maps of their environments.
 
 mod environment;
 mod plane_extrapolation;
@@ -21,24 +21,24 @@ use plane_extrapolation::Spread;
 
 pub use environment::MAX_TEXELS;
 
-/// Least number of connected texels in an image that a sphere is fitted to.
+/// Minimum number of connected texels of an image to which a sphere is fitted.
 pub const MIN_TEXELS: usize = 32;
-/// Proxies at most, by their texels in one image.
+/// Maximum number of proxies; those with the most texels in one image are kept.
 pub const MAX_PROXIES: usize = 16;
-/// Clusters at most that spheres are fitted to.
+/// Maximum number of clusters to which spheres are fitted.
 pub const MAX_CANDIDATES: usize = 256;
-/// A texel is an inlier at most this far from a sphere, in parts of its radius.
+/// Maximum distance of an inlier from a sphere, as a fraction of its radius.
 pub const ON_SPHERE: f64 = 0.02;
-/// Least part of inliers of a fit.
+/// Minimum fraction of inliers of a fit.
 pub const INLIERS: f64 = 0.95;
-/// Least extent of the texels in parts of the radius: spheres of any size fit a flat cluster.
+/// Minimum extent of the texels as a fraction of the radius: spheres of any size fit a flat cluster.
 pub const MIN_EXTENT: f64 = 0.5;
-/// Occupancy of a sphere is tested at this part of its radius.
+/// Fraction of the radius at which the occupancy of a sphere is tested.
 pub const WITHIN: f32 = 0.7;
-/// Least radius in metres: steps around a smaller sphere would coincide.
+/// Minimum radius in metres: steps around a smaller sphere would coincide.
 pub const MIN_RADIUS_M: f32 = 1e-6;
-/// Points are coplanar where the determinant of their covariance, scaled to a trace of 1, is below this. A cap over
-/// [`MIN_EXTENT`] of the radius has more than 1e-4.
+/// Points are coplanar if the determinant of their covariance, scaled to a trace of 1, is below this. That of a cap over
+/// [`MIN_EXTENT`] of the radius is more than 1e-4.
 pub const IN_PLANE: f64 = 1e-9;
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -48,7 +48,7 @@ impl ProxyProvider for SphereFit {
     fn proxies(&self, views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Proxy>> {
         let with_environment = |(at, Refractor { sphere, ior }): (usize, Refractor)| {
             let mut environment = environment::map(views, sphere, ior, monitor)?;
-            // Probe numbers of environment maps count down from the greatest.
+            // Probe indices of environment maps count down from the maximum.
             environment.probe = usize::MAX - at;
             let pyramids = Arc::new(ViewPyramids::of(&environment));
             Ok(Proxy { sphere, ior, reach_m: reach_m(views, &sphere), environment, pyramids })
@@ -61,15 +61,17 @@ impl ProxyProvider for SphereFit {
 type Images<'a> = [SpecularImage<'a>];
 
 struct Cluster {
-    /// Numbers of images, each once, and of their texels. Points are computed again for each fit: they would take six times as many bytes.
+    /// Image indices, each at most once, and the indices of texels. Points are recomputed for each fit, because they would take
+    /// six times as many bytes.
     parts: Vec<(usize, Vec<u32>)>,
-    /// Texels of all parts. Of single texels a cluster may join millions, so that to count them each time would take quadratic time.
+    /// Number of texels of all parts. A cluster may join millions of single texels, so counting them each time would take
+    /// quadratic time.
     len: usize,
     ior_sum: f64,
-    /// Centres of the views that see them.
+    /// Positions of the views that see the cluster, in metres relative to the eye.
     seen_from: Vec<DVec3>,
     sphere: FittedSphere,
-    /// Number of points of the fit.
+    /// Number of texels of the last fit.
     fitted: usize,
 }
 
@@ -85,7 +87,7 @@ impl Cluster {
         }
     }
 
-    /// Adds the texels to the first cluster on whose sphere they lie; false where there is none.
+    /// Adds the texels to the first cluster whose sphere they lie on. Returns false if there is none.
     fn join(&self, clusters: &mut [Cluster], images: &Images<'_>) -> bool {
         let Some(cluster) = clusters.iter_mut().find(|cluster| cluster.inliers(self, images) >= INLIERS) else {
             return false;
@@ -116,14 +118,14 @@ impl Cluster {
         self.parts.iter().flat_map(of_part)
     }
 
-    /// Part of the texels of a cluster that lie on the sphere of this one.
+    /// Returns the fraction of a cluster's texels that lie on the sphere of this one.
     fn inliers(&self, of: &Cluster, images: &Images<'_>) -> f64 {
         let FittedSphere { centre, radius_m } = self.sphere;
         let near = |point: &DVec3| ((*point - centre).length() - radius_m).abs() <= ON_SPHERE * radius_m;
         of.points(images).filter(near).count() as f64 / of.len as f64
     }
 
-    /// Fits the sphere to the points; false where none fits.
+    /// Fits the sphere to the points. Returns false if none fits.
     fn fit(&mut self, images: &Images<'_>) -> bool {
         self.fitted = self.len;
         let Some(sphere) = fit(self.points(images)) else { return false };
@@ -159,7 +161,7 @@ fn refractors(views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Refr
             clusters.push(part);
         }
     }
-    // The largest first, here too.
+    // Small parts also join in order of size, largest first.
     let lengths = if clusters.is_empty() { 0..0 } else { 1..MIN_TEXELS };
     for len in lengths.rev() {
         for (image, small) in images.iter().zip(&small).enumerate().map(|(at, (image, small))| ((at, image), small)) {
@@ -180,7 +182,7 @@ fn refractors(views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Refr
     Ok(clusters.into_iter().filter_map(of_cluster).take(MAX_PROXIES).collect())
 }
 
-/// Whether no view sees empty space within a sphere.
+/// True if no view sees empty space inside a sphere.
 fn is_occupied(views: &ActiveViews<'_>, sphere: &Sphere) -> bool {
     (0..27).all(|at| {
         let way = Vec3::new((at % 3) as f32, (at / 3 % 3) as f32, (at / 9) as f32) - 1.0;
@@ -189,19 +191,19 @@ fn is_occupied(views: &ActiveViews<'_>, sphere: &Sphere) -> bool {
     })
 }
 
-/// Connected texels of an image.
+/// Connected refractive texels of an image.
 #[derive(Default)]
 struct Connected {
-    /// Those that a sphere may be fitted to.
+    /// Parts that a sphere may be fitted to.
     large: Vec<Cluster>,
     small: SmallParts,
 }
 
-/// Parts of fewer texels than [`MIN_TEXELS`], which can only join others. There may be one for every other texel.
+/// Parts of fewer texels than [`MIN_TEXELS`], which can only join others. Every other texel may be such a part.
 #[derive(Default)]
 struct SmallParts {
     texels: Vec<u32>,
-    /// Ends of the parts among the texels.
+    /// End of each part in `texels`.
     ends: Vec<u32>,
 }
 
@@ -211,7 +213,7 @@ impl SmallParts {
         self.ends.push(self.texels.len() as u32);
     }
 
-    /// Parts of so many texels.
+    /// Returns the parts of `len` texels.
     fn of_len(&self, len: usize) -> impl Iterator<Item = &[u32]> {
         let starts = std::iter::once(&0).chain(&self.ends);
         let ranges = starts.zip(&self.ends).map(|(&start, &end)| start as usize..end as usize);
@@ -219,19 +221,19 @@ impl SmallParts {
     }
 }
 
-/// The index of refraction of a texel of an image with material.
+/// Returns the index of refraction of a texel.
 fn ior(image: &SpecularImage<'_>, at: usize) -> f64 {
     let part = image.texels.material.as_ref().map_or(0.0, |material| f64::from(material[at][2]) / 255.0);
     f64::from(IOR_RANGE[0]) + part * f64::from(IOR_RANGE[1] - IOR_RANGE[0])
 }
 
-/// Connected refractive texels of an image: adjacent, and of much the same depth.
+/// Returns the connected refractive texels of an image: adjacent texels with similar depths.
 fn connected(number: usize, image: &SpecularImage<'_>) -> Connected {
     let texels = image.texels;
     let mut found = Connected::default();
     let Some(material) = &texels.material else { return found };
     let [width, height] = texels.size.map(|size| size as usize);
-    // Mirrors alone need no list.
+    // An image with only mirrors needs no list.
     if !(0..material.len()).any(|at| image.is_refractive(at)) {
         return found;
     }
@@ -272,17 +274,17 @@ fn connected(number: usize, image: &SpecularImage<'_>) -> Connected {
     found
 }
 
-/// Centre and radius in metres.
+/// Centre and radius of a sphere, in metres.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct FittedSphere {
     centre: DVec3,
     radius_m: f64,
 }
 
-/// The sphere through points, by least squares of |x − centre|² − radius². None where they are coplanar ([`IN_PLANE`]).
+/// Fits a sphere to points by least squares of |x − centre|² − radius². None if the points are coplanar ([`IN_PLANE`]).
 fn fit(points: impl Iterator<Item = DVec3> + Clone) -> Option<FittedSphere> {
     let Spread { middle, unit_m, covariance } = Spread::of(points.clone());
-    // NaN where all points are one.
+    // NaN if all points coincide.
     if covariance.determinant().is_nan() || covariance.determinant() < IN_PLANE {
         return None;
     }
@@ -320,7 +322,7 @@ mod tests {
 
     /// Refractive spheres around a probe, and their centres.
     fn beads(count: usize) -> (LightField, Vec<DVec3>) {
-        // Turned by the golden angle from one to the next.
+        // Each centre is rotated from the previous one by the golden angle.
         let centre = |at: usize| {
             let y = 1.0 - (2 * at + 1) as f64 / count as f64;
             let (sin, cos) = (2.399_963_23 * at as f64).sin_cos();
@@ -333,7 +335,7 @@ mod tests {
 
     const CODING: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
 
-    /// A view in the origin of refractive spheres before the background.
+    /// A view at the origin, of refractive spheres in front of the background.
     fn glass(centres: &[DVec3], radii_m: &[f64]) -> View {
         let sight = |direction: DVec3| {
             let met_m = |(centre, radius_m): (&DVec3, &f64)| {
@@ -369,7 +371,7 @@ mod tests {
         }
     }
 
-    /// A second view sees past all balls but the smallest.
+    /// A second view sees past all spheres but the smallest.
     #[test]
     fn spheres_with_empty_space_count_not_as_found() {
         let (_, mut centres) = beads(2 * MAX_PROXIES + 1);
@@ -402,7 +404,7 @@ mod tests {
         assert!(
             !seen(DVec3::new(1.0, 0.0, -1.0), Lens::new(40.0)) && !seen(DVec3::new(0.0, 1.0, -1.0), Lens::new(40.0))
         );
-        // Wider than high.
+        // A camera wider than high.
         let wide = Lens { aspect: 4.0, ..Lens::new(40.0) };
         assert!(seen(DVec3::new(1.0, 0.0, -1.0), wide) && !seen(DVec3::new(0.0, 1.0, -1.0), wide));
         assert!(!has_specular_in_frustum(
@@ -411,7 +413,7 @@ mod tests {
         ));
     }
 
-    /// Stops when it was asked so often.
+    /// Monitor that interrupts after this number of checks.
     struct Stops {
         asked: AtomicUsize,
         after: usize,
@@ -434,7 +436,7 @@ mod tests {
             (Proxies::of(&SphereFit, &views, &monitor), monitor.asked.into_inner())
         };
         let (all, asked) = with(usize::MAX);
-        // For each row of the view from the centre, at least.
+        // At least one check per row of the environment map.
         assert!(all.is_ok() && asked > 6 * 64, "{asked}");
         for after in [0, 1, asked / 2, asked - 1] {
             assert!(matches!(with(after).0, Err(Error::Interrupted)), "{after} of {asked}");
@@ -443,7 +445,7 @@ mod tests {
 
     #[test]
     fn fits_are_scale_free() {
-        // A cap that reaches over half the radius, and a plane.
+        // A cap over half the radius, and a plane.
         let cap = |at: usize| {
             let [x, y] = [at % 9, at / 9].map(|at| (at as f64 - 4.0) / 20.0);
             DVec3::new(x, y, (1.0 - x * x - y * y).sqrt())

@@ -1,4 +1,4 @@
-//! Surface points of the texels of specular materials.
+//! Surface points of texels with specular materials.
 
 use glam::DVec3;
 
@@ -9,13 +9,13 @@ use crate::views::{BACKGROUND, FaceTexels, UNKNOWN};
 #[derive(Debug, Clone, Copy)]
 pub struct SpecularImage<'a> {
     pub view: &'a ActiveView<'a>,
-    /// Number of its face.
+    /// Index of its face.
     pub face: usize,
     pub texels: &'a FaceTexels,
 }
 
 impl<'a> SpecularImage<'a> {
-    /// Those of all views that are decoded on the CPU.
+    /// Returns the specular images of all views that are decoded on the CPU.
     pub fn all(views: &'a ActiveViews<'a>) -> Vec<SpecularImage<'a>> {
         let of_view = |view: &'a ActiveView<'a>| {
             let faces = view.view.faces.iter().enumerate();
@@ -25,7 +25,7 @@ impl<'a> SpecularImage<'a> {
         all.filter(|image| image.texels.is_specular && !image.texels.is_in_backend()).collect()
     }
 
-    /// The centre of a texel on its surface, in metres from the eye. None where it has no surface.
+    /// Returns the centre of a texel on its surface, in metres relative to the eye. None if the texel has no surface.
     pub fn point(&self, at: usize) -> Option<DVec3> {
         let inverse = self.texels.inverse_depth[at];
         if inverse == BACKGROUND || inverse == UNKNOWN {

@@ -1,4 +1,4 @@
-//! Frusta against another way to tell whether they meet: faces clipped by planes.
+//! Tests of frusta against another intersection test: faces clipped by planes.
 
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
@@ -7,7 +7,7 @@ use proptest::test_runner::RngSeed;
 use super::*;
 use crate::math::frustum::Window;
 
-/// What is left of a convex polygon where `normal · p >= least`.
+/// Returns the part of a convex polygon where `normal · p >= least`.
 fn clip(polygon: &[DVec3], normal: DVec3, least: f64) -> Vec<DVec3> {
     let mut left = Vec::new();
     for (at, &point) in polygon.iter().enumerate() {
@@ -44,7 +44,7 @@ fn faces(frustum: &Frustum) -> Vec<Vec<DVec3>> {
     faces
 }
 
-/// Whether bounded frusta have a point in common: a part of a face of one inside the other, or the other inside it.
+/// True if bounded frusta share a point: a part of a face of one is inside the other.
 fn meet(a: &Frustum, b: &Frustum, margin: f64) -> bool {
     let inside = |face: Vec<DVec3>, planes: &[(DVec3, f64)]| {
         !planes.iter().fold(face, |left, (normal, least)| clip(&left, *normal, *least)).is_empty()
@@ -53,7 +53,7 @@ fn meet(a: &Frustum, b: &Frustum, margin: f64) -> bool {
     faces(a).into_iter().any(|face| inside(face, &b_planes)) || faces(b).into_iter().any(|face| inside(face, &a_planes))
 }
 
-/// Whether frusta have a direction in common, up to `margin`.
+/// True if frusta share a direction, with a tolerance of `margin`.
 fn directions_meet(a: &Frustum, b: &Frustum, margin: f64) -> bool {
     let left = a.sides.iter().fold(b.rays.to_vec(), |left, side| clip(&left, *side, -margin));
     !left.is_empty()
@@ -70,8 +70,8 @@ fn turn() -> impl Strategy<Value = DQuat> {
         .prop_map(|q| DQuat::from_array(q).normalize())
 }
 
-/// Frusta of cameras (a window around the axis) and of cells (anywhere on the plane), wide and narrow, flat and deep,
-/// in the same place or far away.
+/// Frusta of cameras (window around the axis) and of cells (window anywhere on the plane), wide and narrow, flat and deep,
+/// with the same apex or far apart.
 fn frustum() -> impl Strategy<Value = Frustum> {
     let window = prop_oneof![
         (0.01..3.0f64, 0.01..3.0f64).prop_map(|(x, y)| Window { u: [-x, x], v: [-y, y] }),
@@ -96,7 +96,7 @@ fn frustum() -> impl Strategy<Value = Frustum> {
 }
 
 proptest! {
-    // The same inputs in each run: how far thin frusta may be apart that no axis tells apart has no bound of its own.
+    // Fixed seed: the gap of thin frusta that no axis separates has no bound.
     #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(1), ..ProptestConfig::with_cases(20_000) })]
 
     #[test]
@@ -128,7 +128,7 @@ proptest! {
     fn a_camera_sees_a_point_that_it_shares(
         a in frustum(), b in frustum(), [x, y, z] in proptest::array::uniform3(0.0..=1.0f64), endless in 0..4u32,
     ) {
-        // A point of b, and a moved so that a point of its own lies there.
+        // Moves `a` so that one of its points coincides with a point of `b`.
         let mix = |[low, high]: [f64; 2], share: f64| low + (high - low) * share;
         let pick = |frustum: &Frustum, [x, y, z]: [f64; 3]| {
             let [p, q, r, s] = frustum.corners;
@@ -153,14 +153,14 @@ proptest! {
             frustum.depth_m[1] = far_m;
             frustum
         };
-        // Not so long that frusta that are a little apart would meet where endless ones do.
+        // The length is limited: longer frusta with a small gap would meet where infinite ones do.
         let (long_a, long_b) = (endless(&a, 1e4), endless(&b, 1e4));
         let sight = Viewer::new(endless(&a, f64::INFINITY)).sight(&endless(&b, f64::INFINITY));
         if meet(&long_a, &long_b, -1e-7) {
             prop_assert_ne!(sight, Sight::Missed);
         }
         if sight != Sight::Missed {
-            // What may be rounding grows with how far endless frusta are followed (`Viewer::sight`).
+            // The rounding error grows with the distance up to which infinite frusta are tested (`Viewer::sight`).
             let between_m = a.apex.distance(b.apex);
             let rounding_m = 2e-6 * between_m * (a.reach + b.reach) + 1e-7;
             let near = directions_meet(&a, &b, 1e-3) || meet(&long_a, &long_b, 5.0 * rounding_m);
@@ -180,7 +180,7 @@ fn frusta_of_which_nothing_can_be_told_are_seen() {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let window = Window { u: [-1.0, 1.0], v: [-1.0, 1.0] };
     let viewer = Viewer::new(Frustum::new(DVec3::ZERO, axes, window, [0.0, 1.0]));
-    // Far behind it.
+    // Far behind the viewer.
     let there = DVec3::new(-50.0, 0.0, 0.0);
     let away = [DVec3::NEG_X, DVec3::Y, DVec3::Z];
     assert_eq!(viewer.sight(&Frustum::new(there, away, window, [1.0, 2.0])), Sight::Missed);
@@ -195,7 +195,7 @@ fn frusta_of_which_nothing_can_be_told_are_seen() {
         assert_ne!(viewer.sight(&volume), Sight::Missed, "{volume:?}");
         assert_ne!(Viewer::new(volume).sight(&Frustum::new(there, away, window, [1.0, 2.0])), Sight::Missed);
     }
-    // A camera whose picture is nearly a half space does not tell directions apart.
+    // A camera whose window is nearly a half space does not separate directions.
     let wide = Window { u: [-1e8, 1e8], v: [-1.0, 1.0] };
     let volume = Frustum::new(there, away, window, [1.0, 2.0]);
     assert_ne!(Viewer::new(Frustum::new(DVec3::ZERO, axes, wide, [0.0, 1.0])).sight(&volume), Sight::Missed);

@@ -1,7 +1,7 @@
-//! Builds the tree from the top down by the surface area heuristic, and by halves of the number of primitives once it is
-//! deep or centres coincide: depth is at most 60 and time n log n for any input. The bottom-up builder of `obvhs` joins
-//! one pair of concentric boxes in each pass, which takes quadratic time and unbounded recursion (copies of a triangle,
-//! nested shells). The tree does not depend on the number of threads.
+//! Builds the tree top-down by the surface area heuristic. Nodes that are deep or whose primitives have the same centre are split
+//! into halves of equal count instead, so that the depth is at most 60 and the time O(n log n) for any input. The bottom-up
+//! builder of `obvhs` joins only one pair of concentric boxes per pass, which takes quadratic time and unbounded recursion
+//! (copies of a triangle, nested shells). The tree does not depend on the number of threads.
 
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
@@ -10,18 +10,18 @@ use obvhs::bvh2::node::Bvh2Node;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 
-/// Levels below the root divided by the heuristic; at most 32 levels of halves follow.
+/// Levels below the root that are split by the heuristic; at most 32 levels of halves follow.
 const GUIDED_LEVELS: u32 = 28;
-/// Longest path of the tree.
+/// Maximum path length of the tree.
 pub(super) const MAX_DEPTH: usize = GUIDED_LEVELS as usize + 32;
-/// Bins along each axis of a node.
+/// Number of bins along each axis of a node.
 const BINS: usize = 16;
-/// Nodes of fewer primitives are built on one thread.
+/// Minimum number of primitives of a node that is built in parallel.
 const PARALLEL: usize = 8192;
-/// Most primitives in a leaf of the wide tree.
+/// Maximum number of primitives in a leaf of the wide tree.
 const LEAF: u32 = 3;
 
-/// Builds the tree over finite boxes; its `primitive_indices` are the primitives in the order of its leaves.
+/// Builds the tree over finite boxes. Its `primitive_indices` are the primitives in the order of its leaves.
 pub(super) fn tree(boxes: &[Aabb]) -> CwBvh {
     if boxes.is_empty() {
         return CwBvh::default();
@@ -49,22 +49,22 @@ struct Item {
 }
 
 impl Item {
-    /// Twice the centre.
+    /// Returns twice the centre.
     fn middle(&self) -> Vec3A {
         self.bounds.min + self.bounds.max
     }
 }
 
-/// First elements of a node in the arrays.
+/// Position of a node in the arrays, and its level.
 #[derive(Clone, Copy)]
 struct Place {
     primitive: u32,
-    /// Node.
+    /// Index of the first node below it.
     below: u32,
     level: u32,
 }
 
-/// Makes `root` the node of all `items`, and fills `below`, which holds exactly the nodes under it.
+/// Makes `root` the node of all `items`, and fills `below`, which holds exactly the nodes under `root`.
 fn divide(items: &mut [Item], root: &mut Bvh2Node, below: &mut [Bvh2Node], place: Place) {
     let bounds = items.iter().fold(Aabb::empty(), |bounds, item| bounds.union(&item.bounds));
     let ([left, right, rest @ ..], true) = (below, items.len() > 1) else {
@@ -89,7 +89,7 @@ fn divide(items: &mut [Item], root: &mut Bvh2Node, below: &mut [Bvh2Node], place
     }
 }
 
-/// Moves the items of the first child to the front and returns their number: at least one, and not all.
+/// Moves the items of the first child to the front and returns their number: at least one, but not all.
 fn split(items: &mut [Item], level: u32) -> usize {
     let (low, high) = items.iter().fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(low, high), item| {
         (low.min(item.middle()), high.max(item.middle()))
@@ -112,16 +112,17 @@ fn split(items: &mut [Item], level: u32) -> usize {
 }
 
 fn bins_per_unit(extent: Vec3A) -> Vec3A {
-    // Items of a flat axis fall into bin 0.
+    // On an axis without extent, all items fall into bin 0.
     Vec3A::splat(BINS as f32) / extent.max(Vec3A::splat(1e-30))
 }
 
-/// Casts saturate.
+/// Returns the bin of an offset. The cast to an integer saturates.
 fn bin_of(offset: f32, scale: f32) -> usize {
     ((offset * scale) as usize).min(BINS - 1)
 }
 
-/// Axis and bin of the cut with the least cost: area times primitives, summed over both halves.
+/// Returns the axis and bin of the cut with minimum cost: half of the surface area times the number of primitives, summed over
+/// both sides.
 fn best_cut(items: &[Item], low: Vec3A, extent: Vec3A) -> Option<(usize, usize)> {
     let scale = bins_per_unit(extent);
     let mut bins = [[(Aabb::empty(), 0_u32); BINS]; 3];
@@ -155,7 +156,7 @@ fn best_cut(items: &[Item], low: Vec3A, extent: Vec3A) -> Option<(usize, usize)>
     best.map(|(_, axis, bin)| (axis, bin))
 }
 
-/// Moves items for which `first` holds to the front and returns their number; deterministic.
+/// Moves items for which `first` is true to the front and returns their number. The order is deterministic.
 fn partition(items: &mut [Item], first: impl Fn(&Item) -> bool) -> usize {
     let mut count = 0;
     for index in 0..items.len() {
@@ -176,7 +177,7 @@ mod tests {
         Aabb::new(center - half, center + half)
     }
 
-    /// Length of the longest path, and that every primitive lies in one leaf.
+    /// Checks that every primitive lies in one leaf, and returns the length of the longest path.
     fn check(boxes: &[Aabb]) -> usize {
         let tree = tree(boxes);
         let mut seen = tree.primitive_indices.clone();
@@ -201,7 +202,7 @@ mod tests {
         assert!(check(&same) <= 20);
         let nested: Vec<Aabb> = (0..50_000).map(|i| around(Vec3A::ZERO, 1e-5 * (i + 1) as f32)).collect();
         assert!(check(&nested) <= 20);
-        // Each a fraction of the last: every guided cut takes only a few of them off.
+        // Positions shrink geometrically, so that every guided cut separates only a few boxes.
         let shrinking: Vec<Aabb> = (0..200).map(|i| around(Vec3A::X * 0.5_f32.powi(i / 2), 1e-9)).collect();
         assert!(check(&shrinking) <= MAX_DEPTH);
         let strip: Vec<Aabb> = (0..1 << 16).map(|i| around(Vec3A::X * (i as f32 / 65536.0), 0.5 / 65536.0)).collect();

@@ -4,7 +4,7 @@ use super::*;
 
 const AHEAD: Range<f64> = 0.0..f64::INFINITY;
 
-/// Pseudorandom numbers.
+/// Pseudorandom number generator.
 pub(crate) struct Numbers(u64);
 
 impl Numbers {
@@ -12,7 +12,7 @@ impl Numbers {
         Numbers(seed)
     }
 
-    /// The next, in −1..1.
+    /// Returns the next number, in −1..1.
     pub(crate) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
@@ -23,7 +23,7 @@ impl Numbers {
     }
 }
 
-/// All hits by testing every triangle, by distance and index.
+/// Returns all hits, found by testing every triangle, ordered by distance and index.
 pub(crate) fn brute_force(triangles: &[[DVec3; 3]], ray: &Ray, range: Range<f64>) -> Vec<TriangleHit> {
     let frame = RayFrame::new(ray);
     let mut hits = Vec::new();
@@ -45,21 +45,21 @@ fn build(triangles: &[[DVec3; 3]]) -> Bvh {
     Bvh::new(triangles.iter().copied())
 }
 
-/// Checks all, nearest and any hit of a ray against brute force, and counts the hits.
+/// Checks all, nearest and any hit of a ray against brute force, and returns the number of hits.
 #[track_caller]
 fn check(bvh: &Bvh, triangles: &[[DVec3; 3]], ray: &Ray, range: Range<f64>) -> usize {
     let expected = brute_force(triangles, ray, range.clone());
     assert_eq!(bvh.all(ray, range.clone()), expected, "{ray:?}");
     assert_eq!(bvh.nearest(ray, range.clone(), |_| true), expected.first().copied(), "{ray:?}");
     assert_eq!(bvh.any(ray, range.clone(), |_| true), !expected.is_empty(), "{ray:?}");
-    // The second triangle, where the first one is refused.
+    // The hit on another triangle, if the first one is rejected.
     let first = expected.first().map(|hit| hit.triangle);
     let second = expected.iter().find(|hit| Some(hit.triangle) != first).copied();
     assert_eq!(bvh.nearest(ray, range, |hit| Some(hit.triangle) != first), second, "{ray:?}");
     expected.len()
 }
 
-/// Triangles of all sizes anywhere in a cube, and some that share corners.
+/// Triangles of various sizes anywhere in a cube, some of which share corners.
 fn soup(count: usize, seed: u64) -> Vec<[DVec3; 3]> {
     let mut numbers = Numbers::new(seed);
     let mut positions = Vec::new();
@@ -71,7 +71,7 @@ fn soup(count: usize, seed: u64) -> Vec<[DVec3; 3]> {
     (0..count).map(|i| [3 * i, 3 * i + 1, third(i)].map(|corner| positions[corner])).collect()
 }
 
-/// A closed surface around the origin: a sphere whose radius varies, by subdivided octahedra.
+/// A closed surface around the origin: a sphere whose radius varies, made of subdivided octahedra.
 fn pebble(levels: u32) -> Vec<[DVec3; 3]> {
     let mut positions = vec![DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
     let mut triangles: Vec<[u32; 3]> =
@@ -180,7 +180,7 @@ fn distances_to_plane_edge_and_corner() {
     let at = |x: f64, y: f64, z: f64| bvh.distance_m(DVec3::new(x, y, z));
     assert_eq!([at(0.25, 0.25, -3.0), at(0.5, -2.0, 0.0), at(4.0, 0.0, 4.0)], [3.0, 2.0, 5.0]);
     assert_eq!(build(&[]).distance_m(DVec3::ZERO), f64::INFINITY);
-    // A triangle without area is its edges.
+    // The distance to a triangle without area is that to its edges.
     assert_eq!(build(&[[DVec3::ZERO, DVec3::X, DVec3::X]]).distance_m(DVec3::Y), 1.0);
 }
 
@@ -219,7 +219,7 @@ fn a_million_rays_at_edges_and_corners_leave_no_gap() {
                 _ => 0.5 + 0.5 * numbers.next(),
             };
             let target = a + share * (b - a);
-            // From inside, and from outside towards it.
+            // From inside, and from outside towards the surface.
             let near = if turn % 2 == 0 { shift } else { 3.0 * target - 2.0 * shift };
             let origin = near + 0.3 * scale * numbers.point();
             let ray = Ray::new(origin, target - origin).unwrap();

@@ -1,4 +1,4 @@
-//! Buffers, views and accessors (glTF 2.0, section 3.6); every range is checked before it is read.
+//! Buffers, views and accessors (glTF 2.0, section 3.6). Every range is checked before it is read.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -32,7 +32,7 @@ impl<'a> Buffers<'a> {
         Buffers { root, blob, loaded: vec![None; root.buffers.len()], folder, budget }
     }
 
-    /// Bytes of a data URI, or of a file in the document's folder.
+    /// Returns the bytes of a data URI, or of a file in the document's folder.
     pub fn fetch(&mut self, uri: &str) -> Result<Arc<Vec<u8>>> {
         if uri.starts_with("data:") {
             self.budget.take(uri.len() as u64, 1, "data in a URI")?;
@@ -61,7 +61,7 @@ impl<'a> Buffers<'a> {
         Ok(bytes)
     }
 
-    /// A buffer, and the range of a view in it.
+    /// Returns a buffer, and the range of a view in it.
     pub fn view(&mut self, number: usize) -> Result<(Arc<Vec<u8>>, Range<usize>)> {
         let root = self.root;
         let missing = || Error::invalid(format!("there is no buffer view {number}"));
@@ -108,7 +108,7 @@ impl<'a> Buffers<'a> {
             return Err(Error::invalid(format!("elements of {numbers} numbers, where {components} were expected")));
         }
         let size = component.0.size() * components;
-        // The bytes, and the floats or integers that they become.
+        // Memory of the bytes, and of the floats or integers converted from them.
         self.budget.take(accessor.count.0, size as u64 + 4 * components as u64, "an accessor")?;
         let count = accessor.count.0 as usize;
         let mut bytes = match accessor.buffer_view {
@@ -142,7 +142,7 @@ impl<'a> Buffers<'a> {
         Ok(())
     }
 
-    /// Elements of `N` numbers. Normalised integers become −1..=1 or 0..=1.
+    /// Returns elements of `N` floats. Normalised integers are converted to −1..=1 or 0..=1.
     pub fn floats<const N: usize>(&mut self, number: usize) -> Result<Vec<[f32; N]>> {
         let elements = self.elements(number, N).map_err(|error| error.context(format!("accessor {number}")))?;
         let scale = |most: f32| if elements.normalized { 1.0 / most } else { 1.0 };
@@ -162,7 +162,7 @@ impl<'a> Buffers<'a> {
         Ok(numbers.as_chunks::<N>().0.to_vec())
     }
 
-    /// Elements of `N` unsigned integers; fails for signed integers and floats.
+    /// Returns elements of `N` unsigned integers. Fails for signed integers and floats.
     pub fn integers<const N: usize>(&mut self, number: usize) -> Result<Vec<[u32; N]>> {
         let elements = self.elements(number, N).map_err(|error| error.context(format!("accessor {number}")))?;
         if !matches!(elements.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {
@@ -177,7 +177,7 @@ fn words<const N: usize>(bytes: &[u8]) -> impl Iterator<Item = [u8; N]> {
     bytes.as_chunks::<N>().0.iter().copied()
 }
 
-/// Unsigned integers of 1, 2 or 4 bytes.
+/// Decodes little-endian unsigned integers of 1, 2 or 4 bytes.
 fn unsigned(component: ComponentType, bytes: &[u8]) -> impl Iterator<Item = u32> {
     let size = component.size();
     bytes.chunks_exact(size).map(move |word| word.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte)))

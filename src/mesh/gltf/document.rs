@@ -1,5 +1,5 @@
-//! The JSON of a glTF file, checked before it is used (glTF 2.0, sections 3 and 4.4): the crates that parse it index
-//! what a file claims.
+//! JSON of a glTF file, checked before it is used (glTF 2.0, sections 3 and 4.4): the crates that parse it use the indices of a
+//! file without checks.
 
 use gltf::json::validation::{Checked, Error as Fault, Validate};
 use gltf::{Document, json};
@@ -22,10 +22,10 @@ const KNOWN: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-/// Most elements of a list: `{}` is a few hundred bytes in memory.
+/// Maximum number of elements of a list: an element `{}` takes a few hundred bytes of memory.
 const MAX_COUNT: usize = 1 << 18;
 
-/// Checked before the rest is read into memory.
+/// Parts that are checked before the rest is read into memory.
 #[derive(Deserialize, Default)]
 #[serde(default)]
 struct Preview {
@@ -52,7 +52,7 @@ struct Version {
 #[derive(Debug)]
 pub struct Parsed {
     pub document: Document,
-    /// The binary chunk: the first buffer without a URI.
+    /// Binary chunk: the bytes of buffer 0, if that has no URI.
     pub blob: Option<Vec<u8>>,
 }
 
@@ -60,7 +60,7 @@ pub fn is_glb(bytes: &[u8]) -> bool {
     bytes.starts_with(b"glTF")
 }
 
-/// Fails where the file requires an unknown extension, or an index is out of range.
+/// Parses a glTF or GLB file. Fails if the file requires an unknown extension, or an index is out of range.
 pub fn parse(bytes: &[u8]) -> Result<Parsed> {
     let (text, blob) = if is_glb(bytes) { split(bytes)? } else { (bytes, None) };
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
@@ -68,13 +68,13 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed> {
     let preview: Preview = serde_json::from_slice(text).map_err(damaged)?;
     check_preview(&preview)?;
     let mut root: json::Root = json::deserialize::from_slice(text).map_err(damaged)?;
-    // Checked above against the extensions known here, not those of the crate.
+    // Checked above against `KNOWN`, instead of the extensions that the crate knows.
     root.extensions_required.clear();
     check(&root)?;
     Ok(Parsed { document: Document::from_json_without_validation(root), blob: blob.map(<[u8]>::to_vec) })
 }
 
-/// JSON and binary chunk of a `.glb` file (glTF 2.0, section 4.4); other chunks are skipped.
+/// Returns the JSON and the binary chunk of a `.glb` file (glTF 2.0, section 4.4); other chunks are skipped.
 fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
     let word =
         |at: usize| bytes.get(at..at + 4).and_then(|word| word.first_chunk::<4>()).map(|w| u32::from_le_bytes(*w));
@@ -106,7 +106,7 @@ fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
 
 fn check_preview(preview: &Preview) -> Result<()> {
     let version = preview.asset.as_ref().map(|asset| asset.version.as_str());
-    // A file without one is refused when all of it is read.
+    // A file without a version is rejected when all of it is read.
     if let Some(version) = version.filter(|version| version.split('.').next() != Some("2")) {
         let version: String = version.chars().take(20).collect();
         return Err(Error::unsupported(format!("glTF version “{version}”; save it as version 2.0")));
@@ -137,7 +137,7 @@ fn check_preview(preview: &Preview) -> Result<()> {
 
 /// Checks all indices and enumerations.
 fn check(root: &json::Root) -> Result<()> {
-    // The validation of the crate indexes this accessor before it checks the index.
+    // The crate's validation uses this accessor index before it checks it.
     for (number, mesh) in root.meshes.iter().enumerate() {
         for primitive in &mesh.primitives {
             let positions = primitive.attributes.get(&Checked::Valid(json::mesh::Semantic::Positions));

@@ -1,6 +1,6 @@
-//! Materials of a glTF file (glTF 2.0, section 3.9): metallic-roughness, and specular-glossiness as its equivalent.
+//! Materials of a glTF file (glTF 2.0, section 3.9): metallic-roughness, and specular-glossiness converted to it.
 //!
-//! Textures of roughness, metalness and transmission count by their means; those of normals and occlusion are left out.
+//! Textures of roughness, metalness and transmission are replaced by their means; normal and occlusion textures are ignored.
 
 use glam::DVec3;
 use gltf::Material;
@@ -19,13 +19,13 @@ const BLEND_CUTOFF: f64 = 0.5;
 #[derive(Debug, Clone)]
 pub struct Paint {
     pub material: PlainMaterial,
-    /// Mean of the base colour over the texture, linear.
+    /// Base colour times the mean of its texture, linear.
     pub mean_color: DVec3,
     /// `None` without textures.
     pub coordinates: Option<Coordinates>,
 }
 
-/// All materials of a document, behind the default one at index 0.
+/// Reads all materials of a document; the default material at index 0 precedes them.
 pub fn read_all(document: &gltf::Document, buffers: &mut Buffers, notes: &mut Vec<String>) -> Vec<Paint> {
     let mut textures = Textures::default();
     let plain = PlainMaterial::default();
@@ -115,9 +115,9 @@ struct Surface<'a> {
     base_info: Option<Info<'a>>,
     metallic: f64,
     roughness: f64,
-    /// Reflectance of a dielectric at normal incidence, where the file gives it.
+    /// Reflectance of a dielectric at normal incidence, if the file specifies it.
     specular: Option<DVec3>,
-    /// Whether metalness and roughness are multiplied with a texture.
+    /// True if metalness and roughness are multiplied by a texture.
     uses_maps: bool,
 }
 
@@ -154,7 +154,7 @@ impl<'a> Surface<'a> {
     }
 }
 
-/// A factor, clamped to 0..=1.
+/// Clamps a factor to 0..=1.
 pub fn unit(value: f32) -> f64 {
     if value.is_finite() { f64::from(value).clamp(0.0, 1.0) } else { 0.0 }
 }

@@ -1,4 +1,4 @@
-//! glTF 2.0 files: checked reading of documents, data, materials and primitives; writing of meshes.
+//! glTF 2.0 files: reads documents, buffers, materials and primitives with checks; writes meshes.
 
 pub mod buffers;
 pub mod document;
@@ -6,6 +6,6 @@ pub mod materials;
 pub mod nodes;
 pub mod primitives;
 mod textures;
-// No command writes meshes yet; tests do.
+// Without the feature `simplify`, only tests write meshes.
 #[cfg_attr(not(feature = "internals"), allow(dead_code))]
 pub mod write;

@@ -1,4 +1,4 @@
-//! The node hierarchy (glTF 2.0, section 3.5.3).
+//! Node hierarchy (glTF 2.0, section 3.5.3).
 
 use glam::{DMat4, DQuat, DVec3};
 use gltf::Document;
@@ -10,15 +10,15 @@ use crate::error::{Error, Result};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     pub translation: DVec3,
-    /// Length 1.
+    /// Unit quaternion.
     pub rotation: DQuat,
     pub scale: DVec3,
 }
 
-/// Transform to the parent, as in the file.
+/// Transform to the parent, as stored in the file.
 #[derive(Debug, Clone, Copy)]
 pub enum Local {
-    /// May shear.
+    /// May contain shear.
     Matrix(DMat4),
     /// May be animated.
     Pose(Pose),
@@ -34,7 +34,7 @@ impl Local {
         }
     }
 
-    /// Decomposition of a matrix loses its shear.
+    /// Returns the pose. The decomposition of a matrix loses its shear.
     pub fn pose(&self) -> Pose {
         match self {
             Local::Pose(pose) => *pose,
@@ -49,15 +49,16 @@ impl Local {
 #[derive(Debug)]
 pub struct Nodes {
     parents: Vec<Option<usize>>,
-    /// Parents first.
+    /// Node indices, parents first.
     order: Vec<usize>,
     pub locals: Vec<Local>,
-    /// Whether the node belongs to the scene that is shown.
+    /// True if the node belongs to the scene that is shown.
     pub shown: Vec<bool>,
 }
 
 impl Nodes {
-    /// Shows the default scene, else the first, else all. Fails where a node has two parents or is its own ancestor.
+    /// Reads the hierarchy. The shown scene is the default scene, or else the first; without scenes, all nodes are shown. Fails
+    /// if a node has two parents or is its own ancestor.
     pub fn read(document: &Document) -> Result<Nodes> {
         let count = document.nodes().len();
         let mut parents: Vec<Option<usize>> = vec![None; count];
@@ -97,7 +98,7 @@ impl Nodes {
         Ok(Nodes { parents, order, locals, shown })
     }
 
-    /// Transforms to the world, given those to the parents.
+    /// Returns the transforms to the world, given those to the parents.
     pub fn to_world(&self, locals: &[DMat4]) -> Vec<DMat4> {
         let mut world = locals.to_vec();
         for &node in &self.order {
@@ -108,7 +109,7 @@ impl Nodes {
         world
     }
 
-    /// A node and its ancestors.
+    /// Returns a node and its ancestors.
     pub fn with_ancestors(&self, node: usize) -> Vec<usize> {
         std::iter::successors(Some(node), |&node| self.parents.get(node).copied().flatten()).collect()
     }
@@ -121,7 +122,7 @@ impl Nodes {
     }
 }
 
-/// The nodes and all their descendants, parents first.
+/// Returns the nodes and all their descendants, parents first.
 fn below(roots: impl Iterator<Item = usize>, children: &[Vec<usize>]) -> Vec<usize> {
     let mut order: Vec<usize> = roots.collect();
     let mut at = 0;
@@ -149,7 +150,7 @@ fn local(transform: &Transform) -> Local {
     }
 }
 
-/// Normalised; the identity where it has no length.
+/// Returns the normalised quaternion, or the identity if its length is 0 or not finite.
 pub fn quaternion(xyzw: [f64; 4]) -> DQuat {
     let length = xyzw.iter().map(|part| part * part).sum::<f64>().sqrt();
     if length.is_finite() && length > 0.0 { DQuat::from_array(xyzw.map(|part| part / length)) } else { DQuat::IDENTITY }

@@ -14,24 +14,24 @@ pub struct Geometry {
     pub positions: Vec<Vec3>,
     pub normals: Vec<Vec3>,
     pub uvs: Vec<Vec2>,
-    /// With alpha, linear, 0..=1.
+    /// Linear RGBA, 0..=1.
     pub colors: Vec<Vec4>,
-    /// All corners exist.
+    /// Corner indices; all are in range.
     pub triangles: Vec<[u32; 3]>,
     pub material: u32,
     pub targets: Vec<Target>,
-    /// Joints, four in each set.
+    /// Sets of four joints per corner.
     pub influences: Vec<Influences>,
 }
 
-/// Displacements of a morph target; empty for none.
+/// Displacements of a morph target; empty if it has none.
 #[derive(Debug, Default)]
 pub struct Target {
     pub positions: Vec<Vec3>,
     pub normals: Vec<Vec3>,
 }
 
-/// Four joints that move each corner, by number in the skin, with their weights.
+/// Four joints that move each corner, as indices into the skin, with their weights.
 #[derive(Debug)]
 pub struct Influences {
     pub joints: Vec<[u32; 4]>,
@@ -42,11 +42,11 @@ pub struct Influences {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coordinates {
     pub set: u32,
-    /// From the file's coordinates to the image's.
+    /// Maps the file's coordinates to those of the image.
     pub transform: Affine2,
 }
 
-/// `None` for points and lines. Fails where accessors differ in length, or an index is out of range.
+/// Reads a primitive; `None` for points and lines. Fails if accessors differ in length, or an index is out of range.
 pub fn read(
     primitive: &gltf::Primitive,
     material: u32,
@@ -91,13 +91,13 @@ pub fn read(
     Ok(Some(Geometry { positions, normals, uvs, colors, triangles, material, targets, influences }))
 }
 
-/// An attribute of an application, one vector for each corner, by its name without the underscore; empty where there is none.
+/// Reads an application-specific attribute by its name without the underscore, one vector per corner; empty if there is none.
 pub fn application_vectors(primitive: &gltf::Primitive, name: &str, buffers: &mut Buffers) -> Result<Vec<Vec3>> {
     let count = primitive.get(&Semantic::Positions).map_or(0, |accessor| accessor.count());
     vectors(primitive.get(&Semantic::Extras(name.into())), count, name, buffers)
 }
 
-/// The first set of vertex colours; without alpha, they are opaque.
+/// Reads the first set of vertex colours. Colours without alpha are opaque.
 fn colors(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) -> Result<Vec<Vec4>> {
     let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(Vec::new()) };
     let read = match accessor.dimensions() {
@@ -111,7 +111,7 @@ fn colors(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) -> R
     Ok(read.into_iter().map(|color| sound(Vec4::from_array(color))).collect())
 }
 
-/// One vector for each corner; none without an accessor.
+/// Reads one vector per corner; empty without an accessor.
 fn vectors(accessor: Option<gltf::Accessor>, count: usize, what: &str, buffers: &mut Buffers) -> Result<Vec<Vec3>> {
     let Some(accessor) = accessor else { return Ok(Vec::new()) };
     let vectors = buffers.floats::<3>(accessor.index())?;
@@ -132,11 +132,11 @@ fn influences(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) 
     Ok(sets)
 }
 
-/// Corners, numbered in order, of each triangle.
+/// Returns the corners of each triangle, as positions in the list of indices.
 fn triangles(mode: Mode, corners: usize) -> Box<dyn Iterator<Item = [usize; 3]>> {
     let last = corners.saturating_sub(2);
     match mode {
-        // Every other triangle of a strip is flipped, so that all have the same front.
+        // Every other triangle of a strip is flipped, so that all face the same side.
         Mode::TriangleStrip => Box::new((0..last).map(|at| [at, at + 1 + at % 2, at + 2 - at % 2])),
         Mode::TriangleFan => Box::new((0..last).map(|at| [at + 1, at + 2, 0])),
         _ => Box::new((0..corners / 3).map(|at| [3 * at, 3 * at + 1, 3 * at + 2])),

@@ -1,4 +1,4 @@
-//! Textures of a glTF file (glTF 2.0, section 3.8), each decoded once.
+//! Textures of a glTF file (glTF 2.0, section 3.8). Each image is decoded once.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,13 +11,13 @@ use super::primitives::Coordinates;
 use crate::error::{Error, Result};
 use crate::mesh::texture::{ImageTexture, Wrap};
 
-/// `None` for images that cannot be read.
+/// Textures read so far, `None` for images that cannot be read.
 #[derive(Debug, Default)]
 pub struct Textures {
     images: BTreeMap<(usize, [Wrap; 2]), Option<Arc<ImageTexture>>>,
-    /// [`ImageTexture::means`] by image.
+    /// [`ImageTexture::means`] by image index.
     means: BTreeMap<usize, [DVec3; 2]>,
-    /// One for each image that cannot be read.
+    /// One note per image that cannot be read.
     pub notes: Vec<String>,
 }
 
@@ -35,7 +35,7 @@ impl Textures {
         }
         let other = self.images.range((image, [Wrap::Repeat; 2])..=(image, [Wrap::Clamp; 2])).next();
         let read = match other.map(|(_, known)| known.clone()) {
-            // Decoded before with another wrap mode, or known to be broken.
+            // Decoded before with another wrap mode, or known to be unreadable.
             Some(None) => None,
             Some(Some(known)) => {
                 let size = known.pixels.len() as u64;
@@ -48,7 +48,7 @@ impl Textures {
         read
     }
 
-    /// Mean light and mean codes of a texture; 1 without a texture, or where it cannot be read.
+    /// Returns the mean linear colour and the mean codes of a texture; 1 without a texture, or if it cannot be read.
     pub fn means(&mut self, info: Option<&Info>, buffers: &mut Buffers) -> [DVec3; 2] {
         let Some(texture) = info.map(Info::texture) else { return [DVec3::ONE; 2] };
         let Some(image) = self.get(&texture, buffers) else { return [DVec3::ONE; 2] };
@@ -76,12 +76,12 @@ fn read(texture: &Texture, wrap: [Wrap; 2], buffers: &mut Buffers) -> Result<Ima
     }
 }
 
-/// Texture coordinates and KHR_texture_transform: scale, then rotation, then translation.
+/// Returns the texture coordinates, with the KHR_texture_transform: scale, then rotation, then translation.
 pub fn coordinates(info: &Info) -> Coordinates {
     let Some(moved) = info.texture_transform() else {
         return Coordinates { set: info.tex_coord(), transform: Affine2::IDENTITY };
     };
-    // Counter-clockwise on screen, as v grows downwards.
+    // The rotation is counter-clockwise on screen, and v grows downwards.
     let transform = Affine2::from_scale_angle_translation(
         Vec2::from_array(moved.scale()),
         -moved.rotation(),

@@ -1,4 +1,4 @@
-//! Writes meshes as binary glTF (glTF 2.0, section 4.4): one node for each mesh, one primitive for each of its materials.
+//! Writes meshes as binary glTF (glTF 2.0, section 4.4): one node per mesh, one primitive per material of the mesh.
 //!
 //! Positions are rounded to f32. Images are embedded as PNG.
 
@@ -20,19 +20,20 @@ const UNSIGNED_INT: u32 = 5125;
 /// Targets of buffer views.
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
-/// Without mipmaps.
+/// Linear filter without mipmaps.
 const LINEAR: u32 = 9729;
 
-/// Data of the application.
+/// Application-specific data.
 #[derive(Debug, Default)]
 pub struct Additions<'a> {
-    /// Of the file.
+    /// Extras of the file.
     pub extras: Option<Value>,
     /// Attributes of the corners of the first mesh. Names begin with an underscore (glTF 2.0, section 3.7.2.1).
     pub attributes: &'a [(&'a str, &'a [Vec3])],
 }
 
-/// Writes the meshes, whose triangles have materials of the list, as a `.glb` file. Triangles of a material keep their order.
+/// Writes meshes as a `.glb` file. The materials of their triangles are indices into `materials`. Triangles of a material keep
+/// their order.
 pub fn glb(meshes: &[Mesh], materials: &[Material], additions: &Additions, out: &mut dyn Write) -> Result<()> {
     let mut document = Document::default();
     for material in materials {
@@ -59,14 +60,14 @@ pub fn glb(meshes: &[Mesh], materials: &[Material], additions: &Additions, out: 
     if let Some(extras) = &additions.extras {
         root["extras"] = extras.clone();
     }
-    // Lists of a glTF file have at least one element.
+    // glTF does not allow empty lists.
     for (name, list) in lists.into_iter().filter(|(_, list)| !list.is_empty()) {
         root[name] = list.into();
     }
     binary_file(root, &document.bytes, out)
 }
 
-/// Writes a document, and the bytes of its only buffer, as a `.glb` file.
+/// Writes a document and the bytes of its only buffer as a `.glb` file.
 pub fn binary_file(mut root: Value, buffer: &[u8], out: &mut dyn Write) -> Result<()> {
     if !buffer.is_empty() {
         root["buffers"] = json!([{ "byteLength": buffer.len() }]);
@@ -84,7 +85,7 @@ pub fn binary_file(mut root: Value, buffer: &[u8], out: &mut dyn Write) -> Resul
     Ok(())
 }
 
-/// Lists and the buffer of a file in the making.
+/// Lists and buffer of a file that is being built.
 #[derive(Default)]
 struct Document {
     bytes: Vec<u8>,
@@ -95,7 +96,7 @@ struct Document {
     textures: Vec<Value>,
     materials: Vec<Value>,
     extensions: BTreeSet<&'static str>,
-    /// Indices of textures, by the addresses of their images.
+    /// Texture indices by the addresses of their images.
     known: BTreeMap<*const ImageTexture, usize>,
 }
 
@@ -152,7 +153,7 @@ impl Document {
             }
             attributes[*name] = self.floats(&values.iter().map(Vec3::to_array).collect::<Vec<_>>()).into();
         }
-        // Index 65535 is not allowed in lists of 16 bits (glTF 2.0, section 3.7.2.1).
+        // Index 65535 is not allowed in 16-bit lists (glTF 2.0, section 3.7.2.1).
         let is_short = mesh.positions.len() <= usize::from(u16::MAX);
         let (component, component_bytes) = if is_short { (UNSIGNED_SHORT, 2) } else { (UNSIGNED_INT, 4) };
         let mut parts: BTreeMap<u32, Vec<u8>> = BTreeMap::new();
@@ -257,7 +258,7 @@ mod tests {
         Arc::new(ImageTexture { width: 2, height: 1, pixels: vec![[1, 2, 3, 4], [250, 128, 0, 255]], wrap })
     }
 
-    /// Squares side by side, of two materials, with values that f32 holds.
+    /// Adjacent squares of two materials, with values that f32 represents exactly.
     fn mesh() -> Mesh {
         let mut mesh = Mesh::default();
         let mut numbers = Numbers::new(3);
@@ -333,7 +334,7 @@ mod tests {
         let (found, materials) = read(&bytes);
         assert_eq!(found, mesh());
         assert_eq!(format!("{materials:?}"), format!("{:?}", palette()));
-        // An independent reader agrees.
+        // An independent reader must read the same mesh.
         let other = gltf::Gltf::from_slice(&bytes).unwrap();
         let blob = other.blob.as_deref().unwrap();
         let primitive = other.meshes().next().unwrap().primitives().next().unwrap();

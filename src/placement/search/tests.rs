@@ -92,7 +92,7 @@ fn diffuse_converges_before_specular() {
     for cameras in [2, 5, 10] {
         assert!(share(Lighting::Diffuse, cameras) > share(SPECULAR, cameras) + 0.05);
     }
-    // Faces on which boxes would stand are seen from below here; between the boxes little is hidden.
+    // The bottom faces of the boxes are visible in this scene; between the boxes little is hidden.
     assert!(share(Lighting::Diffuse, 10) > 0.9);
 }
 
@@ -109,7 +109,7 @@ fn going_on_places_what_one_search_places() {
         let rest = place(&start, 5);
         assert_eq!(rest.started, 4);
         assert_eq!(rest.cameras, whole.cameras);
-        // Without new cameras it only measures.
+        // Without new cameras, the given ones are only measured.
         assert_eq!(place(&start, 0).cameras, whole.cameras[..4]);
     }
 }
@@ -157,7 +157,7 @@ fn threads_do_not_matter() {
 
 #[test]
 fn what_moves_is_seen_in_all_its_places() {
-    // A wall hides either half of the time what a camera on one side would see.
+    // The wall hides the ball, half of the time each, from cameras on either side.
     let at = |x: f64| scene(&[ball(DVec3::X * x, 0.4), solid(DVec3::new(-0.1, -2.0, -2.0), DVec3::new(0.1, 2.0, 2.0))]);
     let region = Region::parse(&["-3,-1,-1,3,1,1"]).unwrap();
     let place = |times: Vec<SceneAtTime>| {
@@ -169,7 +169,7 @@ fn what_moves_is_seen_in_all_its_places() {
         found.cameras.iter().filter(|camera| camera.position.distance(DVec3::X * x) < 1.2).count()
     };
     assert!(near(&moving, -1.5) >= 2 && near(&moving, 1.5) >= 2, "{:?}", moving.cameras);
-    // A scene that does not move is the same whether it is looked at once or twice, but for the points.
+    // A still scene gives the same result with one or two time samples, except for the surface points.
     let (once, twice) = (place(vec![at(1.5)]), place(vec![at(1.5), at(1.5)]));
     let last = |found: &Placement| found.cameras.last().unwrap().figures;
     assert!((last(&once).coverage - last(&twice).coverage).abs() < 0.03);
@@ -213,7 +213,7 @@ fn frames_are_spread_over_the_range() {
     assert_eq!(sample_frames([0, u32::MAX], 2).len(), 2);
 }
 
-/// Equation 7 as `objective` reads it: the integral of equation 4 over time, computed here from its words alone.
+/// Equation 7 as `objective` reads it: the integral of equation 4 over time, computed independently from its definition.
 #[test]
 fn each_time_sample_counts_by_its_time_and_nothing_twice() {
     let at = |x: f64| scene(&[ball(DVec3::X * x, 0.5)]);
@@ -224,7 +224,7 @@ fn each_time_sample_counts_by_its_time_and_nothing_twice() {
     let time = |is_meant: fn(&super::super::objective::Surfel) -> bool| -> f64 {
         surfels.iter().filter(|surfel| is_meant(surfel)).map(|surfel| surfel.weight).sum()
     };
-    // The ball is as large at both times, and each is half of the time.
+    // The ball has the same size at both times, and each time counts half.
     assert!((time(|surfel| surfel.point.x < 0.0) - 0.5).abs() < 1e-12);
     assert!((time(|surfel| surfel.point.x > 0.0) - 0.5).abs() < 1e-12);
     let cameras = [DVec3::new(-3.0, 0.3, 3.5), DVec3::new(1.0, -0.4, 2.2)];
@@ -233,9 +233,9 @@ fn each_time_sample_counts_by_its_time_and_nothing_twice() {
     let suited = |camera: DVec3, at: usize| {
         let surfel = &surfels[at];
         let way = camera - surfel.point;
-        // A ball hides what is turned away, and nothing else stands here.
+        // A ball hides the points that face away from the camera; there is no other object.
         let is_seen = way.dot(surfel.normal) > 0.0;
-        // Z: straight up to the region above, or half a metre.
+        // Z: distance straight up to the region, at least half a metre.
         let viewer_m = (2.0 - surfel.point.z).max(0.5);
         if is_seen { (-0.7 * (way.length() - viewer_m).max(0.0)).exp() } else { 0.0 }
     };
@@ -265,6 +265,6 @@ fn spread_cameras_need_no_search_and_are_measured() {
     let found = search.place(Lighting::Diffuse, &cameras, stop, &Silent).unwrap();
     let best = search.place(Lighting::Diffuse, &[], Stop { cameras: Some(12), until: 0.0 }, &Silent).unwrap();
     let weighted = |found: &Placement| found.cameras.last().unwrap().figures.weighted;
-    // The search is there to be better than this.
+    // The search must give a better result than spread cameras.
     assert!(weighted(&found) > 0.3 && weighted(&found) < weighted(&best), "{} {}", weighted(&found), weighted(&best));
 }

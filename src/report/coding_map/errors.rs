@@ -1,4 +1,5 @@
-//! How far a decoded image is from its source (GDC figure 1c): the error of each pixel, and for colour the PSNR of each cell.
+//! Pictures of the difference between a decoded image and its source (GDC figure 1c): the error of each pixel and, for
+//! colour, the PSNR of each cell.
 
 use super::keyframes::{CellMark, draw_cells};
 use super::subject::{Subject, percent};
@@ -85,8 +86,8 @@ struct ErrorScale {
 }
 
 impl ErrorScale {
-    /// Up to the bound, where there is one that holds, else up to the largest error; where that is large, a few pixels
-    /// would leave nothing to be seen of all others on a scale that is even.
+    /// Returns a linear scale up to `bound` if no error exceeds it, else a scale up to the largest error. The latter is
+    /// logarithmic above 255: on a linear scale a few large errors would make all others invisible.
     fn of(largest: u32, bound: Option<u32>) -> ErrorScale {
         match bound.filter(|&bound| largest <= bound) {
             Some(bound) => ErrorScale { top: bound.max(1), logarithmic: false },
@@ -128,7 +129,7 @@ fn cells(subject: &Subject<'_>, scale: Scale, map: &ErrorMap) -> Result<Panel> {
     };
     let least = finite().chain(asked).fold(f64::INFINITY, f64::min).floor();
     let most = finite().chain(asked).fold(f64::NEG_INFINITY, f64::max).ceil().max(least + 1.0);
-    // What is worse is lighter, as in the picture beside it.
+    // Cells of lower PSNR are brighter, like pixels of larger error in the adjacent panel.
     let part = |db: f64| 1.0 - (db - least) / (most - least);
     let mark = |cell: &CellPsnr| {
         let (color, words) = match cell.psnr_db {
@@ -159,7 +160,7 @@ fn cells(subject: &Subject<'_>, scale: Scale, map: &ErrorMap) -> Result<Panel> {
     Ok(Panel { caption, image: draw_cells(subject.size(), scale, &marks)?, key, bar })
 }
 
-/// At most two decimals, none that are 0.
+/// Formats with at most two decimals and no trailing zeros.
 fn trimmed(value: f64) -> String {
     let text = format!("{value:.2}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()

@@ -1,4 +1,5 @@
-//! What a frame of depth or material writes: its image in grey, and over it the nodes, boxes or blocks (GDC figure 1b).
+//! Pictures of the coded data of one depth or material frame: its image in grey, overlaid with nodes, boxes or blocks
+//! (GDC figure 1b).
 
 use super::subject::{Subject, What, percent};
 use super::tints;
@@ -16,15 +17,15 @@ use crate::report::plot::palette::{self, Rgb};
 use crate::streams::{CodecHeader, ColorBlocks, DepthCoding, DepthHeader, convert};
 
 pub(super) struct Shades {
-    /// 0 to 1, or nothing where there is no surface.
+    /// Grey level of each pixel, 0 (light) to 1 (dark). `None` for pixels without a surface.
     pub pixels: Plane<Option<f32>>,
     pub bar: Option<Bar>,
     pub entry: Option<Entry>,
 }
 
 impl Shades {
-    /// Depth from its nearest to its farthest surface, material from its darkest to its brightest, colour as light as it is
-    /// (`codes` are those of sRGB).
+    /// Returns the grey levels of a picture: depth from nearest to farthest surface, material by the mean of its
+    /// weights from largest to smallest, alpha from opaque to transparent. Colour is drawn by `keyframes`.
     pub fn of(subject: &Subject<'_>, picture: &Picture) -> Shades {
         match (picture, &subject.stream.header) {
             (Picture::Depth(codes), CodecHeader::Depth(header)) => of_depth(codes, header.range),
@@ -47,7 +48,8 @@ impl Shades {
 
 const QUARTERS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Shades of pixels that are all one value, as words say, or that a bar explains by the values of its parts.
+/// Builds `Shades` with a colour bar labelled by `value`, or, if all pixels are equal, with a key entry that states
+/// their value.
 fn explained(
     pixels: Plane<Option<f32>>,
     one_value: Option<String>,
@@ -80,7 +82,7 @@ fn of_material(codes: &Plane<[u8; 3]>) -> Shades {
     let least = sums.data().iter().copied().min().unwrap_or(0);
     let most = sums.data().iter().copied().max().unwrap_or(0);
     let span = f32::from(most - least).max(1.0);
-    // Light is much, as near is light.
+    // Large weights are drawn light, as near surfaces are.
     let pixels = sums.map(|&sum| Some(f32::from(most - sum) / span));
     let mean = |part: f64| format!("{:.1}", (f64::from(least) + part * f64::from(most - least)) / 3.0);
     let one =
@@ -138,7 +140,7 @@ fn name(header: &CodecHeader, writing: Writing) -> String {
     }
 }
 
-/// What depth and alpha are coded in; none for boxes.
+/// Name of the coding unit of a depth or alpha stream. `None` for boxes.
 fn part_word(header: &CodecHeader) -> Option<&'static str> {
     let header = match header {
         CodecHeader::Depth(header) => header,
@@ -207,7 +209,7 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &CodingMap, picture: &Picture) -
         Some(part) => (What::Nodes, part),
         None => (What::Boxes, "box"),
     };
-    // A keyframe of boxes is a whole tile and no box.
+    // A keyframe in box coding covers a whole tile and contains no box.
     let whole = what == What::Boxes && map.keyframe_units == map.written_units;
     let parts = (!whole).then(|| counted(u64::from(map.parts), part));
     let mut facts = vec![subject.fact(scale), sentence(subject, map, parts.as_deref())];

@@ -1,4 +1,4 @@
-//! Cells of colour: what a frame shows of them, and how many keyframes or bytes each has over all frames.
+//! Pictures of colour cells: how one frame codes them, and the number of keyframes or bytes of each over all frames.
 
 use super::frames::{Shades, key, sentence, tinted};
 use super::subject::{Subject, What};
@@ -53,7 +53,7 @@ pub(super) fn draw_cells(size: [u32; 2], scale: Scale, cells: &[CellMark]) -> Re
     to_pixels(&drawing, 1)
 }
 
-/// Cells by keyframes; of the transform codec, which has none, by bytes.
+/// Draws the cells by number of keyframes, or by bytes for the transform codec, which has no keyframes.
 pub(super) fn sheet(
     subject: &Subject<'_>,
     map: &CodingMap,
@@ -86,12 +86,12 @@ pub(super) fn sheet(
     Ok((what, Sheet { title, facts, panels: vec![frame, cells.panel(subject, scale, survey)?] }))
 }
 
-/// What is counted of each cell.
+/// The quantity shown for each cell.
 struct Cells {
     word: &'static str,
     label: &'static str,
     count: fn(&CellCoding) -> u64,
-    /// Whether keyframes may be in blocks.
+    /// True if keyframes may be coded in blocks.
     has_blocks: bool,
 }
 
@@ -154,7 +154,7 @@ impl Cells {
     }
 }
 
-/// At most six whole numbers from `least` to `most`.
+/// Returns at most six integer ticks from `least` to `most`.
 fn ticks(least: u64, most: u64) -> Vec<(f64, String)> {
     let span = (most - least).max(1);
     let step = span.div_ceil(5).max(1);
@@ -163,7 +163,7 @@ fn ticks(least: u64, most: u64) -> Vec<(f64, String)> {
     values.map(|value| ((value - least) as f64 / span as f64, value.to_string())).collect()
 }
 
-/// How dark each pixel is on a display, 0 to 1.
+/// Returns the darkness of each pixel on a display, 0 (white) to 1 (black).
 fn light(subject: &Subject<'_>, picture: &Picture) -> Plane<Option<f32>> {
     let dark = |pixel: &[u8; 3]| Some(1.0 - palette::lightness(*pixel) as f32 / 255.0);
     let usual = || EncodeTable::new(&ToneMap::default());

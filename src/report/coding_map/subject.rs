@@ -1,4 +1,4 @@
-//! What pictures of a stream say of it.
+//! The stream that a picture shows, and the texts about it that all pictures share.
 
 use crate::decode::StreamInfo;
 use crate::image::StreamKind;
@@ -6,11 +6,11 @@ use crate::report::picture::raster::Scale;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum What {
-    /// Nodes of a quadtree.
+    /// Quadtree nodes.
     Nodes,
     /// Blocks of predictive coding or BC4w.
     Blocks,
-    /// Boxes around what changes.
+    /// Bounding boxes of changed pixels.
     Boxes,
     Keyframes,
     /// Bytes of each cell.
@@ -46,7 +46,7 @@ impl Subject<'_> {
         self.size().map(u64::from).iter().product()
     }
 
-    /// The line that all sheets have: file, codec, size.
+    /// Line shared by all sheets: file, frame range, codec, image size and drawing scale.
     pub fn fact(&self, scale: Scale) -> String {
         let ([width, height], frames) = (self.size(), self.stream.frames);
         format!(

@@ -1,4 +1,4 @@
-//! Tints of the ways in which pixels are coded.
+//! Tints of the coding modes of pixels.
 
 use crate::depth::nodes::Function;
 use crate::depth::predictive::modes::BlockCoding;

@@ -1,4 +1,4 @@
-//! Many pictures on one sheet, small, each with its name below.
+//! Contact sheet: many reduced pictures on one sheet, each with its name below.
 
 use super::raster::{self, Scale};
 use super::sheet::paste;
@@ -14,7 +14,7 @@ const MARGIN: u32 = 16;
 const GAP: u32 = 12;
 const EM: f64 = 13.0;
 const LINE: u32 = 20;
-/// What shows through pixels that are transparent, in squares of so many pixels.
+/// Colours of the chequerboard behind transparent pixels; `CHECK` is the side of a square in pixels.
 const CHECKS: [Rgb; 2] = [[205, 205, 205], [160, 160, 160]];
 const CHECK: u32 = 8;
 
@@ -24,7 +24,7 @@ pub struct ContactSheet {
 }
 
 impl ContactSheet {
-    /// Adds a picture, made small; where it is transparent a chequerboard shows through.
+    /// Adds a picture, reduced to the cell size. A chequerboard shows through its transparent pixels.
     pub fn add(&mut self, name: impl Into<String>, picture: &Plane<[u8; 4]>) {
         let size = [picture.width(), picture.height()];
         let scale = Scale { up: 1, down: size[0].max(size[1]).div_ceil(ROOM).max(1) };
@@ -42,7 +42,7 @@ impl ContactSheet {
         self.pictures.is_empty()
     }
 
-    /// The sheet as pixels, about as wide as high.
+    /// Draws the sheet, about as wide as high.
     pub fn draw(&self) -> Result<Plane<Rgb>> {
         let widest =
             |side: fn(&Plane<Rgb>) -> u32| self.pictures.iter().map(|(_, plane)| side(plane)).max().unwrap_or(1);
@@ -81,7 +81,7 @@ mod tests {
         for at in 0..5u8 {
             assert_eq!(count([50 * at, 1, 2]), 200 * 100);
         }
-        // Edges of letters may be of the same grey.
+        // Antialiased edges of letters may have the same grey.
         assert!((200 * 100..200 * 100 + 100).contains(&(count(CHECKS[0]) + count(CHECKS[1]))));
         assert_eq!(count([255, 0, 0]), 0);
         assert!(drawn.width().abs_diff(drawn.height()) < 300, "{}x{}", drawn.width(), drawn.height());

@@ -1,4 +1,4 @@
-//! A picture, what it should be, and where the two differ, side by side.
+//! Error pictures: a picture, its reference and their difference side by side.
 
 use super::raster::{self, HALF_SIDE, Scale};
 use super::sheet::{Bar, Panel, Sheet};
@@ -8,7 +8,7 @@ use crate::report::plot::palette::{Rgb, heat};
 
 const MAX_CODES: u8 = 64;
 
-/// Draws a picture and the truth in display codes, and the largest difference of each pixel.
+/// Draws a picture and its reference, both in display codes, and the largest component difference of each pixel.
 pub fn draw(title: &str, [shown, wanted]: [&Plane<Rgb>; 2], difference: &Plane<u8>) -> Result<Plane<Rgb>> {
     let size = [shown.width(), shown.height()];
     let scale = Scale::of(size, HALF_SIDE / 2);

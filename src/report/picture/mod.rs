@@ -1,4 +1,4 @@
-//! Pictures made of images: enlarged or reduced by whole factors, on sheets with words, keys and colour bars.
+//! Pictures composed of images, which are scaled by integer factors, with captions, keys and colour bars.
 
 pub mod contact_sheet;
 pub mod error_picture;

@@ -1,33 +1,33 @@
-//! Images as pictures show them: enlarged or reduced by whole factors, outlined, hatched.
+//! Drawing of images: scaling by integer factors, outlines and hatching.
 
 use crate::image::plane::Plane;
 use crate::inspect::Patch;
 use crate::report::plot::palette::{Rgb, contrast, hatched, outlined};
 
-/// The longest side of a drawn image in pixels, where there is one in a picture.
+/// Maximum side of a drawn image in pixels, if a picture has one image.
 pub const MAX_SIDE: u32 = 2048;
 pub const HALF_SIDE: u32 = 1024;
 const COMFORTABLE: u32 = 1024;
 const MAX_UP: u32 = 64;
 
-/// By which whole factor an image is enlarged or reduced; one of the two is 1.
+/// Integer factor by which an image is enlarged or reduced. One of the two fields is 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Scale {
-    /// Pixels drawn for each pixel, in each direction.
+    /// Drawn pixels per image pixel, in each direction.
     pub up: u32,
-    /// Pixels that become one, in each direction.
+    /// Image pixels per drawn pixel, in each direction.
     pub down: u32,
 }
 
 impl Scale {
-    /// The factor of an image of this width and height whose longest side may be drawn `max_side` pixels long.
+    /// Returns the scale of an image of `size` whose longest side is drawn with at most `max_side` pixels.
     pub fn of(size: [u32; 2], max_side: u32) -> Scale {
         let longest = size[0].max(size[1]).max(1);
         if longest > max_side {
             return Scale { up: 1, down: longest.div_ceil(max_side) };
         }
         let wanted = COMFORTABLE.div_ceil(longest).clamp(1, MAX_UP);
-        // Outlines of leaves take too much of an image that is not enlarged.
+        // Enlarges by at least 2: at factor 1 the outlines of leaves would cover too much of the image.
         Scale { up: wanted.max(2).min(max_side / longest).max(1), down: 1 }
     }
 
@@ -52,7 +52,7 @@ impl Scale {
     }
 }
 
-/// Draws an image of `size`; of pixels that become one the mean is shown.
+/// Draws an image of `size`. A reduced image shows the mean of the merged pixels.
 pub fn render(size: [u32; 2], scale: Scale, color: impl Fn(u32, u32) -> Rgb) -> Plane<Rgb> {
     let [width, height] = scale.drawn(size);
     let small = scale.down == 1;
@@ -86,7 +86,7 @@ fn mean(colors: impl Iterator<Item = Rgb>) -> Rgb {
     sums.map(|sum| ((sum + count / 2) / count.max(1)) as u8)
 }
 
-/// A value of the patch that each pixel of an image belongs to, or `none`.
+/// Returns for each pixel the value of the patch that contains it, or `none` outside all patches.
 pub fn filled<T: Copy>([width, height]: [u32; 2], patches: &[Patch], none: T, value: impl Fn(&Patch) -> T) -> Plane<T> {
     let mut values = Plane::filled(width, height, none);
     for patch in patches {
@@ -103,7 +103,7 @@ fn repaint(drawn: &mut Plane<Rgb>, [x, y]: [u32; 2], with: impl Fn(Rgb) -> Rgb) 
     *pixel = with(*pixel);
 }
 
-/// Draws lines of one pixel where parts meet, and a frame around the image; pixels of no part have 0.
+/// Draws lines of one pixel between adjacent parts, and a frame around the image. Pixels outside all parts have id 0.
 pub fn outline(drawn: &mut Plane<Rgb>, scale: Scale, parts: &Plane<u32>) {
     let part = |x: u32, y: u32| {
         let (x, y) = scale.source(x, y);
@@ -121,7 +121,7 @@ pub fn outline(drawn: &mut Plane<Rgb>, scale: Scale, parts: &Plane<u32>) {
     }
 }
 
-/// Draws dashed lines of one pixel where units meet.
+/// Draws dashed lines of one pixel between adjacent units.
 pub fn unit_borders(drawn: &mut Plane<Rgb>, scale: Scale, rects: impl Iterator<Item = [u32; 4]>) {
     let [width, height] = [drawn.width(), drawn.height()];
     let mut dot = |x: u32, y: u32| {

@@ -1,5 +1,5 @@
-//! A sheet: a title, facts, and beside each other images, each with a key and a colour bar below. What it says decides how
-//! large it is; nothing is clipped.
+//! Sheet: a title, lines of facts, and images side by side, each with a key and a colour bar below. The content
+//! determines the size; nothing is clipped.
 
 use super::raster::is_hatched;
 use crate::error::Result;
@@ -17,23 +17,24 @@ const MIN_COLUMN: u32 = 420;
 const TITLE_EM: f64 = 21.0;
 const CAPTION_EM: f64 = 16.0;
 const TEXT_EM: f64 = 14.5;
-/// Letters grow with sheets that are wider than this, up to [`MAX_ZOOM`], so that they are read where a sheet is seen as a whole.
+/// Sheet width in pixels from which text is enlarged, by at most [`MAX_ZOOM`], so that it stays legible when the whole
+/// sheet is shown.
 const USUAL_WIDTH: f64 = 1100.0;
 const MAX_ZOOM: f64 = 1.7;
-/// Height of a line in ems.
+/// Line height in ems.
 const LEADING: f64 = 1.45;
 const SWATCH: [f64; 2] = [26.0, 15.0];
 const BAR_HEIGHT: f64 = 16.0;
 const MAX_BAR: f64 = 640.0;
 
-/// What is on the ground of a swatch.
+/// Fill of a swatch in a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Swatch {
     Flat(Rgb),
     Hatched(Rgb),
-    /// A corner that is cut off.
+    /// Flat colour with a cut-off corner.
     Corner(Rgb),
-    /// A dashed line.
+    /// Dashed line.
     Dashed(Rgb),
 }
 
@@ -45,15 +46,15 @@ pub struct Entry {
 
 #[derive(Debug, Clone)]
 pub struct Bar {
-    /// The colour at each place, 0 to 1.
+    /// Colour at each position, 0 to 1.
     pub color: fn(f64) -> Rgb,
-    /// Places, 0 to 1, ascending, and their values.
+    /// Tick positions, 0 to 1 and ascending, with their labels.
     pub ticks: Vec<(f64, String)>,
     pub label: String,
     pub mark: Option<(f64, String)>,
 }
 
-/// A caption, an image, a key and a bar, from the top down.
+/// From the top: caption, image, key, colour bar.
 #[derive(Debug, Clone)]
 pub struct Panel {
     pub caption: String,
@@ -66,7 +67,7 @@ pub struct Panel {
 pub struct Sheet {
     pub title: String,
     pub facts: Vec<String>,
-    /// At least one, from left to right.
+    /// At least one panel, from left to right.
     pub panels: Vec<Panel>,
 }
 
@@ -127,7 +128,7 @@ pub fn paste(sheet: &mut Plane<Rgb>, plane: &Plane<Rgb>, [left, top]: [u32; 2]) 
     }
 }
 
-/// What is written on paper of a width.
+/// Returns the written lines as an image of the given width in pixels.
 fn written(width: u32, zoom: f64, write: impl FnOnce(&mut Lines)) -> Result<Plane<Rgb>> {
     let mut lines = Lines { drawing: Drawing::new(width, 1, ""), y: 0.0, zoom, em: TEXT_EM * zoom };
     write(&mut lines);
@@ -138,7 +139,7 @@ fn written(width: u32, zoom: f64, write: impl FnOnce(&mut Lines)) -> Result<Plan
 struct Lines {
     drawing: Drawing,
     y: f64,
-    /// Pixels for each that lengths and sizes are given in.
+    /// Factor from the unit of lengths and sizes to pixels.
     zoom: f64,
     /// Em of texts in pixels.
     em: f64,
@@ -210,7 +211,7 @@ impl Lines {
         self.space(4.0);
         let (zoom, em) = (self.zoom, self.em);
         let half = |text: &str| Text::new(text, em).width() / 2.0;
-        // Values at the ends are as much in the middle of their ticks as all others.
+        // Keeps the labels of the first and last tick centred, like all others.
         let [first, last] =
             [bar.ticks.first(), bar.ticks.last()].map(|tick| tick.map_or(0.0, |(_, text)| half(text)).ceil());
         let (left, right) = (first, (self.room() - last).min(first + MAX_BAR * zoom).floor());
@@ -235,7 +236,7 @@ impl Lines {
         let line = Stroke::solid(Ink::opaque(SOFT_INK), 1.0);
         self.drawing.frame([left, top], [right, bottom], line);
         let under = bottom + 6.0 * zoom + em;
-        // The last value is told, and of those before it what there is room for.
+        // The last label is always drawn; an earlier one only if it does not overlap another.
         let end = bar.ticks.last().map_or(f64::INFINITY, |(part, words)| x(*part) - half(words));
         let mut free_from = f64::NEG_INFINITY;
         for (at_tick, (part, words)) in bar.ticks.iter().enumerate() {
@@ -250,7 +251,7 @@ impl Lines {
     }
 }
 
-/// Lines of words no wider than `room` pixels; a word that is wider loses its middle.
+/// Breaks `words` into lines of at most `room` pixels. A longer word is shortened in its middle.
 fn wrap(words: &str, em: f64, weight: Weight, room: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in words.split_whitespace() {

@@ -1,4 +1,4 @@
-//! Axes: from values to places along a line, and the ticks that tell a reader which value is where.
+//! Axes: mapping from values to positions along a line, and ticks with labels.
 
 use super::number;
 
@@ -6,7 +6,8 @@ use super::number;
 enum Scale {
     Linear,
     Log,
-    /// By the logarithm of 1 + value / unit, so that 0 has a place. The axis turns from even to logarithmic about there.
+    /// Logarithm of 1 + value / unit, so that 0 has a position. The scale changes from linear to logarithmic around
+    /// `unit`.
     LogFromZero {
         unit: f64,
     },
@@ -34,21 +35,21 @@ impl Scale {
 pub struct Axis {
     pub label: String,
     pub ticks: Vec<(f64, String)>,
-    /// What infinite values are called; they have a place of their own beyond the last value.
+    /// Label of infinite values, which have their own position beyond the last value.
     pub infinite: Option<String>,
     scale: Scale,
     low: f64,
     high: f64,
 }
 
-/// Part of an axis that is left for infinite values where there are any.
+/// Share of the axis reserved for infinite values, if it shows any.
 const INFINITE_SHARE: f64 = 0.12;
 const TICKS: f64 = 5.0;
-/// Values that are at least this share of the largest may leave 0 outside of the axis.
+/// An axis starts at 0 unless all values are at least this share of the largest.
 const FAR_FROM_ZERO: f64 = 0.6;
 
 impl Axis {
-    /// Without ticks. The label says where distances are not even.
+    /// Returns an axis without ticks. The label notes a logarithmic scale.
     fn new(label: impl Into<String>, scale: Scale, low: f64, high: f64) -> Axis {
         let mut label = label.into();
         if !label.is_empty() && scale != Scale::Linear {
@@ -61,19 +62,19 @@ impl Axis {
         Axis { ticks: ticks.into_iter().collect(), ..self }
     }
 
-    /// An axis on which values lie evenly; from 0 on, unless all are far from it.
+    /// Returns a linear axis. It starts at 0 unless all values are far from it.
     pub fn linear(label: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Axis {
         let (low, high) = range(values);
         let from_zero = low >= 0.0 && low < FAR_FROM_ZERO * high;
         Axis::over(label, if from_zero { 0.0 } else { low }, high)
     }
 
-    /// An axis on which values lie evenly, for values such as decibels, whose 0 means nothing.
+    /// Returns a linear axis that need not include 0, for values such as decibels whose 0 has no meaning.
     pub fn without_zero(label: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Axis {
         let finite: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
         let (low, high) = range(finite.iter().copied());
         let axis = Axis::over(label, low, high);
-        // Where all is lossless, there is no decibel to be read off.
+        // If all values are infinite (lossless), no tick applies.
         if finite.is_empty() { axis.with_ticks([]) } else { axis }
     }
 
@@ -88,12 +89,12 @@ impl Axis {
         Axis::new(label, Scale::Linear, low, high).with_ticks(ticks(low, step, count))
     }
 
-    /// An axis on which values lie by their logarithms, as its label says. Values that are not positive lie at its beginning.
+    /// Returns a logarithmic axis, noted in its label. Values that are not positive map to its start.
     pub fn logarithmic(label: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Axis {
         let (low, high) = range(values.into_iter().filter(|&value| value > 0.0));
         let (low, high) = if low > 0.0 { (low, high) } else { (1.0, 1.0) };
         let decades = (high / low).log10();
-        // Values keep off the border.
+        // Leaves a margin so that no value lies on the border.
         let room = 10f64.powf((decades * 0.06).max(0.04));
         let (low, high) = (low / room, high * room);
         let axis = Axis::new(label, Scale::Log, low, high);
@@ -116,8 +117,8 @@ impl Axis {
         )
     }
 
-    /// An axis with a tick at each value that a knob was given: by logarithms where they span more than a factor of
-    /// four, as its label says then, evenly otherwise.
+    /// Returns an axis with a tick at each value of a knob. It is logarithmic, noted in its label, if the values span
+    /// more than a factor of four, else linear.
     pub fn of_settings(label: impl Into<String>, values: &[f64]) -> Axis {
         let (low, high) = range(values.iter().copied());
         let least = range(values.iter().copied().filter(|&value| value > 0.0)).0;
@@ -137,7 +138,7 @@ impl Axis {
         axis.widened().with_ticks(words.iter().enumerate().map(|(at, word)| (at as f64, word.clone())))
     }
 
-    /// An axis between two values, with a tick at every `step` from the first on.
+    /// Returns an axis from `low` to `high` with a tick every `step`, starting at `low`.
     pub fn between(label: impl Into<String>, low: f64, high: f64, step: f64) -> Axis {
         let count = ((high - low) / step + 1e-9) as usize;
         Axis::new(label, Scale::Linear, low, high).with_ticks(ticks(low, step, count))
@@ -147,8 +148,8 @@ impl Axis {
         Axis { infinite: Some(name.into()), ..self }
     }
 
-    /// Where a value lies, from 0 to 1; what lies outside is brought to the nearer end. None for what is not a number,
-    /// and for infinite values where they have no place.
+    /// Returns the position of a value, 0 to 1. Values outside the axis are clamped to its ends. `None` for NaN, and
+    /// for infinite values if the axis has no position for them.
     pub fn place(&self, value: f64) -> Option<f64> {
         if value.is_nan() || (value.is_infinite() && (self.infinite.is_none() || value < 0.0)) {
             return None;
@@ -161,7 +162,7 @@ impl Axis {
         Some(((self.scale.of(value) - low) / (high - low)).clamp(0.0, 1.0) * finite_share)
     }
 
-    /// Whether a value lies between the ends of the axis, so that its place is not that of another one.
+    /// True if a value lies within the axis, so that its position is not clamped.
     pub fn holds(&self, value: f64) -> bool {
         let room = 1e-9 * (self.high - self.low);
         (self.low - room..=self.high + room).contains(&value)
@@ -184,7 +185,7 @@ fn range(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     bounds.unwrap_or((0.0, 0.0))
 }
 
-/// 1, 2 or 5 times a power of ten, of which a span has about [`TICKS`].
+/// Returns a step of 1, 2 or 5 times a power of ten that divides `span` into about [`TICKS`] intervals.
 fn nice_step(span: f64) -> f64 {
     let rough = (span / TICKS).max(f64::MIN_POSITIVE * 1e10);
     let power = 10f64.powf(rough.log10().floor());

@@ -1,4 +1,4 @@
-//! Charts with two axes: lines with markers, points, curves and bars, with a legend beside the data.
+//! Charts with two axes: lines with markers, points, curves and bars, with a legend beside the plot area.
 
 use super::axis::Axis;
 use super::drawing::{Anchor, Drawing, Ink, Spot, Stroke};
@@ -14,11 +14,11 @@ const CAP: f64 = 4.0;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Line,
-    /// A thin line through markers, where the markers are what counts.
+    /// Thin line through markers, for series in which the markers are the data.
     Thread,
     Points,
     Curve,
-    /// Bars from the beginning of the vertical axis, as wide as the distance to the next one.
+    /// Bars from the start of the vertical axis, each as wide as the distance to the next.
     Bars,
 }
 
@@ -26,15 +26,15 @@ pub enum Kind {
 pub struct Mark {
     pub x: f64,
     pub y: f64,
-    /// Least and largest y, for a bar of its spread.
+    /// Smallest and largest y, drawn as an error bar.
     pub spread: Option<(f64, f64)>,
-    /// Written beside it, short.
+    /// Short label beside the mark.
     pub name: Option<String>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// What the legend calls it; it has no entry there if this is empty.
+    /// Name in the legend. A series with an empty name has no legend entry.
     pub name: String,
     pub kind: Kind,
     pub look: Look,
@@ -52,13 +52,13 @@ pub struct Chart {
     pub title: String,
     pub x: Axis,
     pub y: Axis,
-    /// What the names in the legend are, such as the knob whose values they are; may be empty.
+    /// Title of the legend, such as the knob whose values are the series' names. May be empty.
     pub legend: String,
     pub series: Vec<Series>,
     pub rules: Vec<Rule>,
-    /// A line through these, without markers and under those of the series, such as a Pareto front.
+    /// Points of a line without markers, such as a Pareto front. It is drawn below the series.
     pub front: Vec<Spot>,
-    /// Short names of points and what they stand for, under the legend.
+    /// Short names of points with explanations, listed below the legend.
     pub key: Vec<(String, String)>,
     pub key_title: String,
 }
@@ -70,7 +70,7 @@ impl Chart {
         Chart { title: title.into(), x, y, legend, series, rules, front, key, key_title }
     }
 
-    /// Draws it in a size in pixels; it becomes higher where its legend needs the room.
+    /// Draws the chart at the given size in pixels. The height grows if the legend needs it.
     pub fn draw(&self, width: u32, height: u32) -> Drawing {
         let legend = self.legend_of(f64::from(width) * 0.42);
         let height = height.max((legend.height() + 2.0 * MARGIN + TITLE_EM * 2.0).ceil() as u32);
@@ -110,7 +110,7 @@ impl Chart {
         Legend { title, entries, key_title, key: self.key.clone(), room }
     }
 
-    /// How high tick labels of the axis across stand, where they do not fit side by side; 0 where they do.
+    /// Height in pixels of the x tick labels if they have to stand upright. 0 if they fit side by side.
     fn upright_room(&self, width: f64) -> f64 {
         let labels = || self.x.ticks.iter().map(|(_, label)| label);
         let is_word = |label: &String| label.chars().any(char::is_alphabetic);
@@ -147,8 +147,8 @@ impl Chart {
         }
     }
 
-    /// The front's line. Between two values that are not both finite there is nothing that it could show; it only tells
-    /// where the front goes on, and is dotted.
+    /// Draws the line of the front. A segment with an infinite end is dotted: it has no values in between and only
+    /// shows where the front continues.
     fn draw_front(&self, drawing: &mut Drawing, plot: &Plot<'_>) {
         for leg in self.front.windows(2) {
             let ends = [leg[0], leg[1]];
@@ -199,7 +199,7 @@ impl Plot<'_> {
             Kind::Points | Kind::Bars => None,
         };
         if let Some(width) = width {
-            // A line ends where a point is missing, and markers at what is infinite are not joined with others.
+            // A line is interrupted at missing points; infinite and finite values are not joined.
             let joined = |a: &Mark, b: &Mark| {
                 let alike = series.kind == Kind::Curve || a.y.is_finite() == b.y.is_finite();
                 alike && self.spot(a.x, a.y).is_some() && self.spot(b.x, b.y).is_some()
@@ -214,7 +214,7 @@ impl Plot<'_> {
             let (Some(lower), Some(upper)) = (self.spot(mark.x, low), self.spot(mark.x, high)) else { continue };
             let stroke = Stroke::solid(series.look.ink, 1.2);
             drawing.line(&[lower, upper], stroke);
-            // A bar that is cut at the border has no end there.
+            // An error bar that is clipped at the border gets no cap.
             for (value, [x, end]) in [(low, lower), (high, upper)] {
                 if self.y.holds(value) {
                     drawing.line(&[[x - CAP, end], [x + CAP, end]], stroke);

@@ -1,4 +1,4 @@
-//! A drawing before it is drawn: shapes with places in pixels, x to the right, y down, (0, 0) the upper left corner.
+//! Drawings as lists of shapes. Coordinates are in pixels, x to the right, y down, origin in the upper left corner.
 
 use super::font::{self, Weight};
 
@@ -7,7 +7,7 @@ pub type Spot = [f64; 2];
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ink {
     pub rgb: [u8; 3],
-    /// From 0, unseen, to 1, opaque.
+    /// 0 (transparent) to 1 (opaque).
     pub alpha: f64,
 }
 
@@ -28,7 +28,7 @@ impl Ink {
 pub struct Stroke {
     pub ink: Ink,
     pub width: f64,
-    /// Pixels drawn and left out in turn; none for a line without gaps.
+    /// Lengths of dashes and gaps in pixels. `None` for a solid line.
     pub dash: Option<[f64; 2]>,
 }
 
@@ -57,12 +57,12 @@ pub enum Direction {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Text {
-    /// What it says. Control characters become spaces.
+    /// Text to draw. Control characters are replaced by spaces.
     pub text: String,
     pub em: f64,
     pub weight: Weight,
     pub ink: Ink,
-    /// Which part of the baseline is at the place that it is given.
+    /// Part of the baseline that lies at the given position.
     pub anchor: Anchor,
     pub direction: Direction,
 }
@@ -107,12 +107,12 @@ pub enum Shape {
     Text { at: Spot, text: Text },
 }
 
-/// Shapes on white ground; later ones hide earlier ones.
+/// Shapes on a white background, in painting order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
     pub width: u32,
     pub height: u32,
-    /// What it shows in one line; the title of an SVG file.
+    /// One-line description; the title of an SVG file.
     pub title: String,
     pub shapes: Vec<Shape>,
 }
@@ -122,7 +122,7 @@ impl Drawing {
         Drawing { width, height, title: title.into(), shapes: Vec::new() }
     }
 
-    /// Draws a line through places, unless there are fewer than two.
+    /// Draws a line through points. Draws nothing for fewer than two points.
     pub fn line(&mut self, through: &[Spot], stroke: Stroke) {
         let through: Vec<Spot> = through.iter().copied().filter(is_place).collect();
         if through.len() < 2 {
@@ -145,7 +145,7 @@ impl Drawing {
         }
     }
 
-    /// Draws the border of the rectangle between two opposite corners; the line is half inside.
+    /// Draws the outline of the rectangle between two opposite corners. The stroke is centred on the edge.
     pub fn frame(&mut self, [left, top]: Spot, [right, bottom]: Spot, stroke: Stroke) {
         self.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], stroke);
     }
@@ -162,19 +162,19 @@ impl Drawing {
         }
     }
 
-    /// Writes a text; `at` is the part of its baseline that its anchor names.
+    /// Draws a text. `at` is the point of its baseline given by the anchor.
     pub fn text(&mut self, at: Spot, text: Text) {
         if is_place(&at) && !text.text.trim().is_empty() {
             self.shapes.push(Shape::Text { at, text });
         }
     }
 
-    /// Writes a text that runs across, the middle of its capitals at the height of `at`.
+    /// Draws a horizontal text whose capitals are vertically centred on `at`.
     pub fn text_beside(&mut self, [x, y]: Spot, text: Text) {
         self.text([x, y + text.em * font::CAP_PER_EM / 2.0], text);
     }
 
-    /// Places another drawing into this one, its upper left corner at `at`.
+    /// Copies another drawing into this one, its upper left corner at `at`.
     pub fn place(&mut self, [dx, dy]: Spot, other: Drawing) {
         let moved = |[x, y]: Spot| [x + dx, y + dy];
         self.shapes.extend(other.shapes.into_iter().map(|shape| match shape {
@@ -191,7 +191,7 @@ impl Drawing {
     }
 }
 
-/// What is not a number or is infinite has no place, and is not drawn.
+/// True if both coordinates are finite. Shapes with other coordinates are not drawn.
 fn is_place(spot: &Spot) -> bool {
     spot.iter().all(|value| value.is_finite())
 }
@@ -199,7 +199,7 @@ fn is_place(spot: &Spot) -> bool {
 fn dashes(through: &[Spot], [drawn, left_out]: [f64; 2]) -> Vec<Vec<Spot>> {
     let period = drawn + left_out;
     let mut pieces: Vec<Vec<Spot>> = Vec::new();
-    // How far into the period the walk is.
+    // Position within the current dash period.
     let mut phase = 0.0;
     for pair in through.windows(2) {
         let ([x0, y0], [x1, y1]) = (pair[0], pair[1]);

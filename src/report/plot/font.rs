@@ -1,6 +1,6 @@
-//! The font of all charts: DejaVu Sans, which the program carries, so that a chart needs no font of the system.
+//! Font of all charts: DejaVu Sans, embedded in the program, so charts do not depend on system fonts.
 //!
-//! Sizes are those of CSS: pixels of an em.
+//! Sizes are CSS font sizes: the em in pixels.
 
 use std::sync::OnceLock;
 
@@ -8,7 +8,7 @@ use ab_glyph::{Font, FontRef, Glyph, PxScale, point};
 
 use crate::error::{Error, Result};
 
-/// Families that the viewer of an SVG file looks for, in this order; Verdana has almost the same widths.
+/// Font families for viewers of SVG files, in order of preference. Verdana has almost the same widths as DejaVu Sans.
 pub const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 pub const CAP_PER_EM: f64 = 0.729;
 
@@ -28,8 +28,8 @@ fn font(weight: Weight) -> Option<&'static FontRef<'static>> {
     }
 }
 
-/// Letters of a text with the place on the baseline where each begins, and its end, in units of the font; the scale
-/// that makes units pixels goes with them.
+/// Lays out a text: returns each glyph with its start on the baseline, and the end of the text, both in font units, and
+/// the factor from font units to pixels.
 fn set(font: &FontRef<'_>, text: &str, em: f64) -> (Vec<(ab_glyph::GlyphId, f32)>, f32, f64) {
     let mut at = 0.0;
     let mut last = None;
@@ -43,7 +43,7 @@ fn set(font: &FontRef<'_>, text: &str, em: f64) -> (Vec<(ab_glyph::GlyphId, f32)
     (letters, at, em / f64::from(font.units_per_em().unwrap_or(2048.0)))
 }
 
-/// Width in pixels of a text of one line whose ems have `em` pixels; 0 where the font cannot be read.
+/// Returns the width of a one-line text in pixels at `em` pixels per em. 0 if the font cannot be parsed.
 pub fn width(text: &str, em: f64, weight: Weight) -> f64 {
     font(weight).map_or(0.0, |font| {
         let (_, end, pixels) = set(font, text, em);
@@ -51,8 +51,8 @@ pub fn width(text: &str, em: f64, weight: Weight) -> f64 {
     })
 }
 
-/// Calls `cover` with each pixel, x to the right and y down from the beginning of the baseline, that a text of one line
-/// touches, and how much of it: 0 to 1.
+/// Calls `cover` for each pixel that a one-line text touches, with the coverage of the pixel, 0 to 1. Pixel coordinates
+/// are relative to the start of the baseline, x to the right, y down.
 pub fn rasterise(
     text: &str,
     em: f64,
@@ -76,7 +76,7 @@ pub fn rasterise(
     outcome
 }
 
-/// The text, or where it is wider than `room` pixels, its beginning and end around an ellipsis.
+/// Returns the text, with its middle replaced by an ellipsis if it is wider than `room` pixels.
 pub fn fit(text: &str, em: f64, weight: Weight, room: f64) -> String {
     if width(text, em, weight) <= room {
         return text.to_owned();

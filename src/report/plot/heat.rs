@@ -1,4 +1,4 @@
-//! Heat maps: a grid of cells with their values in print, the best one marked, and a colour bar.
+//! Heat maps: a grid of cells with printed values, the best cell marked, and a colour bar.
 
 use super::axis::Axis;
 use super::drawing::{Anchor, Drawing, Stroke, Text};
@@ -9,24 +9,24 @@ use super::{number, palette};
 const SMALLEST_CELL: [f64; 2] = [30.0, 22.0];
 const SMALLEST_EM: f64 = 7.0;
 const BAR: f64 = 14.0;
-/// Colours follow logarithms where the largest value is more than this many times the least.
+/// Colours are logarithmic if the largest value exceeds the smallest by more than this factor.
 const LOG_FROM: f64 = 12.0;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// What the colour shows, in the unit of the bar.
+    /// Value that determines the colour, in the unit of the bar.
     pub value: f64,
     pub text: String,
 }
 
-/// A heat map. Less is darker.
+/// A heat map. Smaller values are darker.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatMap {
     pub title: String,
     pub columns: (String, Vec<String>),
-    /// What rows are, and the name of each, the lowest first.
+    /// Title of the rows and the name of each, from the lowest up.
     pub rows: (String, Vec<String>),
-    /// Cells of the lowest row from left to right, then those of the next. None where there is no value.
+    /// Cells row by row from the lowest row up, each row from left to right. `None` for cells without a value.
     pub cells: Vec<Option<Cell>>,
     pub best: Option<usize>,
     pub unit: String,
@@ -45,7 +45,7 @@ impl Shades {
         Shades { low, high, log: low > 0.0 && high > LOG_FROM * low }
     }
 
-    /// From 0 for the least to 1 for the largest; in the middle where all are equal.
+    /// Position of a value on the colour scale, 0 for the smallest to 1 for the largest. 0.5 if all are equal.
     fn share(&self, value: f64) -> f64 {
         if value.is_infinite() {
             return 1.0;
@@ -65,7 +65,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// Left, top, width and height of a cell by its place in the list.
+    /// Returns left, top, width and height of the cell at index `at`.
     fn cell(&self, at: usize) -> [f64; 4] {
         let ([width, height], column, row) = (self.cell, at % self.columns, at / self.columns);
         [self.left + column as f64 * width, self.bottom - (row + 1) as f64 * height, width, height]
@@ -73,7 +73,7 @@ impl Grid {
 }
 
 impl HeatMap {
-    /// Draws it in a size in pixels; it becomes larger where its cells need the room.
+    /// Draws the map at the given size in pixels. It grows if the cells need more space.
     pub fn draw(&self, width: u32, height: u32) -> Drawing {
         let (columns, rows) = (self.columns.1.len().max(1), self.rows.1.len().max(1));
         let shades = Shades::of(&self.cells);
@@ -98,7 +98,7 @@ impl HeatMap {
             draw_cell(&mut drawing, grid.cell(at), self.cells.get(at).and_then(Option::as_ref), &shades);
         }
         if let Some(best) = self.best {
-            // A frame that is seen on dark and on bright cells.
+            // A white and a coloured frame, visible on dark and on bright cells.
             let [x, y, width, height] = grid.cell(best);
             for (ink, line_width) in [(super::Ink::WHITE, 5.0), (palette::MARK, 2.5)] {
                 let stroke = Stroke::solid(ink, line_width);
@@ -151,7 +151,7 @@ impl HeatMap {
         let at = |share: f64| bottom - (bottom - top) * share;
         for step in 0..steps {
             let (from, to) = (step as f64 / steps as f64, (step + 1) as f64 / steps as f64);
-            // Each strip reaches a little under the next, so that no white shows between them.
+            // Strips overlap by half a pixel, so that no white line shows between them.
             let upper = (at(to) - 0.5).max(top);
             drawing.rectangle([left, at(from)], [right, upper], palette::viridis((from + to) / 2.0));
         }
@@ -167,7 +167,7 @@ impl HeatMap {
     }
 }
 
-/// A cell from its left, top, width and height; hatched where it has no value.
+/// Draws a cell at left, top, width and height. A cell without a value is grey and labelled `none`.
 fn draw_cell(drawing: &mut Drawing, [x, y, width, height]: [f64; 4], cell: Option<&Cell>, shades: &Shades) {
     let (from, to) = ([x + 0.5, y + 0.5], [x + width - 0.5, y + height - 0.5]);
     let centre = [x + width / 2.0, y + height / 2.0];

@@ -1,4 +1,4 @@
-//! Short names beside points, where they hide neither points nor each other.
+//! Placement of short labels beside points so that they hide neither points nor each other.
 
 use super::drawing::{Anchor, Drawing, Spot, Stroke, Text};
 use super::font;
@@ -25,8 +25,8 @@ impl Labels {
         self.points.push([x, y]);
     }
 
-    /// Writes a name near a point: as near as nothing else is hidden and no other point is nearer to it, with a thin line where that is far, and on the
-    /// near right where there is no such place.
+    /// Draws a label near a point. It takes the nearest free position that is closer to this point than to any other,
+    /// else the nearest free position, else the position right of the point. Distant labels get a leader line.
     pub fn write(&mut self, drawing: &mut Drawing, spot: Spot, name: &str) {
         let text = Text::new(name, EM).bold().ink(palette::TEXT).anchor(Anchor::Middle);
         let (half_width, half_height) = (text.width() / 2.0 + 1.5, EM * font::CAP_PER_EM / 2.0 + 2.0);
@@ -60,8 +60,8 @@ impl Labels {
     }
 }
 
-/// Directions in which a place is looked for, the preferred ones first: x to the right, y down. A front rises to the
-/// right, so it is on neither of the first two.
+/// Directions to search for a position, in order of preference: x to the right, y down. A front rises to the right, so
+/// the first two directions avoid it.
 const DIRECTIONS: [Spot; 8] =
     [[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0], [-1.0, 0.0]];
 
@@ -85,7 +85,7 @@ mod tests {
         }
         for shape in &drawing.shapes {
             let Shape::Text { at, text } = shape else { continue };
-            // The middle of the capitals.
+            // Centre of the capitals.
             let (x, y) = (at[0], at[1] - EM * font::CAP_PER_EM / 2.0);
             let to = |spot: Spot| (spot[0] - x).hypot(spot[1] - y);
             assert_eq!(text.text == "0", to(spots[0]) < to(spots[1]), "{text:?} at {at:?}");

@@ -1,4 +1,4 @@
-//! The legend beside a chart: what each series is, and what the short names of points stand for.
+//! Legend beside a chart: names of the series and explanations of point labels.
 
 use super::drawing::{Drawing, Ink, Spot, Stroke, Text};
 use super::font::{self, Weight};
@@ -7,7 +7,7 @@ use super::palette;
 use super::style::{MARKER, TICK_EM, tick};
 
 const LINE: f64 = 17.0;
-/// Width of swatches with the gap behind them, in pixels.
+/// Width in pixels of a swatch and the gap after it.
 const SWATCH: f64 = 30.0;
 const MAX_ENTRIES: usize = 28;
 
@@ -35,7 +35,7 @@ pub struct Legend {
 }
 
 impl Legend {
-    /// Names of the key, the widest of which the texts beside them keep off.
+    /// Returns the indent of the key's texts: the width of the widest name and a gap.
     fn key_indent(&self) -> f64 {
         let widths = self.key.iter().map(|(name, _)| font::width(name, TICK_EM, Weight::Bold));
         widths.fold(0.0, f64::max) + 8.0
@@ -56,7 +56,7 @@ impl Legend {
         LINE * (lines(self.entries.len(), &self.title) + lines(self.key.len(), &self.key_title)) as f64 + gap
     }
 
-    /// Draws it, its upper left corner at `at`.
+    /// Draws the legend with its upper left corner at `at`.
     pub fn draw(&self, drawing: &mut Drawing, at: Spot) {
         let mut pen = Pen { drawing, at, room: self.width() };
         if !self.entries.is_empty() {
@@ -93,7 +93,7 @@ impl Pen<'_> {
         self.at[1] + LINE / 2.0
     }
 
-    /// Writes into the line without ending it.
+    /// Draws text in the current line without advancing to the next.
     fn write(&mut self, indent: f64, text: Text) {
         self.drawing.text_beside([self.at[0] + indent, self.middle()], text);
     }

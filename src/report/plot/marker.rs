@@ -1,4 +1,4 @@
-//! Markers: a shape and a colour for each series, so that series can be told apart without colours, too.
+//! Markers: a shape and a colour for each series, so that series can be told apart without colours.
 
 use super::drawing::{Drawing, Ink, Spot, Stroke};
 use super::palette;
@@ -13,14 +13,15 @@ pub struct Look {
 }
 
 impl Look {
-    /// The look of the series of a number, unlike those of the 60 before it.
+    /// Returns the look of a series by its index. It differs from the looks of the previous 60 series.
     pub fn of(number: usize) -> Look {
         let round = number / SHAPES;
         let dash = [None, Some([7.0, 3.0]), Some([2.0, 2.5])][round % 3];
         Look { ink: palette::series(number), shape: (number + round) % SHAPES, dash }
     }
 
-    /// The look with a line of dashes, under which another line is seen: pixels drawn and left out in turn.
+    /// Returns the same look with a dashed line, which leaves lines below it visible. `dash`: lengths of dashes and
+    /// gaps in pixels.
     pub fn dashed(self, dash: [f64; 2]) -> Look {
         Look { dash: Some(dash), ..self }
     }
@@ -29,7 +30,7 @@ impl Look {
         Stroke { ink: self.ink, width, dash: self.dash }
     }
 
-    /// Draws the marker of a radius in pixels, on a thin white border.
+    /// Draws a marker of the given radius in pixels, with a thin white border.
     pub fn mark(&self, drawing: &mut Drawing, at: Spot, radius: f64) {
         self.filled(drawing, at, radius + 1.0, Ink::WHITE);
         self.filled(drawing, at, radius, self.ink);

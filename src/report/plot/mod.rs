@@ -1,7 +1,7 @@
 //! Charts as SVG and PNG.
 //!
-//! A chart is a [`Drawing`]: a list of shapes, whose places are known before there is a file. [`save()`] draws it on
-//! both backends of `plotters`, so that both files show the same, and have the same bytes on every run.
+//! A chart is a [`Drawing`]: a list of shapes with fixed coordinates. [`save()`] renders it with both backends of
+//! `plotters`, so that both files show the same chart. The bytes of both files are the same on every run.
 
 pub mod axis;
 pub mod chart;

@@ -1,4 +1,4 @@
-//! Numbers as charts show them: three digits that count, and prefixes in place of zeros.
+//! Number formats of charts: three significant digits and unit prefixes.
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
@@ -14,10 +14,10 @@ const BYTES: [Unit; 5] = [
     Unit { name: "TB", size: 1e12 },
 ];
 
-/// The unit in which the largest of some bytes has one to three digits before the point.
+/// Returns the unit in which `largest`, a number of bytes, has one to three digits before the decimal point.
 pub fn bytes_unit(largest: f64) -> Unit {
     let fitting = BYTES.iter().rev().find(|unit| largest.is_finite() && largest >= unit.size);
-    // Nothing at all is counted in kB, as little is.
+    // The unit of 0 bytes is kB.
     *fitting.unwrap_or(&BYTES[if largest > 0.0 { 0 } else { 1 }])
 }
 
@@ -26,14 +26,14 @@ pub fn bytes(count: f64) -> String {
     format!("{} {}", short(count / unit.size), unit.name)
 }
 
-/// With three digits that count, or all that stand before the point.
+/// Formats with three significant digits, or more if they precede the decimal point.
 fn with_three_digits(value: f64) -> String {
     let digits = [(99.95, 0), (9.995, 1), (0.9995, 2)].into_iter().find(|(least, _)| value.abs() >= *least);
     format!("{value:.*}", digits.map_or(3, |(_, digits)| digits))
 }
 
-/// A number with three digits that count, or more where they stand before the point; `k` from 10,000 and `M` from 10
-/// million on.
+/// Formats with three significant digits, or more if they precede the decimal point; with the suffix `k` from 10,000
+/// and `M` from 10 million.
 pub fn short(value: f64) -> String {
     match value.abs() {
         size if size.is_nan() => "–".to_owned(),
@@ -45,12 +45,13 @@ pub fn short(value: f64) -> String {
     }
 }
 
-/// The same with zeros at its end kept, so that numbers of a size have as many digits.
+/// Like [`short`], but keeps trailing zeros, so that numbers of similar magnitude have the same number of digits.
 pub fn even(value: f64) -> String {
     if (5e-4..99.95).contains(&value.abs()) { with_three_digits(value) } else { short(value) }
 }
 
-/// A tick's number, with the digits that tell it from the next one, a step of 1, 2 or 5 times a power of ten away.
+/// Formats a tick label with as many digits as needed to distinguish it from the next tick. `step` is 1, 2 or 5 times a
+/// power of ten.
 pub fn tick(value: f64, step: f64) -> String {
     let value = if value.abs() < step * 1e-6 { 0.0 } else { value };
     let size = value.abs();
@@ -67,7 +68,7 @@ pub fn tick(value: f64, step: f64) -> String {
     }
 }
 
-/// Without zeros behind the point that say nothing, and without a sign before nothing.
+/// Removes trailing zeros after the decimal point and the sign of zero.
 fn trimmed(number: &str) -> String {
     let shorter = if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { number };
     let zero = shorter.strip_prefix('-').filter(|rest| rest.bytes().all(|byte| byte == b'0' || byte == b'.'));

@@ -1,9 +1,9 @@
-//! Colours of all pictures: viridis for values, the colours of Okabe and Ito for categories, which colour-blind people can
-//! tell apart. Scales grow lighter or darker all the way, so that they can be read in grey.
+//! Colours of all pictures: viridis for values, the colour-blind safe colours of Okabe and Ito for categories. Scales
+//! are monotonic in lightness, so that they can be read in greyscale.
 
 use super::drawing::Ink;
 
-/// Viridis at even steps from its dark end to its bright one, sRGB.
+/// Viridis in sRGB at equal steps, from dark to bright.
 const VIRIDIS: [[u8; 3]; 20] = [
     [68, 1, 84],
     [72, 21, 103],
@@ -27,28 +27,28 @@ const VIRIDIS: [[u8; 3]; 20] = [
     [253, 231, 37],
 ];
 
-/// Blue of Okabe and Ito.
+/// Okabe and Ito's blue.
 pub const BLUE: Ink = Ink::opaque([0, 114, 178]);
 pub const VERMILION: Ink = Ink::opaque([213, 94, 0]);
 pub const GREEN: Ink = Ink::opaque([0, 158, 115]);
 pub const PURPLE: Ink = Ink::opaque([204, 121, 167]);
 pub const SKY: Ink = Ink::opaque([86, 180, 233]);
 pub const ORANGE: Ink = Ink::opaque([230, 159, 0]);
-/// Their yellow, for areas; it is too bright for lines on white.
+/// Okabe and Ito's yellow, for areas; too bright for lines on white.
 pub const YELLOW: Ink = Ink::opaque([240, 228, 66]);
 
-/// Colours of series in the order in which they are used; yellow is darkened, and what is almost black comes last.
+/// Colours of series in order of use. Yellow is darkened; the near black comes last.
 const SERIES: [Ink; 8] =
     [BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, Ink::opaque([148, 128, 0]), Ink::opaque([60, 60, 60])];
 
-/// Text and lines of axes.
+/// Text and axis lines.
 pub const TEXT: Ink = Ink::opaque([34, 34, 34]);
 pub const FAINT_TEXT: Ink = Ink::opaque([96, 96, 96]);
 /// Faint lines, such as those to missing values.
 pub const FAINT_LINE: Ink = Ink::opaque([165, 165, 165]);
 pub const GRID: Ink = Ink::opaque([226, 226, 226]);
 pub const MISSING: Ink = Ink::opaque([240, 240, 240]);
-/// Highlights: the best cell of a map, the lossless line.
+/// Highlights: the best cell of a heat map, the lossless line.
 pub const MARK: Ink = Ink::opaque([214, 39, 40]);
 
 pub type Rgb = [u8; 3];
@@ -57,15 +57,15 @@ pub const PAPER: Rgb = [255, 255, 255];
 pub const INK: Rgb = [24, 24, 24];
 /// Faint text and thin lines of sheets.
 pub const SOFT_INK: Rgb = FAINT_TEXT.rgb;
-/// No surface; hatched.
+/// Background (no surface); hatched.
 pub const BACKGROUND: Rgb = [30, 30, 30];
-/// Background on one side only, and depth outside of the range; hatched.
+/// Background in only one of the two images, or depth outside the range; hatched.
 pub const MISMATCH: Rgb = [213, 60, 0];
-/// A cell without any error.
+/// A cell without error.
 pub const EXACT: Rgb = [236, 236, 236];
 const GREYS: [f64; 2] = [240.0, 84.0];
 
-/// The colour of a value from 0, dark, to 1, bright; NaN is 0.
+/// Returns the viridis colour of a value from 0 (dark) to 1 (bright). NaN maps to 0.
 pub fn viridis(value: f64) -> Ink {
     let last = VIRIDIS.len() - 1;
     let place = if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) * last as f64 };
@@ -73,7 +73,7 @@ pub fn viridis(value: f64) -> Ink {
     Ink::opaque(mix(VIRIDIS[below], VIRIDIS[below + 1], place - below as f64))
 }
 
-/// Black or white, whichever has more contrast with a ground (WCAG 2: relative luminance).
+/// Returns black or white, whichever has the higher contrast with `ground` (WCAG 2: relative luminance).
 pub fn legible_on(ground: Ink) -> Ink {
     let linear = |code: u8| {
         let value = f64::from(code) / 255.0;
@@ -81,7 +81,7 @@ pub fn legible_on(ground: Ink) -> Ink {
     };
     let [red, green, blue] = ground.rgb.map(linear);
     let luminance = 0.2126 * red + 0.7152 * green + 0.0722 * blue;
-    // Where (1.05 / (luminance + 0.05)) and ((luminance + 0.05) / 0.05) are equal.
+    // Luminance at which (1.05 / (luminance + 0.05)) equals ((luminance + 0.05) / 0.05).
     if luminance > 0.179 { Ink::BLACK } else { Ink::WHITE }
 }
 
@@ -112,12 +112,12 @@ pub fn hatched(color: Rgb) -> Rgb {
     mix(color, contrast(color), 0.28)
 }
 
-/// Grey from near (0) to far (1).
+/// Returns the grey of a depth from near (0, light) to far (1, dark).
 pub fn grey(part: f64) -> Rgb {
     [(GREYS[0] + (GREYS[1] - GREYS[0]) * part.clamp(0.0, 1.0)).round() as u8; 3]
 }
 
-/// A scale from dark violet (0) by green to yellow (1): viridis.
+/// Returns the viridis colour of a value from 0 (dark violet) to 1 (yellow).
 pub fn heat(part: f64) -> Rgb {
     viridis(part).rgb
 }

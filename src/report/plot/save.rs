@@ -1,7 +1,7 @@
-//! Draws a drawing as SVG and as PNG, with the backends of `plotters`.
+//! Renders a drawing as SVG and PNG with the backends of `plotters`.
 //!
-//! Coordinates of `plotters` are whole numbers. A drawing is therefore drawn on a finer grid: tenths of pixels in an SVG
-//! file, whose view box is that much larger, and half pixels of a PNG file, which are averaged.
+//! Coordinates of `plotters` are integers, so a drawing is rendered on a finer grid: tenths of a pixel in an SVG file,
+//! whose view box is scaled accordingly, and half pixels in a PNG file, which are then averaged.
 
 use std::path::{Path, PathBuf};
 
@@ -16,21 +16,21 @@ use crate::files::write_whole;
 use crate::image::plane::Plane;
 use crate::image::png;
 
-/// Pixels of a chart's PNG file for a pixel of the drawing, in each direction.
+/// PNG pixels per pixel of a chart's drawing, in each direction.
 const CHART_DENSITY: u32 = 2;
-/// Steps for a pixel of the drawing in an SVG file.
+/// Grid steps per pixel of the drawing in an SVG file.
 const SVG_STEPS: u32 = 10;
-/// Steps for a pixel of a PNG file.
+/// Grid steps per pixel of a PNG file.
 const PNG_STEPS: u32 = 2;
-/// More than any drawing has, so that sums of coordinates stay far from overflow.
+/// Bound on coordinates. It exceeds those of any drawing and keeps sums far from overflow.
 const FARTHEST: f64 = 1e6;
 
-/// `plotters`' size of a font for an em of 1 in an SVG file.
+/// Font size for `plotters` per em in an SVG file.
 const SVG_SIZE_PER_EM: f64 = 1.24;
-/// How far below the place of a text an SVG file of `plotters` has the baseline, in ems.
+/// Distance in ems from the position of a text down to its baseline in an SVG file of `plotters`.
 const SVG_BASELINE_EM: f64 = 0.76;
 
-/// Writes a drawing as `name.svg` and `name.png` into a folder. The bytes depend on the drawing alone.
+/// Writes a drawing as `name.svg` and `name.png` into a folder. The bytes depend only on the drawing.
 pub fn save(drawing: &Drawing, folder: &Path, name: &str) -> Result<[PathBuf; 2]> {
     let paths = ["svg", "png"].map(|ending| folder.join(format!("{name}.{ending}")));
     let svg = to_svg(drawing)?;
@@ -42,14 +42,14 @@ pub fn save(drawing: &Drawing, folder: &Path, name: &str) -> Result<[PathBuf; 2]
     Ok(paths)
 }
 
-/// The text of an SVG file.
+/// Returns the text of the SVG file.
 pub fn to_svg(drawing: &Drawing) -> Result<String> {
     let (width, height) = (drawing.width, drawing.height);
     let steps = [width * SVG_STEPS, height * SVG_STEPS];
     let mut drawn = String::new();
     let backend = SVGBackend::with_string(&mut drawn, (steps[0], steps[1]));
     draw(drawing, backend, SVG_STEPS, Pen::named_text)?;
-    // The file's own size is the drawing's; the view box keeps the steps.
+    // The width and height are in pixels of the drawing; the view box is in grid steps.
     let body = drawn.split_once('\n').map_or("", |(_, body)| body);
     Ok(format!(
         "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" xmlns=\"http://www.w3.org/2000/svg\" \
@@ -61,7 +61,7 @@ pub fn to_svg(drawing: &Drawing) -> Result<String> {
     ))
 }
 
-/// `plotters` divides sizes of fonts, which leaves some with 17 digits: they are whole steps again.
+/// Rounds font sizes to whole grid steps: `plotters` divides them, which leaves some with 17 digits.
 fn whole_font_sizes(svg: &str) -> String {
     const ATTRIBUTE: &str = " font-size=\"";
     let mut parts = svg.split(ATTRIBUTE);
@@ -74,7 +74,7 @@ fn whole_font_sizes(svg: &str) -> String {
     whole
 }
 
-/// The pixels of a PNG file with `density` pixels for each of the drawing's in each direction, as sRGB codes.
+/// Renders a drawing with `density` pixels per pixel of the drawing in each direction. Returns sRGB codes.
 pub fn to_pixels(drawing: &Drawing, density: u32) -> Result<Plane<[u8; 3]>> {
     let steps = density * PNG_STEPS;
     let (width, height) = (drawing.width * steps, drawing.height * steps);
@@ -90,7 +90,7 @@ pub fn to_pixels(drawing: &Drawing, density: u32) -> Result<Plane<[u8; 3]>> {
     }))
 }
 
-/// The text with what means something in XML and HTML written as entities; control characters become spaces.
+/// Escapes the characters that have a meaning in XML and HTML. Control characters are replaced by spaces.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -107,7 +107,7 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
-/// How a pen writes a text.
+/// Function by which a pen writes a text.
 type Write<B> = fn(&mut Pen<B>, Spot, &Text) -> Result<()>;
 
 fn draw<B: DrawingBackend>(drawing: &Drawing, backend: B, steps: u32, write: Write<B>) -> Result<()> {
@@ -162,7 +162,7 @@ impl<B: DrawingBackend> Pen<B> {
         if places.len() < 2 { Ok(()) } else { self.backend.draw_path(places, &style).map_err(failed) }
     }
 
-    /// Names the font for the viewer.
+    /// Writes a text element that refers to the font by name.
     fn named_text(&mut self, [x, y]: Spot, text: &Text) -> Result<()> {
         let rise = text.em * SVG_BASELINE_EM;
         let (upper, transform) = match text.direction {
@@ -182,7 +182,7 @@ impl<B: DrawingBackend> Pen<B> {
         self.backend.draw_text(&text.text, &style, self.spot(upper)).map_err(failed)
     }
 
-    /// Draws letters of the font that the program carries.
+    /// Draws the glyphs of the embedded font.
     fn outlined_text(&mut self, at: Spot, text: &Text) -> Result<()> {
         let before = match text.anchor {
             Anchor::Start => 0.0,
@@ -249,7 +249,7 @@ mod tests {
         assert!(svg.contains("Egx &lt;&amp;&gt; up") && svg.trim_end().ends_with("</svg>"), "{svg}");
     }
 
-    /// Rows or columns of a part of the drawing that hold something almost black.
+    /// Returns the bounding box (left, top, right, bottom) of the nearly black pixels of a region.
     fn dark(pixels: &Plane<[u8; 3]>, [x0, y0]: [u32; 2], [x1, y1]: [u32; 2]) -> Option<[u32; 4]> {
         let found = (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y)));
         found.filter(|&(x, y)| pixels.get(x, y).iter().all(|&code| code < 100)).fold(None, |bounds, (x, y)| {

@@ -1,4 +1,4 @@
-//! Findings of papers, as tested on the points of a sweep.
+//! Findings of papers, tested on the points of a sweep.
 
 use serde::Serialize;
 
@@ -8,7 +8,7 @@ pub enum Verdict {
     Found,
     #[serde(rename = "not found")]
     NotFound,
-    /// The points do not tell.
+    /// The points do not allow a verdict.
     #[serde(rename = "not measured")]
     NotMeasured,
 }
@@ -26,15 +26,15 @@ impl Verdict {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
     pub name: &'static str,
-    /// What the paper found, and where.
+    /// Claim of the paper, with its location.
     pub sentence: &'static str,
     pub verdict: Verdict,
     pub rule: &'static str,
-    /// The values that it was judged by, a sentence; or what would have to be measured.
+    /// Sentence with the values on which the verdict rests, or with what would have to be measured.
     pub rests_on: String,
 }
 
-/// What a test found, before it is named.
+/// Verdict of a test, before it is attached to its finding.
 #[derive(Debug, Clone)]
 pub struct Judged {
     pub verdict: Verdict,
@@ -46,7 +46,8 @@ impl Judged {
         Judged { verdict: if is_found { Verdict::Found } else { Verdict::NotFound }, rests_on }
     }
 
-    /// Found where most rows keep a rule; none without rows. The sentence is made of the number of rows that do.
+    /// Returns `Found` if most rows satisfy a rule. `None` without rows. `rests_on` builds the sentence from the number
+    /// of rows that do.
     pub fn majority<T>(
         rows: &[T],
         keeps: impl Fn(&T) -> bool,
@@ -57,13 +58,13 @@ impl Judged {
     }
 }
 
-/// A sentence of a paper with the function that judges it, which answers none where that was not measured.
+/// Claim of a paper with the function that tests it. The function returns `None` if the data was not measured.
 #[derive(Debug, Clone, Copy)]
 pub struct Test<J> {
     pub name: &'static str,
     pub sentence: &'static str,
     pub rule: &'static str,
-    /// What has to be measured for it.
+    /// Measurements that the test needs.
     pub needs: &'static str,
     pub judge: J,
 }

@@ -1,4 +1,5 @@
-//! The folder of a sweep: one process at a time, no leftovers of a killed one, no pictures of other points.
+//! Output folder of a sweep. It is locked against other processes, and files of killed processes and pictures of
+//! earlier points are removed.
 
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
@@ -13,16 +14,16 @@ use crate::files::{DiskFile, WorkFolder, create_folders, open_locked, remove_fil
 const LOCK: &str = ".tradeoff.lock";
 const PICTURES: &[&str] = &["svg", "png", "html"];
 
-/// A folder that no other process measures into.
+/// A folder that is locked against other measuring processes.
 pub struct Folder {
     path: PathBuf,
     kind: &'static SweepKind,
-    /// Locked while it is open.
+    /// The lock is held while this file is open.
     _lock: DiskFile,
 }
 
 impl Folder {
-    /// Creates the folder if there is none, and locks it.
+    /// Creates the folder if it is missing, and locks it.
     pub fn open(path: &Path, kind: &'static SweepKind) -> Result<Folder> {
         create_folders(path).map_err(|error| Error::io(path, error))?;
         let busy = || Error::busy(path, "another tradeoff measures into it; wait, or name another folder");
@@ -31,12 +32,12 @@ impl Folder {
         Ok(Folder { path: path.to_path_buf(), kind, _lock })
     }
 
-    /// Where the JSON report goes.
+    /// Path of the JSON report.
     pub fn report(&self) -> PathBuf {
         self.path.join(self.kind.json_name())
     }
 
-    /// Files that a sweep writes anew whatever they hold, besides its pictures.
+    /// Names of the files, other than pictures, that a sweep overwrites regardless of their content.
     fn replaced(&self) -> Vec<String> {
         match self.kind.is_resumable {
             true => vec![PAGE.to_owned()],
@@ -44,19 +45,19 @@ impl Folder {
         }
     }
 
-    /// A file that a sweep would replace without being resumed from it.
+    /// Returns a file that the sweep would overwrite and cannot be resumed from.
     pub fn in_the_way(&self) -> Option<PathBuf> {
         let own = if self.kind.is_resumable { self.files() } else { Vec::new() };
         let mut lost = self.replaced().into_iter().filter(|name| !own.contains(name)).map(|name| self.path.join(name));
         lost.find(|path| path.exists())
     }
 
-    /// A folder in it for unfinished work, which is removed when it is dropped, as is what killed processes left.
+    /// Creates a subfolder for unfinished work. It is removed when dropped, and so are those of killed processes.
     pub fn work(&self) -> Result<WorkFolder> {
         WorkFolder::create(&self.path).map_err(|error| Error::io(&self.path, error))
     }
 
-    /// Names of existing files that the last report lists.
+    /// Returns the names of the existing files that the last report lists.
     pub fn files(&self) -> Vec<String> {
         let text = std::fs::read_to_string(self.report()).unwrap_or_default();
         let report: Value = serde_json::from_str(&text).unwrap_or_default();
@@ -68,7 +69,8 @@ impl Folder {
         names.filter(is_name).filter(|name| self.path.join(name).is_file()).map(str::to_owned).collect()
     }
 
-    /// Removes the last report and its pictures; the CSV and the page, too, unless the sweep resumes from it.
+    /// Removes the last report and its pictures. Removes the CSV and the page as well, unless the sweep is resumed from
+    /// the CSV.
     pub fn clear(&self) -> Result<()> {
         let is_picture =
             |name: &String| Path::new(name).extension().is_some_and(|of| PICTURES.iter().any(|end| of == *end));
@@ -90,7 +92,7 @@ fn remove(path: &Path) -> Result<()> {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // A leftover file is not locked.
+        // If removal fails, the file stays but is not locked.
         let _ = remove_file(&self.path.join(LOCK));
     }
 }

@@ -1,4 +1,4 @@
-//! The report of a sweep as JSON. Values have the names of CSV columns.
+//! JSON report of a sweep. Keys are the names of the CSV columns.
 
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -15,7 +15,7 @@ pub struct Report<'a> {
     #[serde(flatten)]
     pub results: &'a Results,
     pub version: &'static str,
-    /// The rows of the points, as [`point`] writes them.
+    /// One object per point, as written by [`point`].
     pub points: Vec<Value>,
     pub findings: &'a [Finding],
     pub failed: &'a [FailedPoint],

@@ -1,7 +1,7 @@
-//! What a kind of sweep is made of, and what was measured of its points.
+//! Definition of a kind of sweep, and the measured values of its points.
 //!
-//! A [`SweepKind`] is a table: knobs, measures, charts. Stores, pages and charts look measures up by name, so they hold no
-//! code of a kind.
+//! A [`SweepKind`] is a table of knobs, measures and charts. Stores, pages and charts look measures up by name and
+//! contain no code for a particular kind.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -14,20 +14,20 @@ use crate::report::timing::{Spread, median, spread};
 pub struct SweepKind {
     /// Stem of the names of the CSV and JSON files.
     pub stem: &'static str,
-    /// Title of the page, before the name of the input.
+    /// Title of the page, followed by the name of the input.
     pub title: &'static str,
     pub input_label: &'static str,
     pub knobs: &'static [Knob],
     pub measures: &'static [Measure],
     pub panels: &'static [Panel],
     pub trades: &'static [Trade],
-    /// Whether studies have a score of bytes and decoding time.
+    /// True if studies have a score of bytes and decoding time.
     pub is_scored: bool,
-    /// Whether the CSV holds all runs, so that a later process resumes the sweep.
+    /// True if the CSV holds all runs, so that a later process can resume the sweep.
     pub is_resumable: bool,
-    /// Timed runs that the first measurement of a point includes.
+    /// Number of timed runs that the first measurement of a point includes.
     pub survey_runs: u32,
-    /// How points were measured, for the foot of the page.
+    /// Description of how points were measured, printed at the end of the page.
     pub method: &'static str,
 }
 
@@ -42,7 +42,7 @@ impl SweepKind {
         self.knobs.iter().find(|knob| knob.name == name || knob.former == Some(name))
     }
 
-    /// The key of a knob in CSV and JSON.
+    /// Returns the key of a knob in CSV and JSON.
     pub fn key(&self, name: &'static str) -> &'static str {
         self.knob(name).map_or(name, Knob::key)
     }
@@ -64,41 +64,41 @@ impl SweepKind {
 pub struct Measure {
     /// CSV column and JSON key.
     pub name: &'static str,
-    /// Heading of tables; empty where they leave it out.
+    /// Heading in tables. A measure with an empty heading is not in tables.
     pub heading: &'static str,
     pub format: Format,
     pub source: Source,
-    /// The measure of runs that it is the median of, for its range.
+    /// Measure of runs of which this measure is the median. Gives its range.
     pub runs: Option<&'static str>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     Bytes,
-    /// With so many decimals; infinite is "lossless".
+    /// Fixed number of decimals. Infinity is printed as "lossless".
     Decimals(usize),
-    /// In percent of 1, with two decimals.
+    /// Percent with two decimals; a value of 1 is 100%.
     Percent,
     Even,
 }
 
 #[derive(Debug, Clone, Copy)]
 pub enum Source {
-    /// A stored count of at least this much; `None` where it may be missing.
+    /// Stored count with this minimum. `None` if it may be missing.
     Count(Option<u64>),
-    /// A stored number of at least 0.
+    /// Stored number of at least 0.
     Number {
         is_needed: bool,
         may_be_infinite: bool,
     },
-    /// A stored finite number of any sign, which may be missing.
+    /// Stored finite number of any sign. It may be missing.
     Signed,
-    /// Stored, one number for each timed run.
+    /// Stored numbers, one per timed run.
     Runs,
     Derived(fn(&Measured) -> Option<f64>),
 }
 
-/// A finite number that every point has.
+/// Finite number that every point has.
 pub const NUMBER: Source = Source::Number { is_needed: true, may_be_infinite: false };
 pub const DECIBELS: Source = Source::Number { is_needed: true, may_be_infinite: true };
 
@@ -107,7 +107,7 @@ impl Measure {
         Measure { name, heading: "", format: Format::Decimals(0), source, runs: None }
     }
 
-    /// What its values are multiplied by in charts.
+    /// Returns the factor that values are multiplied by in charts.
     pub fn factor(&self) -> f64 {
         if self.format == Format::Percent { 100.0 } else { 1.0 }
     }
@@ -133,19 +133,19 @@ pub enum Better {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// Bytes from 0, in the unit of the largest.
+    /// Bytes from 0, in the unit of the largest value.
     Bytes,
     Linear,
-    /// From the least value.
+    /// Linear, from the smallest value.
     WithoutZero,
-    /// From the least value; infinite values are "lossless".
+    /// Linear, from the smallest value. Infinite values are labelled "lossless".
     Decibels,
     Logarithmic,
 }
 
 #[derive(Debug, Clone, Copy)]
 pub struct PanelLine {
-    /// Name in the legend; empty for a single line.
+    /// Name in the legend. Empty for a single line.
     pub label: &'static str,
     pub measure: &'static str,
 }
@@ -158,11 +158,11 @@ impl PanelLine {
 
 #[derive(Debug, Clone, Copy)]
 pub struct Panel {
-    /// Title with unit; that of bytes follows from the values.
+    /// Title with unit. The unit of bytes is chosen from the values.
     pub title: &'static str,
     pub lines: &'static [PanelLine],
     pub scale: Scale,
-    /// Kinds of streams that have it; empty for all points.
+    /// Kinds of streams that have the panel. Empty if all points have it.
     pub streams: &'static [StreamKind],
     pub map: Option<Better>,
 }
@@ -192,38 +192,38 @@ pub struct TradeAxis {
     pub scale: Scale,
 }
 
-/// All points by two measures, with their Pareto front. Less is better across.
+/// Plot of all points by two measures, with their Pareto front. Less is better on the horizontal axis.
 #[derive(Debug, Clone, Copy)]
 pub struct Trade {
-    /// End of the name of its files.
+    /// Suffix of the file names.
     pub name: &'static str,
     pub title: &'static str,
     pub across: TradeAxis,
     pub up: TradeAxis,
-    /// Which end of the axis up.
+    /// Better direction of the vertical axis.
     pub better: Better,
-    /// Sentence of the caption about the measures.
+    /// Sentence of the caption that describes the measures.
     pub note: &'static str,
 }
 
 pub type Setting = (&'static str, String);
 
-/// A setting of the knobs. Knobs that are not named have their default.
+/// A setting of the knobs. Knobs that are not listed have their default.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Point {
-    /// The kind of stream that is coded, in sweeps of coding.
+    /// Kind of the coded stream, in coding sweeps.
     pub stream: Option<StreamKind>,
     pub settings: Vec<Setting>,
 }
 
 impl Point {
-    /// Sorts settings into the order of the kind's knobs.
+    /// Creates a point and sorts its settings into the order of the kind's knobs.
     pub fn new(kind: &SweepKind, stream: Option<StreamKind>, mut settings: Vec<Setting>) -> Point {
         settings.sort_by_key(|(name, _)| kind.knobs.iter().position(|knob| knob.name == *name));
         Point { stream, settings }
     }
 
-    /// The settings as `name=value name=value`; `default settings` without any.
+    /// Returns the settings as `name=value name=value`, or `default settings` if there are none.
     pub fn words(&self) -> String {
         words(&self.settings).unwrap_or_else(|| "default settings".to_owned())
     }
@@ -232,7 +232,7 @@ impl Point {
         self.settings.iter().find(|(name, _)| *name == knob).map(|(_, value)| value.as_str())
     }
 
-    /// The settings as options of a command that has all of them.
+    /// Returns the settings as command-line options.
     pub fn options(&self) -> impl Iterator<Item = OsString> {
         self.settings.iter().map(|(name, value)| format!("--{name}={value}").into())
     }
@@ -243,7 +243,7 @@ impl Point {
 }
 
 impl std::fmt::Display for Point {
-    /// Such as `depth with max-error=50 threads=1`.
+    /// Prints, for example, `depth with max-error=50 threads=1`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.stream {
             Some(stream) => write!(f, "{} with {}", stream.name(), self.words()),
@@ -252,7 +252,7 @@ impl std::fmt::Display for Point {
     }
 }
 
-/// Settings as `name=value name=value`; none without settings.
+/// Returns settings as `name=value name=value`. `None` without settings.
 pub fn words(settings: &[Setting]) -> Option<String> {
     let words: Vec<String> = settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
     (!words.is_empty()).then(|| words.join(" "))
@@ -277,7 +277,7 @@ impl Measured {
         Measured { kind, point, values: BTreeMap::new() }
     }
 
-    /// Stores a value; `None` changes nothing.
+    /// Stores a value. `None` changes nothing.
     pub fn set(&mut self, name: &'static str, value: impl Into<Option<Value>>) {
         debug_assert!(self.kind.measure(name).is_some(), "{name}");
         if let Some(value) = value.into() {
@@ -292,7 +292,7 @@ impl Measured {
         }
     }
 
-    /// A value by the name of its measure, also one that follows from others.
+    /// Returns a value by the name of its measure. Derived measures are computed.
     pub fn value(&self, name: &str) -> Option<Value> {
         match self.kind.measure(name)?.source {
             Source::Derived(of) => of(self).map(Value::Number),
@@ -301,7 +301,7 @@ impl Measured {
         }
     }
 
-    /// A count or number by the name of its measure.
+    /// Returns a count or number by the name of its measure.
     pub fn number(&self, name: &str) -> Option<f64> {
         debug_assert!(self.kind.measure(name).is_some(), "{name}");
         match self.value(name)? {
@@ -315,7 +315,7 @@ impl Measured {
         Some(self.number(name)? * self.kind.measure(name)?.factor())
     }
 
-    /// A count; 0 where it is missing.
+    /// Returns a count. 0 if it is missing.
     pub fn count(&self, name: &str) -> u64 {
         match self.values.get(name) {
             Some(Value::Count(count)) => *count,
@@ -335,7 +335,7 @@ impl Measured {
         measures.map(|measure| self.runs(measure.name).len()).min().unwrap_or(0)
     }
 
-    /// The range of a median of runs; none for other measures and without runs.
+    /// Returns the range of a median of runs. `None` for other measures and without runs.
     pub fn spread(&self, name: &str) -> Option<Spread> {
         let value = self.number(name)?;
         let runs = self.runs(self.kind.measure(name)?.runs?);
@@ -352,12 +352,12 @@ mod tests {
     use crate::report::tradeoff::tests::sample;
 
     impl Measured {
-        /// The same values of another point.
+        /// Returns the same values for another point.
         pub fn at(&self, point: Point) -> Measured {
             Measured { point, ..self.clone() }
         }
 
-        /// The point without a value.
+        /// Returns the point without the value of a measure.
         pub fn without(mut self, name: &str) -> Measured {
             self.values.remove(name);
             self

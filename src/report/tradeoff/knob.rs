@@ -1,8 +1,8 @@
-//! Knobs: options that trade quality, bytes or time, by the names that they have on the command line.
+//! Knobs: options that trade quality, bytes or time, under their command-line names.
 
 use crate::image::StreamKind;
 
-/// The command that a knob is an option of.
+/// Command that a knob is an option of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     Encode,
@@ -31,17 +31,17 @@ impl Stage {
 
 #[derive(Debug, Clone, Copy)]
 pub struct Knob {
-    /// The option without its dashes.
+    /// Option name without dashes.
     pub name: &'static str,
-    /// The option's first name: still accepted, and the key in CSV and JSON.
+    /// Former name of the option: still accepted, and the key in CSV and JSON.
     pub former: Option<&'static str>,
     pub label: &'static str,
-    /// Kinds of streams that it changes; empty where points have none.
+    /// Kinds of streams that it affects. Empty in sweeps whose points have no stream.
     pub streams: &'static [StreamKind],
     pub stage: Stage,
-    /// Settings that it requires, added unless they are swept or fixed.
+    /// Settings that it requires. They are added unless they are swept or fixed.
     pub implies: &'static [(&'static str, &'static str)],
-    /// The value that stands for leaving the option out, if the option itself has no such value.
+    /// Value that stands for omitting the option, if the option itself has no such value.
     pub without: Option<&'static str>,
     pub default: &'static str,
     pub usual: &'static [&'static str],
@@ -72,7 +72,7 @@ impl Knob {
         Knob { former: Some(name), ..self }
     }
 
-    /// The key in CSV and JSON.
+    /// Returns the key in CSV and JSON.
     pub fn key(&self) -> &'static str {
         self.former.unwrap_or(self.name)
     }
@@ -81,23 +81,23 @@ impl Knob {
         self.usual.iter().map(|value| (*value).to_owned()).collect()
     }
 
-    /// The option with a value; none for the value that stands for leaving it out.
+    /// Returns the option with a value. `None` for the value that stands for omitting the option.
     pub fn option(&self, value: &str) -> Option<String> {
         (self.without != Some(value)).then(|| format!("--{}={value}", self.name))
     }
 
-    /// Whether points of a kind of stream depend on it.
+    /// True if points of a kind of stream depend on the knob.
     pub fn concerns(&self, stream: Option<StreamKind>) -> bool {
         stream.is_none_or(|stream| self.streams.contains(&stream))
     }
 
-    /// Whether all kinds of streams depend on it: such knobs join every study.
+    /// True if all kinds of streams depend on the knob. Such knobs join every study.
     pub fn is_general(&self) -> bool {
         self.streams == ALL_STREAMS
     }
 }
 
-/// A value as a number: `16`, `0.5`, `0.1%` (which is 0.1).
+/// Parses a value as a number: `16`, `0.5`, `0.1%` (which is 0.1).
 pub fn number(value: &str) -> Option<f64> {
     value.strip_suffix('%').unwrap_or(value).parse().ok().filter(|number: &f64| number.is_finite())
 }

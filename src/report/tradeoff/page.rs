@@ -1,5 +1,5 @@
-//! The page of a sweep: figures, findings, all points, and how they were measured. It needs no other file, no network and no
-//! script.
+//! HTML page of a sweep: figures, findings, all points, and how they were measured. It is self-contained: no other
+//! files, no network, no scripts.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use crate::report::plot::number;
 use crate::report::plot::save::{self, escape};
 use crate::report::timing::runs_in_words;
 
-/// Name of the page's file.
+/// File name of the page.
 pub const PAGE: &str = "index.html";
 
 const STYLE: &str = "\
@@ -43,7 +43,8 @@ pub struct Extras {
     pub findings: Vec<Finding>,
 }
 
-/// Writes every figure as SVG and PNG, and `index.html`, which shows them, into a folder. Returns the files.
+/// Writes every figure as SVG and PNG, and `index.html`, which shows them, into a folder. Returns the paths of the
+/// files.
 pub fn write(results: &Results, extras: &Extras, folder: &Path) -> Result<Vec<PathBuf>> {
     let mut figures = figures::all(results);
     figures.extend(extras.figures.iter().cloned());
@@ -91,7 +92,7 @@ fn html(results: &Results, figures: &[Figure], findings: &[Finding]) -> Result<S
     Ok(page)
 }
 
-/// What was measured: the values of each knob, and the first point, which has the default settings where they are swept.
+/// Writes the values of each knob, and the default point of each study that contains it.
 fn measured(page: &mut String, results: &Results) {
     page.push_str("<h2>Measured</h2>\n<ul>\n");
     for study in &results.studies {
@@ -115,7 +116,7 @@ fn measured(page: &mut String, results: &Results) {
     page.push_str("</ul>\n");
 }
 
-/// The findings that were tested, and in a line what the others need.
+/// Writes the findings that were tested, and one line with the measurements that the others need.
 fn findings_of(page: &mut String, findings: &[Finding]) {
     if findings.is_empty() {
         return;
@@ -259,7 +260,7 @@ mod tests {
     use crate::report::tradeoff::kind::Value;
     use crate::report::tradeoff::tests::sample;
 
-    /// What the page of a sweep of coding shows besides the points.
+    /// Content of the page of a coding sweep besides the points.
     fn extras(results: &Results) -> Extras {
         let tiles = sample::tiles();
         let mut figures = coding::figures::bounds(results);
@@ -299,7 +300,7 @@ mod tests {
         assert!(page.contains("0 points in 0 grids") && !page.contains("<ol"), "{page}");
     }
 
-    /// The page of the papers' results, changed.
+    /// Returns the page of the sample results after a change.
     fn page_of(change: impl FnOnce(&mut Results)) -> String {
         let mut results = sample::paper();
         change(&mut results);

@@ -1,13 +1,13 @@
-//! The Pareto front: points of which no other is better in one thing without being worse in another.
+//! Pareto front: the points that no other point dominates.
 
-/// Which points of (cost, quality) are on the front: no other has at most their cost and at least their quality, and
-/// less or more in one of the two. Of equal points, the first. In the order of their cost.
+/// Returns the indices of the (cost, quality) points on the Pareto front, in order of cost. A point is on the front if
+/// no other has at most its cost and at least its quality, with one of them better. Of equal points, the first is kept.
 ///
-/// Points with what is not a number are on no front; infinite quality is better than any other.
+/// Points with NaN are never on the front. Infinite quality is better than any other.
 pub fn front(points: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> =
         (0..points.len()).filter(|&at| !points[at].0.is_nan() && !points[at].1.is_nan()).collect();
-    // By cost, then the better one first; the sort is stable, so that of equal points the first leads.
+    // Sorts by cost, then by decreasing quality. The sort is stable: the first of equal points stays first.
     order.sort_by(|&a, &b| points[a].0.total_cmp(&points[b].0).then(points[b].1.total_cmp(&points[a].1)));
     let mut best = f64::NEG_INFINITY;
     let mut first = true;

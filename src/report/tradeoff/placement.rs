@@ -1,5 +1,5 @@
-//! Sweeps of placing cameras in a scene (CALF 4). Coverage is measured for all points by the same [`RULER_SAMPLES`] surface
-//! samples.
+//! Sweeps of camera placement in a scene (CALF 4). The coverage of all points is measured with the same
+//! [`RULER_SAMPLES`] surface samples.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -70,9 +70,9 @@ const TRADES: &[Trade] = &[Trade {
     note: "",
 }];
 
-/// Surface samples by which all sets of cameras are compared, as many as an exhaustive search has.
+/// Number of surface samples by which all camera sets are compared; as many as an exhaustive search uses.
 pub const RULER_SAMPLES: u32 = 32_768;
-/// Candidates of that comparison, which given cameras do not depend on.
+/// Number of candidates in that comparison. Given cameras do not depend on it.
 const RULER_CANDIDATES: u32 = 256;
 const CAMERAS: &str = "cameras.json";
 
@@ -80,7 +80,7 @@ const CAMERAS: &str = "cameras.json";
 pub struct PlacementBench {
     pub scene: String,
     pub fixed: Vec<String>,
-    /// Those of them that say what is to be covered, without options of the search.
+    /// The fixed options that define the surface to cover, without options of the search.
     pub ruler: Vec<String>,
 }
 
@@ -90,7 +90,7 @@ impl PlacementBench {
         words.chain(options.iter().map(OsString::from)).collect()
     }
 
-    /// The command of a point, without its output.
+    /// Returns the command of a point, without output options.
     fn search(&self, point: &Point) -> Vec<OsString> {
         let mut words = self.place(&self.fixed);
         words.extend(point.options());
@@ -156,7 +156,7 @@ mod tests {
     use crate::report::tradeoff::schedule::{Extent, Lab, measure};
     use crate::report::tradeoff::store::Store;
 
-    /// Answers as `place` would, a limited number of times, and keeps the command lines.
+    /// Returns reports like those of `place`, at most `answers` times, and records the command lines.
     struct Told {
         lines: RefCell<Vec<String>>,
         answers: usize,
@@ -180,7 +180,7 @@ mod tests {
         }
     }
 
-    /// The command lines, and the CSV that is left.
+    /// Returns the outcome, the command lines and the resulting CSV.
     fn run(sweep: &str, answers: usize, repeats: u32) -> (Result<()>, Vec<String>, String) {
         let fixed = ["--region=0,0,0,1,1,1", "--cameras=2"].map(str::to_owned);
         let told = Told { lines: RefCell::new(Vec::new()), answers };
@@ -201,7 +201,7 @@ mod tests {
         let (done, lines, csv) = run("effort=fast,normal", 100, 3);
         done.unwrap();
         assert_eq!(lines.len(), 2 * (3 + 1));
-        // The default first, and every other round backwards.
+        // The default is first, and every other round is in reverse order.
         assert_eq!(
             lines[0],
             "place a.glb --region=0,0,0,1,1,1 --cameras=2 --effort=normal --json -o work/cameras.json"

@@ -1,5 +1,5 @@
-//! From swept knobs and presets to studies. Knobs that are swept together make one study for each kind of stream: the grid
-//! of all their values.
+//! Builds studies from swept knobs and presets. Knobs that are swept together make one study per kind of stream: the
+//! grid of all their values.
 
 use super::coding::CODING;
 use super::figures::capital;
@@ -13,7 +13,7 @@ use super::study::{Axis, Study};
 use crate::error::{Error, Result};
 use crate::image::StreamKind;
 
-/// All kinds of sweeps. A knob that several have is described by the first.
+/// All kinds of sweeps. A knob shared by several kinds is described by the first.
 pub const KINDS: [&SweepKind; 5] = [&CODING, &PLACEMENT, &RENDERING, &SIMPLIFICATION, &INTERPOLATION];
 
 fn names(kind: &SweepKind) -> String {
@@ -29,7 +29,7 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Parses `knob=v1,v2`, or `knob` for the usual values. Values are not checked here.
+    /// Parses `knob=v1,v2`, or `knob` for the usual values. Does not check the values.
     pub fn parse(text: &str) -> Result<Sweep, String> {
         let (name, values) = text.split_once('=').map_or((text, None), |(name, values)| (name, Some(values)));
         let name = name.trim().trim_start_matches("--");
@@ -57,15 +57,15 @@ impl Sweep {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Preset {
-    /// What CALF figures 7 and 8 and GDC figures 5, 6 and 8 show.
+    /// The studies of CALF figures 7 and 8 and GDC figures 5, 6 and 8.
     Paper,
-    /// The same in a few values.
+    /// The same studies with fewer values.
     Quick,
 }
 
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
-    /// Kinds of streams of the input that were chosen.
+    /// Kinds of streams of the input that were selected.
     pub streams: &'a [StreamKind],
     pub sweeps: &'a [Sweep],
     pub preset: Option<Preset>,
@@ -75,9 +75,9 @@ pub struct Request<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     pub studies: Vec<Study>,
-    /// Whether tiles of depth are to be modelled with each function (GDC figure 6).
+    /// True if depth tiles are to be modelled with each function (GDC figure 6).
     pub tiles: bool,
-    /// What a preset has, and the input has no streams for: a sentence each.
+    /// One sentence for each study of the preset whose stream the input lacks.
     pub left_out: Vec<String>,
 }
 
@@ -87,13 +87,13 @@ struct PresetStudy {
     figures: &'static str,
     stream: StreamKind,
     axes: &'static [PresetAxis],
-    /// Settings of all points, unless others are given.
+    /// Settings of all points, unless the user gives others.
     fixed: &'static [(&'static str, &'static str)],
 }
 
 struct PresetAxis {
     knob: &'static str,
-    /// Values of [`Preset::Paper`] and of [`Preset::Quick`], by commas.
+    /// Comma-separated values of [`Preset::Paper`] and of [`Preset::Quick`].
     paper: &'static str,
     quick: &'static str,
 }
@@ -166,7 +166,7 @@ impl PresetStudy {
     }
 }
 
-/// Makes the studies: those of the preset first, then one of the swept knobs for each kind.
+/// Builds the studies: those of the preset first, then one of the swept knobs for each kind of stream.
 pub fn plan(request: &Request<'_>) -> Result<Plan> {
     let mut plan = Plan { studies: Vec::new(), tiles: false, left_out: Vec::new() };
     if let Some(preset) = request.preset {
@@ -190,7 +190,7 @@ pub fn plan(request: &Request<'_>) -> Result<Plan> {
     Ok(plan)
 }
 
-/// Adds a study of the swept knobs for each kind that they speak of.
+/// Adds a study of the swept knobs for each kind of stream that they affect.
 fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
     let sweeps = request.sweeps;
     refuse_twice(sweeps)?;
@@ -218,9 +218,9 @@ fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
         let own = sweeps.iter().filter(|sweep| joins(sweep));
         let mut axes: Vec<Axis> =
             own.map(|sweep| Axis { knob: sweep.knob.name, values: sweep.values.clone() }).collect();
-        // A heat map wants the knobs of the kind on its axes.
+        // Stream-specific knobs come first: the first two axes are those of heat maps.
         axes.sort_by_key(|axis| CODING.knob(axis.knob).is_some_and(Knob::is_general));
-        // Sweeps of other knobs into the same folder have other names, so that all their pictures stay.
+        // The name contains the swept knobs, so that sweeps of different knobs into one folder keep all their pictures.
         let knobs = axes.iter().map(|axis| CODING.key(axis.knob));
         let name = std::iter::once(kind.name()).chain(knobs).collect::<Vec<_>>().join("-");
         let title = title(&CODING, kind.name(), &axes);
@@ -239,7 +239,7 @@ fn refuse_twice(sweeps: &[Sweep]) -> Result<()> {
     }
 }
 
-/// The one study of a kind of sweep whose points have no kind of stream.
+/// Returns the single study of a sweep kind whose points have no stream.
 pub fn grid(kind: &'static SweepKind, sweeps: &[Sweep]) -> Result<Study> {
     refuse_twice(sweeps)?;
     let axis = |sweep: &Sweep| {
@@ -247,7 +247,7 @@ pub fn grid(kind: &'static SweepKind, sweeps: &[Sweep]) -> Result<Study> {
         let knob = kind.knob(name).ok_or_else(|| {
             Error::Usage(format!("sweep of {name}: no knob of {}, which has {}", kind.stem, names(kind)))
         })?;
-        // Kinds may have other usual values of a knob.
+        // The usual values of a knob may differ between kinds.
         let values = if sweep.given { sweep.values.clone() } else { knob.usual_values() };
         Ok(Axis { knob: knob.name, values })
     };
@@ -259,18 +259,19 @@ pub fn grid(kind: &'static SweepKind, sweeps: &[Sweep]) -> Result<Study> {
     Ok(Study { name: kind.stem.to_owned(), title, sweep: kind, stream: None, axes, fixed: Vec::new() })
 }
 
-/// Such as `Depth: AABB limit × threads`.
+/// Returns, for example, `Depth: AABB limit × threads`.
 fn title(kind: &SweepKind, of: &str, axes: &[Axis]) -> String {
     let labels: Vec<_> = axes.iter().filter_map(|axis| Some(kind.knob(axis.knob)?.label)).collect();
     format!("{}: {}", capital(of), labels.join(" × "))
 }
 
-/// Adds given settings, then those that the study and its knobs require where no other is given.
+/// Adds the given settings, then those that the study and its knobs require, unless they are given.
 fn with_fixed(study: Study, given: &[Setting]) -> Result<Study> {
     let Study { sweep, stream, axes, .. } = &study;
     let concerns = |name: &str| sweep.knob(name).is_some_and(|knob| knob.concerns(*stream));
     let is_swept = |name: &str| axes.iter().any(|axis| axis.knob == name);
-    // Such as --depth-domain in a study of another codec than the quadtree.
+    // Skips knobs that imply another value than the study's, such as --depth-domain in a study of a codec other than
+    // the quadtree.
     let is_of_another =
         |(name, value): &(&str, &str)| study.fixed.iter().any(|(own, fixed)| own == name && fixed != value);
     let fits = |name: &str| sweep.knob(name).is_none_or(|knob| !knob.implies.iter().any(is_of_another));
@@ -281,7 +282,7 @@ fn with_fixed(study: Study, given: &[Setting]) -> Result<Study> {
             study.name
         )));
     }
-    // Where knobs imply different values, that of the later knob in the table holds.
+    // If knobs imply different values, that of the later knob in the table applies.
     let knobs = sweep.knobs.iter().rev().filter(|knob| is_swept(knob.name));
     let implied = knobs.flat_map(|knob| knob.implies.iter().map(|&(name, value)| (name, value.to_owned())));
     for (name, value) in study.fixed.iter().cloned().chain(implied) {

@@ -85,12 +85,12 @@ const TRADES: &[Trade] = &[Trade {
 pub struct RenderingBench {
     pub dataset: String,
     pub probe: String,
-    /// Frames that are encoded and rendered, such as `0-9`; all by default.
+    /// Frames to encode and render, such as `0-9`. All by default.
     pub frames: Option<String>,
     pub fixed: Vec<String>,
 }
 
-/// The container of the dataset, made once for all points.
+/// Container of the dataset. It is encoded once for all points.
 const CONTAINER: &str = "field.lfold";
 
 impl CommandBench for RenderingBench {
@@ -153,7 +153,7 @@ mod tests {
     use crate::report::tradeoff::schedule::{Extent, Lab, measure};
     use crate::report::tradeoff::store::Store;
 
-    /// Answers as `encode` and `render` would, and keeps the command lines.
+    /// Returns reports like those of `encode` and `render`, and records the command lines.
     struct Told(RefCell<Vec<String>>);
 
     impl Runner for Told {

@@ -1,8 +1,8 @@
-//! Commands of this program, run as processes, and what a kind of sweep does with them.
+//! Runs commands of this program as processes and reads their reports for a kind of sweep.
 //!
-//! Each point is measured by commands that a user could type: the peak of memory is the point's own, a crash loses one
-//! point, threads and device are options like any other, and the CSV names the command of each row. Starting a process
-//! costs milliseconds and is not in any time: commands report their own.
+//! Each point is measured by commands that a user could type: the peak memory is that of the point, a crash loses only
+//! one point, threads and device are ordinary options, and the CSV contains the command of each row. Starting a process
+//! takes milliseconds and is not part of any time: commands report their own.
 
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -17,35 +17,35 @@ use crate::json;
 
 /// Runs command lines of this program. Implemented by the command line.
 pub trait Runner {
-    /// Runs a command and returns the JSON that it printed. An error names the command.
+    /// Runs a command and returns the JSON that it printed. Errors name the command.
     fn run(&self, words: &[OsString]) -> Result<Value>;
 
-    /// Seconds since the program began.
+    /// Returns the seconds since the program began.
     fn now_seconds(&self) -> f64;
 }
 
 /// Measures the points of one kind of sweep.
 pub trait Bench {
-    /// Configuration hash of the input, the fixed options and the program.
+    /// Returns the configuration hash of the input, the fixed options and the program.
     fn made_of(&self) -> u32 {
         0
     }
 
-    /// The command that a user would give for a point.
+    /// Returns the command that a user would give for a point.
     fn command(&self, point: &Point) -> String;
 
-    /// Does what all points need, once.
+    /// Does once what all points need.
     fn prepare(&mut self, _runner: &dyn Runner) -> Result<()> {
         Ok(())
     }
 
-    /// Everything but times; the kind's `survey_runs` are included. Serves as warm-up, too.
+    /// Measures everything except further timed runs; the kind's `survey_runs` are included. Also serves as warm-up.
     fn survey(&mut self, runner: &dyn Runner, point: &Point) -> Result<Survey>;
 
     /// Adds a timed run.
     fn time(&mut self, runner: &dyn Runner, measured: &mut Measured) -> Result<()>;
 
-    /// Cost of a point that an earlier process measured, from its medians.
+    /// Returns the cost of a point that an earlier process measured, from its medians.
     fn cost(&self, _measured: &Measured) -> Option<Cost> {
         None
     }
@@ -54,31 +54,31 @@ pub trait Bench {
         &[]
     }
 
-    /// Whether an error of a point says that its settings together admit no result: such a point is a hole, and the sweep is
-    /// complete without it.
+    /// True if an error of a point means that its settings admit no result. Such a point is left out, and the sweep
+    /// counts as complete without it.
     fn is_infeasible(&self, _error: &Error) -> bool {
         false
     }
 }
 
-/// What a point is where one command measures it, whose first run is timed, too.
+/// A point that one command measures. The first run of the command is timed, too.
 pub trait CommandBench {
     fn kind(&self) -> &'static SweepKind;
 
     fn about(&self) -> String;
 
-    /// What the JSON report says of the input.
+    /// Returns the description of the input in the JSON report.
     fn input(&self) -> Value;
 
-    /// A command that runs once before all points, with its files in `work`, and what it makes.
+    /// Returns a command that runs once before all points, with its files in `work`, and a description of its output.
     fn preparation(&self, _work: &Path) -> Option<(&'static str, Vec<OsString>)> {
         None
     }
 
-    /// The command of a point, with its files in `work`.
+    /// Returns the command of a point, with its files in `work`.
     fn line(&self, point: &Point, work: &Path) -> Vec<OsString>;
 
-    /// The same as a user would give it.
+    /// Returns the same command as a user would give it.
     fn user_line(&self, point: &Point) -> String {
         shell_line(&self.line(point, Path::new("")))
     }
@@ -89,15 +89,15 @@ pub trait CommandBench {
         Ok(())
     }
 
-    /// Adds all other values of a point, whose files are in the folder of `commands`.
+    /// Adds all other values of a point. Its files are in the folder of `commands`.
     fn add_values(&self, commands: &Lines<'_>, report: &Report, measured: &mut Measured) -> Result<()>;
 
-    /// As [`Bench::is_infeasible`].
+    /// See [`Bench::is_infeasible`].
     fn is_infeasible(&self, _error: &Error) -> bool {
         false
     }
 
-    /// What papers found, tested on the results.
+    /// Tests the claims of the papers on the results.
     fn findings(_results: &Results) -> Vec<Finding>
     where
         Self: Sized,
@@ -105,7 +105,7 @@ pub trait CommandBench {
         Vec::new()
     }
 
-    /// Commands that anyone can repeat.
+    /// Returns commands that reproduce the preparation and the first point.
     fn examples(&self, points: &[Point]) -> Vec<ExampleCommand> {
         let before = self.preparation(Path::new(""));
         let before = before.map(|(makes, words)| ExampleCommand { makes, line: shell_line(&words) });
@@ -114,13 +114,13 @@ pub trait CommandBench {
     }
 }
 
-/// A command on an input with options that all points have, then those of a point.
+/// Returns a command with its input, the options of all points, then those of a point.
 pub fn words_of([command, input]: [&str; 2], fixed: &[String], point: &Point) -> Vec<OsString> {
     let words = [command, input].into_iter().chain(fixed.iter().map(String::as_str));
     words.map(OsString::from).chain(point.options()).collect()
 }
 
-/// Where commands run, and the folder of their files.
+/// Runner of commands, and the folder of their files.
 pub struct Lines<'a> {
     pub runner: &'a dyn Runner,
     pub work: &'a Path,
@@ -167,14 +167,14 @@ pub struct Survey {
     pub cost: Cost,
 }
 
-/// Seconds that measuring a point takes.
+/// Time to measure a point, in seconds.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Cost {
     pub survey: f64,
     pub run: f64,
 }
 
-/// The JSON that a command printed, or a part of it.
+/// JSON report of a command, or a part of it.
 pub struct Report {
     pub value: Value,
     command: String,
@@ -189,7 +189,7 @@ impl Report {
         Report { value: self.value[key].clone(), command: self.command.clone() }
     }
 
-    /// A number at a JSON pointer without its first slash.
+    /// Returns the number at a JSON pointer, given without its first slash.
     pub fn number(&self, path: &str) -> Result<f64> {
         let (object, key) = path.rsplit_once('/').unwrap_or(("", path));
         let object = if object.is_empty() { String::new() } else { format!("/{object}") };
@@ -206,13 +206,13 @@ impl Report {
     }
 }
 
-/// A command line of this program as a POSIX shell takes it.
+/// Returns a command line of this program, quoted for a POSIX shell.
 pub fn shell_line<S: AsRef<OsStr>>(words: &[S]) -> String {
     let words = words.iter().map(|word| shell_word(&word.as_ref().to_string_lossy()));
     std::iter::once("lightfold".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
-/// A word as a POSIX shell takes it, quoted if it holds more than plain characters.
+/// Returns a word for a POSIX shell. It is quoted if it contains special characters.
 pub fn shell_word(text: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+,:@%=".contains(c);
     if !text.is_empty() && text.chars().all(plain) {

@@ -1,4 +1,4 @@
-//! Points that differ in one knob only.
+//! Rows of points that differ in one knob only.
 
 use super::kind::{Measured, Setting};
 use super::knob;
@@ -9,11 +9,11 @@ use crate::image::StreamKind;
 #[derive(Debug, Clone)]
 pub struct Run<'a> {
     pub others: Vec<Setting>,
-    /// The number that the knob has, and what was measured; by rising number.
+    /// Value of the knob and the measured point, by increasing value.
     pub points: Vec<(f64, &'a Measured)>,
 }
 
-/// All runs along a knob with at least `least` different numbers.
+/// Returns all runs along a knob with at least `least` different values.
 pub fn along<'a>(results: &'a Results, stream: Option<StreamKind>, name: &str, least: usize) -> Vec<Run<'a>> {
     let mut runs: Vec<Run<'a>> = Vec::new();
     for measured in results.measured.iter().filter(|measured| measured.point.stream == stream) {

@@ -1,8 +1,9 @@
-//! The order of runs: first a survey of all points, then rounds of one timed run of each point, every other round backwards,
-//! so that a machine that becomes slower or faster does so for all points alike.
+//! Order of runs: first a survey of all points, then rounds of one timed run of each point. Every other round is in
+//! reverse order, so that drift of the machine's speed affects all points alike.
 //!
-//! The default settings are the first point. With a budget the surveys begin with them and the ends of all axes, and add values
-//! between them, coarse to fine, as long as all rounds are expected to fit. A value is added with all of its grid, or not at all.
+//! The default settings are the first point. With a budget, the surveys begin with the defaults and the ends of all
+//! axes, and add values between them, coarse to fine, as long as all rounds are expected to fit. A value is added for
+//! its whole grid, or not at all.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +19,7 @@ use crate::monitor::Monitor;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
     pub repeats: u32,
-    /// When all of it is to be done, in seconds since the program began.
+    /// Time by which everything must be finished, in seconds since the program began.
     pub budget_seconds: Option<f64>,
 }
 
@@ -27,7 +28,7 @@ pub struct Schedule {
     /// The studies, without the values that did not fit into the budget.
     pub studies: Vec<Study>,
     pub left_out: Vec<String>,
-    /// Points that failed. The next time they are tried again.
+    /// Points that failed. A later process tries them again.
     pub failed: Vec<FailedPoint>,
 }
 
@@ -35,11 +36,11 @@ pub struct Schedule {
 pub struct FailedPoint {
     pub point: String,
     pub error: String,
-    /// Whether no point of these settings is possible, as [`Bench::is_infeasible`] says.
+    /// True if the settings admit no result (see [`Bench::is_infeasible`]).
     pub is_infeasible: bool,
 }
 
-/// Runs that [`measure`] advances its monitor by at most.
+/// Returns the maximum number of runs by which [`measure`] advances its monitor.
 pub fn runs(studies: &[Study], extent: Extent, store: &Store) -> u64 {
     let survey = |study: &Study| 1 + u64::from(extent.repeats.saturating_sub(study.sweep.survey_runs));
     let missing = |point: &Point| match store.row(point) {
@@ -49,8 +50,8 @@ pub fn runs(studies: &[Study], extent: Extent, store: &Store) -> u64 {
     all_points(studies).iter().map(missing).sum()
 }
 
-/// Measures the points of studies, and keeps each finished run in the store. A point that fails leaves a hole; where every
-/// point does, the error is that of the first.
+/// Measures the points of studies and saves each finished run to the store. A point that fails is left out. Fails with
+/// the first error if every point fails.
 pub fn measure<'a>(studies: &[Study], extent: Extent, lab: Lab<'a>, monitor: &'a dyn Monitor) -> Result<Schedule> {
     let mut work = Measurement { lab, monitor, extent, known: BTreeMap::new(), failed: Vec::new(), is_prepared: false };
     let (studies, left_out) = match extent.budget_seconds {
@@ -73,7 +74,7 @@ pub fn measure<'a>(studies: &[Study], extent: Extent, lab: Lab<'a>, monitor: &'a
     {
         return Err(first);
     }
-    // Rows that were taken over may belong to more studies now.
+    // Rows from an earlier file may belong to more studies now.
     for row in &mut store.rows {
         for name in names_of(&row.measured.point, &studies) {
             if !row.studies.contains(&name) {
@@ -101,7 +102,7 @@ struct Measurement<'a> {
     extent: Extent,
     known: BTreeMap<Point, Cost>,
     failed: Vec<(Point, Error)>,
-    /// Whether this process has measured anything.
+    /// True if this process has measured anything.
     is_prepared: bool,
 }
 
@@ -118,7 +119,7 @@ impl Measurement<'_> {
         self.failed.iter().any(|(failed, _)| failed == point)
     }
 
-    /// Keeps the error of a point; errors that are not its own end the sweep.
+    /// Records the error of a point. Interruption and I/O errors end the sweep.
     fn settle<T>(&mut self, point: &Point, done: Result<T>) -> Result<Option<T>> {
         match done {
             Ok(done) => Ok(Some(done)),
@@ -130,7 +131,7 @@ impl Measurement<'_> {
         }
     }
 
-    /// Surveys a point, unless that is done.
+    /// Surveys a point, unless it is surveyed already.
     fn survey(&mut self, point: &Point, studies: &[Study]) -> Result<()> {
         if self.lab.store.row(point).is_some() || self.has_failed(point) {
             return Ok(());
@@ -179,7 +180,7 @@ impl Measurement<'_> {
         Ok(())
     }
 
-    /// Runs each point as often as it is to be, round by round, as far as the budget goes.
+    /// Runs each point up to the requested number of times, round by round, within the budget.
     fn rounds(&mut self, studies: &[Study]) -> Result<()> {
         let points = all_points(studies);
         for round in 1..=self.extent.repeats {
@@ -192,7 +193,7 @@ impl Measurement<'_> {
                 order.reverse();
             }
             for point in order {
-                // One run of one point there is always: nothing at all would be no answer.
+                // At least one run of one point is always made, so that there is a result.
                 let is_any = points.iter().any(|point| self.lab.store.runs(point) > 0);
                 if !is_any || !self.is_too_long(self.estimate(point).run) {
                     self.time(point)?;
@@ -207,7 +208,7 @@ impl Measurement<'_> {
         self.known.get(point).copied().or_else(earlier)
     }
 
-    /// Cost of a point as far as known, or the mean of others of its kind of stream, or of all.
+    /// Returns the known cost of a point, or the mean cost of points of the same kind of stream, or of all points.
     fn estimate(&self, point: &Point) -> Cost {
         let mean = |alike: &dyn Fn(&Point) -> bool| {
             let points = self.lab.store.rows.iter().map(|row| &row.measured.point).filter(|other| alike(other));
@@ -219,7 +220,7 @@ impl Measurement<'_> {
         self.known_cost(point).or_else(alike).or_else(|| mean(&|_| true)).unwrap_or_default()
     }
 
-    /// Seconds that points still take with so many runs of each.
+    /// Returns the estimated remaining seconds of points with `repeats` runs each.
     fn ahead(&self, points: &[Point], repeats: u32) -> f64 {
         let of = |point: &Point| {
             if self.has_failed(point) {
@@ -232,7 +233,8 @@ impl Measurement<'_> {
         points.iter().map(of).sum()
     }
 
-    /// Runs of each point with which points, and those accepted before, fit into the budget. What is there already does.
+    /// Returns the number of runs per point with which the new and the accepted points fit into the budget. New points
+    /// that are all measured already always fit.
     fn repeats_that_fit(&self, new: &[Point], accepted: &[Point]) -> Option<u32> {
         let fits = |repeats: &u32| !self.is_too_long(self.ahead(accepted, *repeats) + self.ahead(new, *repeats));
         let is_there = |point: &Point| self.has_failed(point) || self.lab.store.runs(point) > 0;
@@ -240,12 +242,13 @@ impl Measurement<'_> {
         (1..=self.extent.repeats).rev().find(fits).or(there)
     }
 
-    /// Surveys points if these and all before fit into the budget, with fewer runs of each where it must be.
+    /// Surveys points if they and all accepted points fit into the budget, if necessary with fewer runs of each.
+    /// Returns false if they do not fit.
     fn add(&mut self, points: &[Point], accepted: &mut Vec<Point>, studies: &[Study]) -> Result<bool> {
         let new: Vec<Point> = points.iter().filter(|point| !accepted.contains(point)).cloned().collect();
         let before = self.extent.repeats;
         loop {
-            // Each point that is surveyed tells more.
+            // Each surveyed point improves the estimate.
             let Some(repeats) = self.repeats_that_fit(&new, accepted) else {
                 self.extent.repeats = before;
                 return Ok(false);
@@ -259,7 +262,7 @@ impl Measurement<'_> {
         Ok(true)
     }
 
-    /// Finds out what points take, by the first of them that does not fail; returns it.
+    /// Measures the cost of points with the first one that does not fail, and returns that point.
     fn probe(&mut self, points: &[Point], studies: &[Study]) -> Result<Option<Point>> {
         for (at, point) in points.iter().enumerate() {
             if at > 0 && self.is_too_long(0.0) {
@@ -290,7 +293,7 @@ impl Measurement<'_> {
             if self.add(&points, &mut accepted, studies)? {
                 grids.push(grid);
             } else if let Some(point) = probed.filter(|_| is_first) {
-                // Nothing at all would be no answer, so the first study has one point.
+                // The first study always gets one point, so that there is a result.
                 grid = Grid::of(study, |axis, at| point.value(axis.knob) == Some(&axis.values[at]));
                 if !self.add(std::slice::from_ref(&point), &mut accepted, studies)? {
                     self.extent.repeats = 1;
@@ -322,7 +325,7 @@ impl Measurement<'_> {
         Ok((studies, left_out))
     }
 
-    /// What the budget left of the rounds, in sentences.
+    /// Returns sentences that describe the runs omitted because of the budget.
     fn shortfall(&self, studies: &[Study], asked: u32, budget: f64) -> Vec<String> {
         let mut told = Vec::new();
         let points = all_points(studies).into_iter().filter(|point| !self.has_failed(point));
@@ -351,7 +354,7 @@ impl Measurement<'_> {
     }
 }
 
-/// A study in the making: which values of each axis are taken, and which were tried.
+/// Study under construction: the values of each axis that are taken, and those that were tried.
 struct Grid<'a> {
     study: &'a Study,
     taken: Vec<Vec<bool>>,
@@ -372,7 +375,8 @@ impl<'a> Grid<'a> {
         grid
     }
 
-    /// Finds what to try after a value of an axis: of the next axis that has any left, the value farthest from those tried.
+    /// Selects the next value to try after one of `axis`: the untried value farthest from the tried ones, on the next
+    /// axis that has untried values.
     fn advance(&mut self, axis: usize) {
         let count = self.study.axes.len();
         self.next =
@@ -397,14 +401,14 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// The last value, or else the middle of the longest run of values that were not tried.
+/// Returns the last value if it is untried, else the middle of the longest run of untried values.
 fn farthest(tried: &[bool]) -> Option<usize> {
     if tried.last() == Some(&false) {
         return Some(tried.len() - 1);
     }
     let places: Vec<usize> = (0..tried.len()).collect();
     let runs = places.chunk_by(|a, b| tried[*a] == tried[*b]).filter(|run| !tried[run[0]]);
-    // Of runs of one length the first.
+    // Of runs of equal length, takes the first.
     let longest = runs.rev().max_by_key(|run| run.len())?;
     Some(longest[(longest.len() - 1) / 2])
 }

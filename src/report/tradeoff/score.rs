@@ -1,4 +1,4 @@
-//! One number for size and decoding time: CALF's weighted geometric score (figures 7 and 8).
+//! Score of size and decoding time: CALF's weighted geometric score (figures 7 and 8).
 
 use super::kind::Measured;
 use super::study::{Results, Study, Weights};
@@ -7,34 +7,35 @@ const MIN_SECONDS: f64 = 1e-9;
 
 #[derive(Debug, Clone)]
 pub struct Scored<'a> {
-    /// In the order that they were given in; none where nothing was measured.
+    /// In the given order. `None` for points that were not measured.
     pub points: Vec<Option<&'a Measured>>,
     pub scores: Vec<Option<f64>>,
     pub best: Option<usize>,
 }
 
 impl<'a> Scored<'a> {
-    /// Scores points: bytes and decoding time, each to the power of its weight, multiplied, relative to the least such
-    /// product. So 1 is the best of these points, and less is better. None for a point that was not measured or timed.
+    /// Scores points: the product of bytes and decoding time, each raised to the power of its weight, divided by the
+    /// smallest such product. The best point scores 1, and less is better. `None` for points that were not measured or
+    /// timed.
     ///
-    /// CALF maps bytes and times to 0..=1 first. In a product of such numbers a point that is best in one has the score 0,
-    /// however bad it is in the other; so scores here are not those of the paper. Neither accounts for quality.
+    /// CALF first maps bytes and times to 0..=1. In a product of such numbers, a point that is best in one scores 0
+    /// regardless of the other, so these scores differ from the paper's. Neither score accounts for quality.
     pub fn new(points: Vec<Option<&'a Measured>>, weights: Weights) -> Scored<'a> {
         let products: Vec<Option<f64>> = points.iter().map(|point| product((*point)?, weights)).collect();
         let best = best(&products);
         let least = best.and_then(|at| products[at]).unwrap_or(0.0);
-        // As logarithms, so that nothing becomes too large.
+        // Computed from logarithms to avoid overflow.
         let scores = products.into_iter().map(|product| product.map(|product| (product - least).exp())).collect();
         Scored { points, scores, best }
     }
 
-    /// The points of a study, in its order; none in a kind of sweep that has no scores.
+    /// Scores the points of a study, in its order. Empty for sweep kinds without scores.
     pub fn of_study(results: &'a Results, study: &Study) -> Scored<'a> {
         let points = if results.sweep.is_scored { study.points() } else { Vec::new() };
         Scored::new(points.iter().map(|point| results.of(point)).collect(), results.weights)
     }
 
-    /// The point of the least score, if another one has a score, too.
+    /// Returns the point with the lowest score, if at least two points have a score.
     pub fn winner(&self) -> Option<&'a Measured> {
         if self.count() > 1 { self.points[self.best?] } else { None }
     }
@@ -56,14 +57,14 @@ pub fn best(values: &[Option<f64>]) -> Option<usize> {
     there.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| at)
 }
 
-/// The logarithm of the weighted product of bytes and decoding time.
+/// Returns the logarithm of the weighted product of bytes and decoding time.
 fn product(point: &Measured, weights: Weights) -> Option<f64> {
     let seconds = point.number("decode_seconds")?.max(MIN_SECONDS);
     let bytes = point.number("bytes_container")?.max(1.0);
     Some(weights.compression * bytes.ln() + weights.decoding * seconds.ln())
 }
 
-/// Whether tables print the same quality: to 1/100 dB, 1/10,000 of SSIM and a code.
+/// True if two points have the same quality in tables: to 1/100 dB, 1/10,000 of SSIM and one code.
 fn is_of_like_quality(a: &Measured, b: &Measured) -> bool {
     let near = |name: &str, reach: f64| match (a.number(name), b.number(name)) {
         (Some(a), Some(b)) => a == b || (a - b).abs() < reach,
@@ -96,7 +97,7 @@ mod tests {
     #[test]
     fn the_best_has_1_and_weights_are_powers() {
         check(&[point(100, 2.0), point(1600, 2.0), point(100, 32.0)], &[1.0, 2.0, 8.0], 0);
-        // None of these is best in both; the best of them has 1 nevertheless.
+        // Neither point is best in both; the better one scores 1 nevertheless.
         check(&[point(100, 32.0), point(1600, 2.0)], &[4.0, 1.0], 1);
     }
 

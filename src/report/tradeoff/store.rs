@@ -1,6 +1,6 @@
-//! Points in a CSV file. A sweep whose file holds all runs is resumed from it.
+//! Stores points in a CSV file. If the file holds all runs, the sweep is resumed from it.
 //!
-//! The file is written anew after every run, under another name first, so that it is whole at any time.
+//! The file is rewritten after every run, under a temporary name first, so that it is complete at any time.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -30,19 +30,20 @@ pub struct Store {
     pub kind: &'static SweepKind,
     path: PathBuf,
     knobs: Vec<&'static str>,
-    /// One for each point, in the order in which they were first measured.
+    /// One row per point, in the order of first measurement.
     pub rows: Vec<StoredPoint>,
-    /// Rows of the file that have another configuration hash.
+    /// Number of rows of the file that have another configuration hash.
     pub dropped: usize,
 }
 
 impl Store {
-    /// An empty file of points that differ in these knobs.
+    /// Creates an empty store of points that differ in the given knobs.
     pub fn new(kind: &'static SweepKind, folder: &Path, knobs: Vec<&'static str>) -> Store {
         Store { kind, path: folder.join(kind.csv_name()), knobs, rows: Vec::new(), dropped: 0 }
     }
 
-    /// Opens the file of a resumable kind, or starts one. With a configuration hash, rows of another one are dropped.
+    /// Opens the file of a resumable kind, or creates an empty store. If a configuration hash is given, rows with
+    /// another hash are dropped.
     pub fn open(kind: &'static SweepKind, folder: &Path, made_of: Option<u32>) -> Result<Store> {
         let mut store = Store::new(kind, folder, kind.knobs.iter().map(|knob| knob.name).collect());
         let path = store.path.clone();
@@ -115,7 +116,7 @@ impl Store {
         of_records(std::iter::once(self.columns()).chain(self.rows.iter().map(row)))
     }
 
-    /// Files of sweeps that are not resumed have knobs and measures alone.
+    /// Returns a record. Files of kinds that are not resumable have only the columns of knobs and measures.
     fn record(&self, first: [&str; 2], own: impl Iterator<Item = String>, last: [&str; 2]) -> Vec<String> {
         match self.kind.is_resumable {
             true => first.map(str::to_owned).into_iter().chain(own).chain(last.map(str::to_owned)).collect(),
@@ -132,7 +133,7 @@ impl Store {
         match value {
             None => String::new(),
             Some(Value::Count(count)) => count.to_string(),
-            // Files that are only written have numbers as JSON has them.
+            // Files that are never read back format numbers as JSON does.
             Some(Value::Number(number)) if number.is_finite() && !self.kind.is_resumable => json!(number).to_string(),
             Some(Value::Number(number)) => number.to_string(),
             Some(Value::Runs(runs)) => runs.iter().map(f64::to_string).collect::<Vec<_>>().join(BETWEEN),
@@ -151,7 +152,7 @@ impl Cells<'_> {
         self.text(name).split(BETWEEN).filter(|part| !part.is_empty())
     }
 
-    /// A number for which a test holds; none where it may be missing and is.
+    /// Parses a number that must satisfy `fits`. `None` if it is missing and not needed.
     fn parse<T: FromStr + Copy>(
         &self,
         name: &str,

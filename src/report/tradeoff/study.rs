@@ -14,7 +14,7 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// The values as numbers, if all of them are (`16`, `0.1%`).
+    /// Returns the values as numbers (`16`, `0.1%`). `None` if any value is not a number.
     pub fn numbers(&self) -> Option<Vec<f64>> {
         self.values.iter().map(|value| knob::number(value)).collect()
     }
@@ -22,12 +22,12 @@ impl Axis {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
-    /// A short name for files: lower case, words joined by hyphens, unique among the studies of a report.
+    /// Short name for files: lower case, words joined by hyphens, unique among the studies of a report.
     pub name: String,
     pub title: String,
     pub sweep: &'static SweepKind,
     pub stream: Option<StreamKind>,
-    /// What is varied; the first two with more than one value are those of heat maps.
+    /// Varied knobs. The first two with more than one value are the axes of heat maps.
     pub axes: Vec<Axis>,
     /// Settings of all points that differ from the defaults.
     pub fixed: Vec<Setting>,
@@ -50,13 +50,13 @@ impl Serialize for Study {
 }
 
 impl Study {
-    /// All points, the last axis fastest.
+    /// Returns all points; the last axis varies fastest.
     pub fn points(&self) -> Vec<Point> {
         let grid = product(&self.fixed, &self.axes);
         grid.into_iter().map(|settings| Point::new(self.sweep, self.stream, settings)).collect()
     }
 
-    /// Where the default of an axis's knob is among its values.
+    /// Returns the index of the knob's default among the values of its axis.
     pub fn default_at(&self, axis: &Axis) -> Option<usize> {
         let default = self.sweep.knob(axis.knob)?.default;
         let is_default = |value: &String| {
@@ -65,7 +65,7 @@ impl Study {
         axis.values.iter().position(is_default)
     }
 
-    /// The point of the default settings, where it is one of the grid.
+    /// Returns the point of the default settings, if the grid contains it.
     pub fn default_point(&self) -> Option<Point> {
         let at_default = |axis: &Axis| {
             let value = axis.values[self.default_at(axis)?].clone();
@@ -84,7 +84,7 @@ impl Study {
     }
 }
 
-/// All points of studies, each once: those of the default settings first, then in the order of the studies.
+/// Returns all points of studies, each once: those of the default settings first, then in the order of the studies.
 pub fn all_points(studies: &[Study]) -> Vec<Point> {
     let mut points: Vec<Point> = Vec::new();
     for point in studies.iter().filter_map(Study::default_point).chain(studies.iter().flat_map(Study::points)) {
@@ -95,7 +95,7 @@ pub fn all_points(studies: &[Study]) -> Vec<Point> {
     points
 }
 
-/// Some settings with every value of every axis, the last axis fastest.
+/// Returns the Cartesian product of the axes' values, appended to `settings`; the last axis varies fastest.
 pub fn product<'a>(settings: &[Setting], axes: impl IntoIterator<Item = &'a Axis>) -> Vec<Vec<Setting>> {
     axes.into_iter().fold(vec![settings.to_vec()], |grid, axis| {
         let with = |settings: &Vec<Setting>, value: &String| {
@@ -112,7 +112,7 @@ pub struct Weights {
 }
 
 impl Default for Weights {
-    /// Those of CALF's figures 7 and 8.
+    /// Weights of CALF figures 7 and 8.
     fn default() -> Weights {
         Weights { compression: 0.25, decoding: 0.75 }
     }
@@ -147,7 +147,7 @@ impl Results {
         self.measured.iter().find(|measured| measured.point == *point)
     }
 
-    /// Kinds of streams of the points, in order; `None` stands for points without one.
+    /// Returns the kinds of streams of the points, in order. `None` stands for points without a stream.
     pub fn streams(&self) -> Vec<Option<StreamKind>> {
         let all = StreamKind::ALL.into_iter().map(Some).chain([None]);
         all.filter(|stream| self.measured.iter().any(|of| of.point.stream == *stream)).collect()

@@ -1,4 +1,4 @@
-//! All points of a sweep as a table, for the page and for standard output.
+//! Table of all points of a sweep, for the page and for standard output.
 
 use super::kind::{Format, Measure, Measured};
 use super::study::Results;
@@ -6,7 +6,7 @@ use crate::image::StreamKind;
 use crate::report::Table;
 use crate::report::plot::number;
 
-/// A table of points: columns for knobs, and for measures that any of them has.
+/// Table of points, with columns for the knobs and measures that any of them has.
 pub struct PointTable<'a> {
     pub headings: Vec<&'a str>,
     pub rows: Vec<PointRow<'a>>,
@@ -19,7 +19,7 @@ pub struct PointRow<'a> {
 
 pub struct Cell {
     pub text: String,
-    /// The shortest and the longest run, if there are several.
+    /// Shortest and longest run, if there are several.
     pub range: Option<String>,
 }
 
@@ -68,7 +68,7 @@ impl PointTable<'_> {
     }
 }
 
-/// All measures of a point that tables show, with their headings.
+/// Returns all measures of a point that have a heading, as text with their headings.
 pub fn words(point: &Measured) -> String {
     let shown = point.kind.measures.iter().filter(|measure| !measure.heading.is_empty());
     let words = shown.filter_map(|measure| {

@@ -1,3 +1,3 @@
-//! Results that were never measured, for tests of reports.
+//! Constructed results for tests of reports.
 
 pub(crate) mod sample;

@@ -13,9 +13,9 @@ use crate::scene::{Hit, SceneAtTime};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewpoint {
     pub position: DVec3,
-    /// From the probe's axes to the world's.
+    /// Rotation from probe axes to world axes.
     pub orientation: Option<DQuat>,
-    /// In the probe's axes.
+    /// Projection in probe axes.
     pub projection: ImageProjection,
 }
 
@@ -26,53 +26,53 @@ type BoxTest = Box<dyn Fn(&AxisBox) -> bool>;
 pub struct PixelTracer<'a> {
     pub scene: &'a SceneAtTime,
     pub from: &'a Viewpoint,
-    /// Forward, right and down in the world, of a flat image.
+    /// Forward, right and down in world axes; `None` for a panorama.
     axes: Option<[DVec3; 3]>,
 }
 
 impl Viewpoint {
-    /// From the probe's axes to the world's.
+    /// Rotates a direction from probe axes to world axes.
     pub fn turned(&self, direction: DVec3) -> DVec3 {
         self.orientation.map_or(direction, |turn| turn * direction)
     }
 }
 
-/// Radiance as half floats, clamped to the largest one, 65,504.
+/// Converts radiance to half floats, clamped to the largest finite one, 65,504.
 pub fn halves(light: DVec3) -> [f16; 3] {
     light.min(DVec3::splat(f16::MAX.to_f64())).to_array().map(f16::from_f64)
 }
 
-/// The mean radiance of a pixel's samples.
+/// Returns the mean radiance of a pixel's samples.
 pub fn mean_light(samples: impl ExactSizeIterator<Item = DVec3>) -> [f16; 3] {
     let count = samples.len();
     halves(samples.fold(DVec3::ZERO, |sum, light| sum + light) / count as f64)
 }
 
 impl<'a> PixelTracer<'a> {
-    /// Rows and columns that share a list of objects in view.
+    /// Width and height of the pixel tiles that share a list of candidate objects.
     pub const TILE: u32 = 16;
 
     pub fn new(scene: &'a SceneAtTime, from: &'a Viewpoint) -> PixelTracer<'a> {
         PixelTracer { scene, from, axes: from.projection.axes().map(|axes| axes.map(|axis| from.turned(axis))) }
     }
 
-    /// What the ray through a position hits, among all meshes and the `candidates` of [`Self::in_view`].
+    /// Traces the ray through a position in the image, against all meshes and the `candidates` from [`Self::in_view`].
     pub fn trace(&self, at: [f64; 2], candidates: &[usize]) -> Hit {
         self.scene.trace(&self.ray(at), candidates.iter().copied())
     }
 
-    /// The mean radiance of a pixel, by its upper left corner.
+    /// Returns the mean radiance of the pixel with this upper left corner.
     pub fn color(&self, [left, top]: [f64; 2], samples: &SamplePattern, candidates: &[usize]) -> [f16; 3] {
         mean_light(samples.points.iter().map(|[x, y]| self.trace([left + x, top + y], candidates).color))
     }
 
-    /// The ray through a position in the image, in pixels; also beside a flat image.
+    /// Returns the ray through a position in the image, in pixels. Positions outside a flat image are allowed.
     pub fn ray(&self, at: [f64; 2]) -> Ray {
-        // Its length lies within f64's reach: 1 or more in flat images, and 1 in others.
+        // Normalising is safe: the vector has length 1 in panoramas, and 1 or more in flat images.
         Ray::from_unit(self.from.position, self.from.turned(self.from.projection.unproject(at).normalize()))
     }
 
-    /// Indices, in order, of the objects that positions between two corners of the image may see.
+    /// Returns the indices, in order, of the objects that may be visible in a rectangle of the image, given by two corners.
     pub fn in_view(&self, from: [f64; 2], to: [f64; 2]) -> Vec<usize> {
         let objects = &self.scene.objects;
         let outside = match self.axes {
@@ -82,7 +82,7 @@ impl<'a> PixelTracer<'a> {
         (0..objects.len()).filter(|&index| !outside(&objects[index].bounds)).collect()
     }
 
-    /// Whether a box is outside of one of the five planes of the pixels' pyramid.
+    /// Returns a test that is true for boxes entirely outside one of the five planes of the rectangle's pyramid.
     fn outside_of_pyramid(&self, axes: [DVec3; 3], from: [f64; 2], to: [f64; 2]) -> BoxTest {
         let [forward, right, down] = axes;
         let plane = |at: [f64; 2]| self.from.projection.plane(at);
@@ -93,16 +93,16 @@ impl<'a> PixelTracer<'a> {
         let position = self.from.position;
         Box::new(move |bounds| {
             let corners = bounds.corners().map(|corner| corner - position);
-            // The millionth of a metre is a margin for rounding.
+            // A margin of 1e-6 m for rounding.
             planes.iter().any(|normal| corners.iter().all(|corner| corner.dot(*normal) < -1e-6))
         })
     }
 
-    /// Whether the sphere around a box is outside of a cone around the pixels of a panorama.
+    /// Returns a test that is true for boxes whose bounding sphere is outside a cone around a rectangle of a panorama.
     fn outside_of_cone(&self, from: [f64; 2], to: [f64; 2]) -> BoxTest {
         let [width, height] = self.from.projection.size().map(f64::from);
         let [x, y] = [0, 1].map(|axis| 0.5 * (from[axis] + to[axis]));
-        // Along a meridian and then a parallel, which is an upper bound.
+        // Path along a meridian and then a parallel: an upper bound of the angle.
         let across = (to[0] - from[0]) / width * PI;
         let along = (to[1] - from[1]) / height * 0.5 * PI;
         let reach = across + along + 1e-6;
@@ -111,7 +111,7 @@ impl<'a> PixelTracer<'a> {
         Box::new(move |bounds| {
             let to_middle = 0.5 * (bounds.min + bounds.max) - position;
             let (distance, radius) = (to_middle.length(), 0.5 * (bounds.max - bounds.min).length());
-            // Infinite boxes, and those around the camera, are in view: comparisons with NaN fail.
+            // Infinite boxes, and boxes around the camera, count as visible: comparisons with NaN are false.
             distance > radius * 1.000_001 + 1e-6
                 && axis.angle_between(to_middle) > reach + ((radius + 1e-6) / distance).min(1.0).asin()
         })

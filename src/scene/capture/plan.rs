@@ -1,6 +1,6 @@
 //! Plan of a capture: its images, their files, and the manifest that describes them.
 //!
-//! Near and far are not in the manifest: `encode` finds them for each probe, which is finer than one pair for all.
+//! The manifest does not state near and far: `encode` determines them per probe, which is tighter than one pair for all probes.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -22,24 +22,25 @@ use crate::math::camera::rotation;
 #[derive(Debug, Clone, PartialEq)]
 pub struct CapturePlan {
     pub name: String,
-    /// Frames per second: frame f is the scene at f / fps seconds.
+    /// Frames per second: frame f shows the scene at f / fps seconds.
     pub fps: f64,
     pub frames: FrameRange,
     pub projection: Projection,
     /// Width and height in pixels; faces are square, panoramas twice as wide as high.
     pub size: [u32; 2],
-    /// Frames of a camera are cut to [`Self::frames`].
+    /// A camera's own frames are intersected with [`Self::frames`].
     pub cameras: CameraSet,
     /// Vertical field of view in degrees, for perspective cameras without their own.
     pub fov_y_deg: Option<f64>,
-    /// Each once.
+    /// Without duplicates.
     pub passes: Vec<Pass>,
-    /// Samples of colour in a pixel.
+    /// Colour samples per pixel.
     pub samples: u32,
     pub depth: DepthKind,
-    /// Metres or `+inf`; surfaces beyond are background, except in colour: a backdrop is seen, not reconstructed.
+    /// Metres or `+inf`. Farther surfaces are background in all passes but colour, so a backdrop is visible but not
+    /// reconstructed.
     pub far_m: f64,
-    /// Which of [`Self::request_count`] requests are captured, by probe, then by frame, then by face; `None` for all.
+    /// Range of requests to capture, out of [`Self::request_count`], ordered by probe, then frame, then face; `None` for all.
     pub part: Option<Range<u64>>,
 }
 
@@ -50,12 +51,12 @@ pub struct FrameRequest {
     pub frame: u32,
 }
 
-/// Most frames where no range is given: a stray key in a file may ask for more.
+/// Maximum frames if no range is given: a stray key in a file could ask for more.
 const MAX_ANIMATION_FRAMES: u32 = 100_000;
 
-/// Frames of an animation: all that begin before its end, and at least one.
+/// Returns the frames of an animation: all that begin before its end, at least one. Fails above 100,000 frames.
 pub fn frames_of_animation(duration_s: f64, fps: f64) -> Result<FrameRange> {
-    // The millionth of a frame is for rounding. Casts saturate, and NaN is 0.
+    // A margin of 1e-6 frames for rounding. The cast saturates and maps NaN to 0.
     let count = (duration_s * fps - 1e-6).ceil() as u32;
     if count > MAX_ANIMATION_FRAMES {
         return Err(Error::Usage(format!(
@@ -67,7 +68,7 @@ pub fn frames_of_animation(duration_s: f64, fps: f64) -> Result<FrameRange> {
 }
 
 impl CapturePlan {
-    /// Fails where the plan is contradictory.
+    /// Creates the manifest. Fails if the plan is inconsistent.
     pub fn manifest(&self) -> Result<Manifest> {
         self.check()?;
         let wants = |pass| self.passes.contains(&pass);
@@ -151,7 +152,7 @@ impl CapturePlan {
         if placed.shift.is_some() && self.projection != Projection::Perspective {
             return Err(Error::Usage(format!("camera {name} has a \"shift\", which is only for perspective captures")));
         }
-        // A manifest has one of them.
+        // A manifest has either a field of view or intrinsics.
         let shifted = fov_y_deg.filter(|_| placed.shift.is_some());
         Ok(Probe {
             name,
@@ -164,19 +165,19 @@ impl CapturePlan {
         })
     }
 
-    /// Frames of a camera; `None` where it has none.
+    /// Returns the frames of a camera; `None` if it has none in the plan's range.
     fn frames_of(&self, camera: usize) -> Option<FrameRange> {
         let Some([first, last]) = self.cameras.cameras[camera].frames else { return Some(self.frames) };
         self.frames.intersect(FrameRange { first, last })
     }
 
-    /// File pattern of a pass, as in a manifest.
+    /// Returns the file pattern of a pass, as written in a manifest.
     fn file_text(&self, pass: Pass) -> String {
         let face = if self.projection == Projection::Cubemap { "face_{face}/" } else { "" };
         format!("probe_{{probe}}/{face}{}.%04d.exr", pass.name())
     }
 
-    /// File of an image, relative to the folder of the dataset.
+    /// Returns the file of an image, relative to the dataset's folder.
     pub fn file(&self, request: &FrameRequest, pass: Pass) -> Result<PathBuf> {
         let text = self.file_text(pass).replace("{probe}", &self.cameras.name_of(request.probe));
         Ok(Pattern::parse(&text.replace("{face}", request.face.name()))?.path(request.frame))
@@ -186,7 +187,7 @@ impl CapturePlan {
         if self.projection == Projection::Cubemap { &Face::CUBE } else { &[Face::View] }
     }
 
-    /// The requests of a frame that are captured, in order of probes and faces.
+    /// Returns the requests of a frame that are captured, ordered by probe and face.
     pub fn requests(&self, frame: u32) -> impl Iterator<Item = FrameRequest> + '_ {
         let faces = self.faces();
         let firsts = (0..self.cameras.cameras.len()).scan(0, move |next, probe| {
@@ -209,12 +210,12 @@ impl CapturePlan {
         self.frames_of(camera).map_or(0, FrameRange::count) * self.faces().len() as u64
     }
 
-    /// Requests of all probes, whether they are captured or not.
+    /// Returns the number of requests of all probes, captured or not.
     pub fn request_count(&self) -> u64 {
         (0..self.cameras.cameras.len()).map(|camera| self.requests_of(camera)).sum()
     }
 
-    /// Images that are captured.
+    /// Returns the number of captured images.
     pub fn image_count(&self) -> u64 {
         let requests = self.part.as_ref().map_or_else(|| self.request_count(), |part| part.end - part.start);
         requests * self.passes.len() as u64
@@ -237,7 +238,7 @@ impl CapturePlan {
         }
     }
 
-    /// Fails where the folder of an existing dataset would keep images that are not of this one.
+    /// Fails if the folder of an existing dataset would keep images that are not part of this one.
     pub fn check_replaces(&self, old: &Manifest) -> Result<()> {
         let new = self.manifest()?;
         let has_files = |kind| old.files.get(kind).is_none() || old.files.get(kind) == new.files.get(kind);
@@ -263,9 +264,9 @@ impl CapturePlan {
         )))
     }
 
-    /// Names and values of all settings that images depend on.
+    /// Returns the names and values of all settings that the images depend on.
     pub fn options(&self) -> Vec<(&'static str, String)> {
-        // Destructured so that a new field is not forgotten here.
+        // Destructured so that adding a field without listing it here does not compile.
         let CapturePlan {
             name,
             fps,
@@ -301,7 +302,7 @@ impl CapturePlan {
     }
 }
 
-/// Their positions, where there are few.
+/// Describes a set of cameras: their positions if there are at most four, otherwise their number.
 fn cameras_in_words(set: &CameraSet) -> String {
     const FEW: usize = 4;
     let place = |position: &[f64; 3]| format!("{},{},{}", position[0], position[1], position[2]);

@@ -1,13 +1,13 @@
-//! Sample positions of a pixel's colour.
+//! Positions of a pixel's colour samples.
 //!
-//! They are the same in every pixel and frame, so static pixels keep their bits. A square number of samples is on a
-//! regular grid, any other on Hammersley points: `k/N` across, the bit-reversed `k` down.
+//! They are the same in every pixel and frame, so static pixels are bit-identical. A square number of samples forms a regular
+//! grid; any other number uses Hammersley points: `k/N` across, the bit-reversed `k` down.
 
 use crate::error::{Error, Result};
 
 pub const MAX_SAMPLES: u32 = 4096;
 
-/// Points in a pixel, each coordinate in 0..1, its centre at (½, ½).
+/// Points in a pixel, with coordinates in 0..1; the pixel centre is (½, ½).
 #[derive(Debug, Clone, PartialEq)]
 pub struct SamplePattern {
     pub points: Vec<[f64; 2]>,
@@ -32,7 +32,7 @@ impl SamplePattern {
         Ok(SamplePattern { points })
     }
 
-    /// Whether the centre is the only one.
+    /// True if the pixel centre is the only sample.
     pub fn is_centre(&self) -> bool {
         self.points == [[0.5; 2]]
     }
@@ -59,7 +59,7 @@ mod tests {
             for axis in 0..2 {
                 let mut along: Vec<f64> = pattern.points.iter().map(|point| point[axis]).collect();
                 along.sort_by(f64::total_cmp);
-                // No two alike, and no gap wider than two steps.
+                // All values are distinct, and no gap is wider than two steps.
                 assert!(along.windows(2).all(|pair| pair[0] < pair[1]), "{count}");
                 let step = 2.0 / f64::from(count);
                 assert!(along[0] > 0.0 && along[0] < step && along[count as usize - 1] < 1.0, "{count}");

@@ -7,8 +7,8 @@ use crate::image::{ColorPlane, DepthKind, DepthPlane, Face, ImageProjection};
 use crate::monitor::Silent;
 use crate::scene::{DemoKind, DemoScene, SceneAtTime, trace};
 
-/// Captures a face of the cube map at a position, with [`COLOR_SAMPLES`]. Depth is the distance in metres along the
-/// ray through the pixel's centre, `+inf` for the background.
+/// Captures a face of the cube map at a position, with [`COLOR_SAMPLES`] samples. Depth is the distance in metres along the ray
+/// through the pixel's centre, `+inf` for the background.
 pub(crate) fn capture_face(
     scene: &SceneAtTime,
     position: DVec3,
@@ -40,7 +40,7 @@ fn thread_count_does_not_matter() {
 fn culling_and_shafts_change_nothing() {
     let demo = DemoScene::new(DemoKind::Courtyard);
     let scene = demo.at(1.3);
-    // From the middle, from outside the region, from above everything.
+    // From the middle, from outside the region, and from above the scene.
     for position in [DVec3::new(0.1, 1.4, 0.2), DVec3::new(-3.0, 1.0, 3.0), DVec3::new(-1.0, 9.0, 0.0)] {
         for face in Face::CUBE {
             let size = 37;

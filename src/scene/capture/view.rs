@@ -1,6 +1,6 @@
-//! One image of a scene. Colour is averaged over each pixel; depth, normal and material are those of the ray through
-//! its centre, and never filtered, so they disagree with colour at edges, as in the footage of other renderers. With
-//! one sample, all are of the same ray. Rays have length 1; planar depth is distance over
+//! Captures one image of a scene. Colour is averaged over each pixel. Depth, normal and material are those of the ray through
+//! the pixel's centre, without filtering, so they disagree with colour at edges, as in the output of other renderers. With one
+//! sample, all passes use the same ray. Ray directions have length 1; planar depth is the distance divided by
 //! [`ImageProjection::ray_length_factor`].
 
 use half::f16;
@@ -14,28 +14,28 @@ use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 use crate::monitor::Monitor;
 use crate::scene::{Hit, OPAQUE, SceneAtTime};
 
-/// Longest side of an image: a face of 16,384² pixels is 2.5 GiB of colour and depth.
+/// Maximum width and height of an image: a face of 16,384² pixels takes 2.5 GiB for colour and depth.
 pub const MAX_FACE_SIZE: u32 = 16_384;
 
-/// Side in pixels of the squares that share a list of visible objects.
+/// Width and height of the pixel tiles that share a list of candidate objects.
 const TILE: u32 = 16;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Pass {
     /// Linear Rec. 709 radiance, averaged over the pixel.
     Color,
-    /// Metres, `+inf` for the background.
+    /// Depth in metres, `+inf` for the background.
     Depth,
     /// Shading normal in world axes, length 1; zero for the background.
     Normal,
-    /// Weight of reflection, of refraction, and index of refraction; 0, 0, 1 for the background.
+    /// Weight of reflection, weight of refraction, index of refraction; 0, 0, 1 for the background.
     Material,
 }
 
 impl Pass {
     pub const ALL: [Pass; 4] = [Pass::Color, Pass::Depth, Pass::Normal, Pass::Material];
 
-    /// As in file names.
+    /// Returns the name used in file names.
     pub fn name(self) -> &'static str {
         match self {
             Pass::Color => "color",
@@ -49,11 +49,11 @@ impl Pass {
 #[derive(Debug, Clone, Copy)]
 pub struct PassSettings<'a> {
     pub passes: &'a [Pass],
-    /// Sample positions of colour.
+    /// Positions of the colour samples.
     pub samples: &'a SamplePattern,
-    /// Planar only for flat images.
+    /// `Planar` is only legal for flat images.
     pub depth: DepthKind,
-    /// Metres; surfaces beyond are background, except in colour.
+    /// Far distance in metres; farther surfaces are background in all passes but colour.
     pub far_m: f64,
 }
 
@@ -62,7 +62,7 @@ impl PassSettings<'_> {
         self.passes.contains(&pass)
     }
 
-    /// Camera rays for each pixel, without reflected, refracted and shadow rays.
+    /// Returns the camera rays per pixel, without reflected, refracted and shadow rays.
     pub fn rays_per_pixel(&self) -> u64 {
         let color = if self.wants(Pass::Color) { self.samples.points.len() as u64 } else { 0 };
         let centre = self.passes.iter().any(|pass| *pass != Pass::Color);
@@ -79,7 +79,7 @@ pub struct Images {
     pub material: Option<MaterialPlane>,
 }
 
-/// The result does not depend on the number of threads.
+/// Captures an image. The result does not depend on the number of threads.
 pub fn capture_view(
     scene: &SceneAtTime,
     from: &Viewpoint,
@@ -115,7 +115,7 @@ pub fn capture_view(
     Ok(images)
 }
 
-/// Rows of all planes.
+/// A band of rows of all planes.
 struct Band<'a> {
     top: u32,
     rows: u32,
@@ -185,7 +185,7 @@ impl ImageCapture<'_> {
                 DepthKind::Distance => seen.distance,
                 DepthKind::Planar => seen.distance / self.pixels.from.projection.unproject([x, y]).length(),
             };
-            // Depths that underflow are not 0.
+            // Depths that underflow become the smallest normal number, not 0.
             depth[pixel] = if near { (metres as f32).max(f32::MIN_POSITIVE) } else { f32::INFINITY };
         }
         if let Some(normal) = &mut band.normal {
@@ -196,7 +196,7 @@ impl ImageCapture<'_> {
         }
     }
 
-    /// The hit of the ray through the centre of a pixel, shaded only where normal or material are requested.
+    /// Traces the ray through the centre of a pixel; shades the hit only if normals or materials are requested.
     fn centre(&self, at: [f64; 2], candidates: &[usize]) -> Hit {
         if self.settings.wants(Pass::Normal) || self.settings.wants(Pass::Material) {
             return self.pixels.trace(at, candidates);
@@ -242,7 +242,7 @@ mod tests {
                 let [width, height] = projection.size();
                 for (col, row) in (0..height).flat_map(|row| (0..width).map(move |col| (col, row))) {
                     let direction = from.turned(projection.pixel_direction(col, row));
-                    // The length of a turned direction is another number, if only just.
+                    // Rotating a direction changes its length by a rounding error.
                     let hit = trace(&scene, position, direction);
                     let found = f64::from(depth.get(col, row));
                     assert!(
@@ -295,7 +295,7 @@ mod tests {
         let from = Viewpoint { position: DVec3::new(0.0, 1.5, 0.0), orientation: None, projection };
         let planar = PassSettings { depth: DepthKind::Planar, ..settings(&[Pass::Depth], &samples) };
         let depth = capture_view(&scene, &from, &planar, &Silent).unwrap().depth.unwrap();
-        // The ground is 1.5 m below, whichever way one looks.
+        // The ground is 1.5 m below, so its planar depth is 1.5 m in every direction.
         assert!((depth.get(20, 30) - 1.5).abs() < 1e-6);
         let distances =
             capture_view(&scene, &from, &settings(&[Pass::Depth], &samples), &Silent).unwrap().depth.unwrap();

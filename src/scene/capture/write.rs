@@ -1,4 +1,4 @@
-//! Writes the images of a capture. Their bytes follow from plan and scene alone; images of an earlier run are kept.
+//! Writes the images of a capture. Their bytes depend only on the plan and the scene; images of an earlier run are kept.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,30 +14,30 @@ use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::scene::{Scene, SceneAtTime};
 
-/// The unfinished folder of a capture.
+/// Folder of an unfinished capture.
 pub const UNFINISHED: FolderKind = FolderKind { suffix: ".capture.partial", state: ".capture.json" };
-/// Memory of images in progress, if they are more than one.
+/// Maximum memory of images in progress, unless there is only one.
 const MEMORY_BYTES: u64 = 1 << 30;
-/// A pixel with all passes, and its copy while it is written.
+/// Bytes per pixel with all passes, twice: a copy is made while an image is written.
 const PIXEL_BYTES: u64 = 2 * (6 + 4 + 12 + 12);
-/// Most time samples of a scene in memory.
+/// Maximum time samples of a scene in memory.
 const MAX_TIME_SAMPLES: usize = 16;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CaptureSummary {
     pub images: u64,
     pub kept_images: u64,
-    /// Camera rays; reflected, refracted and shadow rays are not counted.
+    /// Camera rays, without reflected, refracted and shadow rays.
     pub rays: u64,
     pub bytes: u64,
-    /// Nearest and farthest stored depth in metres, (+inf, 0) without any.
+    /// Minimum and maximum stored depth in metres; (+inf, 0) without any.
     pub depth_range_m: [f32; 2],
 }
 
-/// Figures of a capture in JSON.
+/// Statistics of a capture, as JSON.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct CaptureReport {
-    /// Time of the command.
+    /// Duration of the command.
     pub seconds: f64,
     /// Time until the scene was open.
     pub loading_seconds: f64,
@@ -46,7 +46,7 @@ pub struct CaptureReport {
     images: u64,
     resumed_images: u64,
     rays: u64,
-    /// Without the time for opening the scene.
+    /// Excludes the time for opening the scene.
     pub rays_per_second: f64,
     bytes: u64,
     near_m: Option<f64>,
@@ -95,12 +95,12 @@ impl CaptureSummary {
 struct Job {
     request: FrameRequest,
     passes: Vec<Pass>,
-    /// Summary of those that are there.
+    /// Summary of the passes that exist already.
     kept: CaptureSummary,
 }
 
 impl CapturePlan {
-    /// Captures everything into a folder, which appears once it is whole.
+    /// Captures everything into a folder, which is published when complete.
     pub fn write(&self, scene: &Scene, path: &Path, monitor: &dyn Monitor) -> Result<CaptureSummary> {
         let folder = OutputFolder::create(path)?;
         let summary = self.write_images(scene, &folder, monitor)?;
@@ -108,9 +108,9 @@ impl CapturePlan {
         folder.commit().map(|()| summary)
     }
 
-    /// Captures the images of the plan's part, without the manifest. Those that were made are kept where they can be read and have the
-    /// right size. The monitor advances by one for each image. In memory are at most sixteen time samples, and 1 GiB of images or one
-    /// face.
+    /// Captures the images of the plan's part, without the manifest. Existing images are kept if they can be read and have the
+    /// right size. The monitor advances by one per image. At most sixteen time samples are in memory, and at most 1 GiB of
+    /// images or one face.
     pub fn write_images(
         &self,
         scene: &Scene,
@@ -136,7 +136,7 @@ impl CapturePlan {
         Ok(sum)
     }
 
-    /// Frames captured together, of so many in all, so that all threads have work.
+    /// Returns how many of `frames` frames are captured together, so that all threads have work.
     fn frames_at_once(&self, frames: usize) -> usize {
         let images = self.image_count() / (self.passes.len() * frames).max(1) as u64;
         (2 * rayon::current_num_threads()).div_ceil(images.max(1) as usize).clamp(1, MAX_TIME_SAMPLES)
@@ -174,7 +174,7 @@ impl CaptureRun<'_> {
         Ok(job)
     }
 
-    /// Near and far of an image that can be read and has the right size.
+    /// Returns the depth range of an image; `None` if it cannot be read or has the wrong size.
     fn read(&self, path: &Path, pass: Pass) -> Option<[f32; 2]> {
         let limits = ReadLimits::default();
         let none = CaptureSummary::NOTHING.depth_range_m;
@@ -312,12 +312,12 @@ mod tests {
         let mut folder = begun(base.path());
         folder.start_over("words").unwrap();
         plan().write_images(&scene(), &folder, &Silent).unwrap();
-        // Of another size, though as it was recorded.
+        // Wrong size, though the file matches its record.
         let small = |path: &Path| exr::write_depth(path, &DepthPlane::filled(4, 4, 1.0));
         folder.write_file(Path::new("probe_00/face_nx/depth.0005.exr"), &mut |path: &Path| small(path)).unwrap();
         folder.keep();
         let image = |name: &str| folder.work_path().join("files/probe_00/face_nx").join(name);
-        // Missing, cut short, empty.
+        // Missing, truncated, empty.
         std::fs::remove_file(image("color.0004.exr")).unwrap();
         std::fs::write(image("depth.0003.exr"), &std::fs::read(image("depth.0003.exr")).unwrap()[..100]).unwrap();
         std::fs::write(image("normal.0005.exr"), "").unwrap();

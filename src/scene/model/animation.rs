@@ -1,5 +1,5 @@
-//! Keyframe animation of nodes (glTF 2.0, sections 3.11 and 5.4, appendix C). Before the first key and after the last
-//! one, the value is that of the key.
+//! Keyframe animation of nodes (glTF 2.0, sections 3.11 and 5.4, appendix C). Before the first key and after the last one, the
+//! value of that key holds.
 
 use glam::{DQuat, DVec3};
 use gltf::json;
@@ -12,11 +12,11 @@ use crate::mesh::gltf::nodes::{Pose, quaternion};
 
 #[derive(Debug, Clone)]
 pub struct Curve {
-    /// Seconds, not decreasing; at least one.
+    /// Key times in seconds, non-decreasing; at least one.
     times: Vec<f32>,
-    /// The value of each key, or the in-tangent, value and out-tangent of a cubic spline.
+    /// The value of each key; for a cubic spline the in-tangent, value and out-tangent.
     values: Vec<f32>,
-    /// Numbers of a value.
+    /// Number of components of a value.
     width: usize,
     interpolation: Interpolation,
 }
@@ -30,7 +30,7 @@ pub struct Channel {
 
 #[derive(Debug, Clone, Default)]
 pub struct Animation {
-    /// Of two that move the same property, the later one applies.
+    /// If two channels animate the same property, the later one applies.
     pub channels: Vec<Channel>,
     /// Time of the last key, seconds.
     pub duration_s: f64,
@@ -59,7 +59,7 @@ impl Animation {
 }
 
 impl Channel {
-    /// Times of the first and the last key, seconds.
+    /// Returns the times of the first and the last key, seconds.
     pub fn ends_s(&self) -> [f64; 2] {
         [self.curve.times.first(), self.curve.times.last()].map(|time| time.map_or(0.0, |&time| f64::from(time)))
     }
@@ -88,9 +88,9 @@ impl Channel {
     }
 }
 
-/// Where a time is between keys.
+/// Position of a time relative to the keys.
 enum Span {
-    /// At a key, before the first, or after the last.
+    /// At a key, before the first key, or after the last one.
     Key(usize),
     /// After this key, by this fraction of an interval of this many seconds.
     Between(usize, f64, f64),
@@ -122,7 +122,7 @@ impl Curve {
         Ok(Curve { times, values, width, interpolation })
     }
 
-    /// Numbers of a key.
+    /// Returns the number of components per key, including tangents.
     fn stride(&self) -> usize {
         if self.interpolation == Interpolation::CubicSpline { 3 * self.width } else { self.width }
     }
@@ -136,7 +136,7 @@ impl Curve {
         let (Some(&next), false) = (self.times.get(behind), self.interpolation == Interpolation::Step) else {
             return Span::Key(key);
         };
-        // The next key is later than the time, so the interval has a length.
+        // The next key is later than `time_s`, so the interval is not empty.
         let start = f64::from(self.times[key]);
         let length = f64::from(next) - start;
         Span::Between(key, (time_s - start) / length, length)
@@ -151,7 +151,7 @@ impl Curve {
         self.part(key, usize::from(self.interpolation == Interpolation::CubicSpline))
     }
 
-    /// Interpolated component by component.
+    /// Interpolates each component separately.
     pub fn at(&self, time_s: f64) -> Vec<f64> {
         match self.span(time_s) {
             Span::Key(key) => self.value(key).collect(),
@@ -179,7 +179,7 @@ impl Curve {
         match self.span(time_s) {
             Span::Between(key, t, _) if self.interpolation == Interpolation::Linear => {
                 let [from, to] = [key, key + 1].map(|key| read(self.value(key).collect()));
-                // The shorter way round.
+                // `slerp` takes the shorter arc.
                 from.slerp(to, t).normalize()
             }
             _ => read(self.at(time_s)),
@@ -200,7 +200,7 @@ mod tests {
         let times = [1.0, 2.0, 4.0];
         let step = curve(Interpolation::Step, 1, &times, &[3.0, 5.0, 9.0]);
         let linear = curve(Interpolation::Linear, 1, &times, &[3.0, 5.0, 9.0]);
-        // Slopes of 2: with these a spline through points of one line is that line.
+        // With slopes of 2, a spline through points of one line equals that line.
         let spline = curve(Interpolation::CubicSpline, 1, &times, &[7.0, 3.0, 2.0, 2.0, 5.0, 2.0, 2.0, 9.0, 7.0]);
         let cases =
             [(0.0, 3.0, 3.0), (1.0, 3.0, 3.0), (1.5, 3.0, 4.0), (2.0, 5.0, 5.0), (3.0, 5.0, 7.0), (9.0, 9.0, 9.0)];
@@ -209,10 +209,10 @@ mod tests {
             assert_eq!(linear.at(time), [between], "{time}");
             assert_eq!(spline.at(time), [between], "{time}");
         }
-        // By hand: from 0 to 1 with level ends, a quarter of the way is 3/16 − 2/64.
+        // Analytically: from 0 to 1 with zero tangents, the value at a quarter is 3/16 − 2/64.
         let eased = curve(Interpolation::CubicSpline, 1, &[0.0, 2.0], &[0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
         assert_eq!(eased.at(0.5), [0.156_25]);
-        // An out-tangent of 4 for two seconds: 2 · 4 · (1/64 − 2/16 + 1/4) more.
+        // An out-tangent of 4 over two seconds adds 2 · 4 · (1/64 − 2/16 + 1/4).
         let thrown = curve(Interpolation::CubicSpline, 1, &[0.0, 2.0], &[0.0, 0.0, 4.0, 0.0, 1.0, 0.0]);
         assert_eq!(thrown.at(0.5), [0.156_25 + 8.0 * 0.140_625]);
     }
@@ -220,7 +220,7 @@ mod tests {
     #[test]
     fn rotations_turn_evenly_the_shorter_way() {
         let half = std::f32::consts::FRAC_1_SQRT_2;
-        // A quarter turn around y, once with the other sign, which is the same rotation.
+        // A quarter turn about y, with both signs of the quaternion, which are the same rotation.
         for sign in [1.0, -1.0] {
             let quarter = [0.0, sign * half, 0.0, sign * half];
             let values = [[0.0, 0.0, 0.0, 1.0], quarter].concat();

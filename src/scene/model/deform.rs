@@ -9,7 +9,7 @@ use crate::mesh::gltf::primitives::{Geometry, Influences};
 
 #[derive(Debug)]
 pub struct Skin {
-    /// Nodes.
+    /// Indices of nodes.
     pub joints: Vec<usize>,
     inverse_bind: Vec<DMat4>,
 }
@@ -30,7 +30,7 @@ impl Skin {
         Ok(Skin { joints, inverse_bind })
     }
 
-    /// Transforms of the joints from the bind pose to the world.
+    /// Returns the transforms of the joints from the bind pose to the world.
     pub fn matrices(&self, to_world: &[DMat4]) -> Vec<DMat4> {
         self.joints.iter().zip(&self.inverse_bind).map(|(&joint, inverse)| to_world[joint] * *inverse).collect()
     }
@@ -57,12 +57,12 @@ pub enum Carrier<'a> {
 #[derive(Debug)]
 pub struct Placed {
     pub positions: Vec<DVec3>,
-    /// Of any length; empty where there are none.
+    /// Not normalised; empty if the mesh has no normals.
     pub normals: Vec<DVec3>,
     pub winding: Winding,
 }
 
-/// Applies morph targets, then the node or the skin.
+/// Applies morph targets, then the transform of the node or the skin.
 pub fn place(geometry: &Geometry, weights: &[f64], carrier: Carrier) -> Placed {
     let mut positions: Vec<DVec3> = geometry.positions.iter().map(|v| v.as_dvec3()).collect();
     let mut normals: Vec<DVec3> = geometry.normals.iter().map(|v| v.as_dvec3()).collect();
@@ -93,7 +93,8 @@ pub fn place(geometry: &Geometry, weights: &[f64], carrier: Carrier) -> Placed {
     Placed { positions, normals, winding }
 }
 
-/// Weighted mean of the matrices of a corner's joints, with normalised weights; the first joint without any weight.
+/// Returns the weighted mean of the matrices of a corner's joints, with normalised weights; the matrix of the first joint if
+/// all weights are 0.
 fn blend(influences: &[Influences], corner: usize, joints: &[DMat4]) -> DMat4 {
     let (mut matrix, mut sum) = (DMat4::ZERO, 0.0);
     for set in influences {
@@ -110,7 +111,7 @@ fn blend(influences: &[Influences], corner: usize, joints: &[DMat4]) -> DMat4 {
     if sum > 0.0 { matrix * (1.0 / sum) } else { first.copied().unwrap_or(joints[0]) }
 }
 
-/// Transform of normals, but for length: the inverse transpose, as cofactors, which exist for flat scales too.
+/// Returns the transform of normals up to scale: the inverse transpose as cofactors, which also exist for singular matrices.
 fn turn(matrix: &DMat3) -> DMat3 {
     let DMat3 { x_axis: x, y_axis: y, z_axis: z } = *matrix;
     let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));

@@ -23,7 +23,7 @@ pub struct Read {
     pub stage: Stage,
     pub animations: Vec<String>,
     pub durations_s: Vec<Option<f64>>,
-    /// As [`Folder::contents`].
+    /// See [`Folder::contents`].
     pub contents: String,
 }
 
@@ -89,7 +89,7 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
     Ok(Read { stage, animations, durations_s, contents })
 }
 
-/// The largest of the key times that the file states (glTF 2.0, section 3.6.2.5).
+/// Returns the maximum of the key times that the file states (glTF 2.0, section 3.6.2.5).
 fn stated_duration_s(root: &gltf::json::Root, animation: &gltf::json::Animation) -> Option<f64> {
     let last = |sampler: &gltf::json::animation::Sampler| {
         let max = root.accessors.get(sampler.input.value())?.max.as_ref()?;
@@ -98,7 +98,7 @@ fn stated_duration_s(root: &gltf::json::Root, animation: &gltf::json::Animation)
     animation.samplers.iter().map(last).try_fold(0.0, |longest: f64, time| Some(longest.max(time?)))
 }
 
-/// Meshes, each read when the first node uses it.
+/// Meshes; each is read when the first node uses it.
 struct Meshes<'a> {
     known: Vec<Option<Vec<Arc<Geometry>>>>,
     paints: &'a [Paint],

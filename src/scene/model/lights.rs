@@ -1,7 +1,7 @@
 //! Lights of a glTF file (KHR_lights_punctual).
 //!
-//! A white matt surface reflects 1/π of its illuminance: E lux are a radiance of E/π, and I candela one of I/π at 1
-//! m, in lm/(sr·m²).
+//! A white matte surface reflects 1/π of its illuminance: E lux give a radiance of E/π, and I candela a radiance of I/π at 1 m,
+//! in lm/(sr·m²).
 
 use std::f64::consts::PI;
 
@@ -11,11 +11,11 @@ use gltf::khr_lights_punctual::Kind;
 use crate::error::{Error, Result};
 use crate::scene::light::{Cone, Lamp, Light, Sun, Window};
 
-/// Most lights of a scene: each surface point traces a shadow ray to each.
+/// Maximum number of lights of a scene: each surface point traces a shadow ray to each light.
 const MAX_SUNS: usize = 64;
 const MAX_LAMPS: usize = 4096;
 
-/// A light on a node, along its −Z.
+/// A light on a node, directed along the node's −Z.
 #[derive(Debug, Clone, Copy)]
 pub struct NodeLight {
     pub node: usize,
@@ -66,11 +66,11 @@ pub fn read(document: &gltf::Document, shown: &[bool]) -> Result<Vec<NodeLight>>
 fn spot(inner: f32, outer: f32) -> LightKind {
     let angle = |value: f32| if value.is_finite() { f64::from(value).clamp(0.0, PI) } else { 0.0 };
     let cos_outer = angle(outer).cos();
-    // At least a billionth between the cosines, for division.
+    // The cosines differ by at least 1e-9, because their difference is a divisor.
     LightKind::Spot { cos_inner: angle(inner).cos().max(cos_outer + 1e-9), cos_outer }
 }
 
-/// All lights at one time; a bright day where there are none. glTF has no sky, so it is always that of the day.
+/// Returns all lights at one time; the default daylight if there are none. glTF has no sky, so the sky is always the default.
 pub fn place(lights: &[NodeLight], to_world: &[DMat4]) -> Light {
     let mut light = Light::default();
     if !lights.is_empty() {

@@ -1,8 +1,8 @@
-//! Metallic-roughness materials as the ray caster shades them: Lambert and Phong, mirror or clear glass.
+//! Converts metallic-roughness materials to those of the ray caster: Lambert and Phong, mirror or clear glass.
 //!
-//! A microfacet lobe of roughness r (α = r²) is about as wide as Blinn's of exponent 2/α² − 2 over the half vector. The
-//! angle to the mirror direction is twice that to the half vector, so Phong's exponent is a quarter: (2/α² − 2)/4, at
-//! least 1. A metal reflects its base colour and has no diffuse part.
+//! A microfacet lobe of roughness r (α = r²) is about as wide as a Blinn lobe of exponent 2/α² − 2 over the half vector. The
+//! angle to the mirror direction is twice the angle to the half vector, so Phong's exponent is a quarter of that: (2/α² − 2)/4,
+//! at least 1. A metal reflects its base colour and has no diffuse part.
 
 use glam::DVec3;
 
@@ -10,12 +10,12 @@ use crate::mesh::Material;
 use crate::mesh::gltf::materials::Paint;
 use crate::scene::mesh::{MeshMaterial, Optics, Phong};
 
-/// Least metalness and largest roughness of a mirror.
+/// Minimum metalness and maximum roughness of a mirror.
 const MIRROR_METALLIC: f64 = 0.95;
 const MIRROR_ROUGHNESS: f64 = 0.05;
-/// Least transmission of glass.
+/// Minimum transmission of glass.
 const GLASS_TRANSMISSION: f64 = 0.5;
-/// Largest exponent of a highlight: narrower ones fall between the rays.
+/// Maximum exponent of a highlight: narrower ones fall between the rays.
 const MAX_EXPONENT: f64 = 1e4;
 
 pub fn shaded(paint: Paint) -> MeshMaterial {

@@ -1,8 +1,8 @@
-//! Scenes from mesh files: glTF, GLB and OBJ. What never moves is one mesh that all times share; the rest is another
-//! for each time.
+//! Scenes from mesh files: glTF, GLB and OBJ. Geometry that never moves is one mesh that all times share; moving geometry is a
+//! separate mesh for each time.
 //!
-//! Microfacets become Phong's highlight (`materials`), lux and candela the radiance of a white surface (`lights`).
-//! What is left out or replaced is reported in notes.
+//! Microfacet lobes become Phong highlights (`materials`); lux and candela become the radiance of a white surface (`lights`).
+//! Notes report what was ignored or replaced.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -31,20 +31,20 @@ const MAX_NOTES: usize = 40;
 pub struct Model {
     still: Vec<Arc<SceneMesh>>,
     light: Light,
-    /// What moves.
+    /// Moving parts; `None` for a static scene.
     motion: Option<Stage>,
-    /// How often each triangle was divided in four.
+    /// Number of times that each triangle was split into four.
     subdivisions: u32,
-    /// In order of the file; “animation N” for one without a name.
+    /// Names in the order of the file; “animation N” for one without a name.
     pub animations: Vec<String>,
-    /// Seconds, as the file states them; `None` where it does not.
+    /// Durations in seconds as stated by the file; `None` if it does not state one.
     pub durations_s: Vec<Option<f64>>,
-    /// Digest of all files that it was read from, and of the names of missing ones.
+    /// Digest of all files that were read, and of the names of missing ones.
     pub contents: String,
 }
 
 impl Model {
-    /// Notes say what was left out or replaced.
+    /// Opens a file. The notes report what was ignored or replaced.
     pub fn open(path: &Path, play: Play) -> Result<(Model, Vec<String>)> {
         let mut notes = Vec::new();
         let model = Model::read(path, play, &mut notes).map_err(|error| error.in_file(path))?;
@@ -95,31 +95,32 @@ impl Model {
         Ok(Model { still, light: fixed.light, motion, ..Model::default() })
     }
 
-    /// The model with each triangle divided in four, so many times.
+    /// Splits each triangle into four, `times` times.
     pub fn subdivided(mut self, times: u32) -> Result<Model> {
         let finer = |mesh: &Arc<SceneMesh>| {
             subdivided(&mesh.mesh, times).map(|finer| Arc::new(SceneMesh::new(finer, mesh.materials.clone())))
         };
         (self.still, self.subdivisions) =
             (self.still.iter().map(finer).collect::<Result<_>>()?, self.subdivisions + times);
-        // What moves has as many triangles at any time.
+        // The moving part has the same number of triangles at every time.
         if let Some(stage) = &self.motion {
             subdivided(&stage.at(0.0, Which::Moving).mesh, self.subdivisions)?;
         }
         Ok(self)
     }
 
-    /// Whether the file has no light, so that it is lit by [`Light::default`].
+    /// True if the file has no light, so that [`Light::default`] is used.
     pub fn is_lit_by_default(&self) -> bool {
         self.light == Light::default()
     }
 
-    /// Seconds, 0 for a static scene.
+    /// Returns the length of the animation in seconds; 0 for a static scene.
     pub fn duration_s(&self) -> f64 {
         self.motion.as_ref().map_or(0.0, |stage| stage.animation.duration_s)
     }
 
-    /// The scene at a time; after the end of the animation, at its end. The same time gives the same bits.
+    /// Returns the scene at a time; after the end of the animation, the scene at its end. Equal times give bit-identical
+    /// scenes.
     pub fn at(&self, time_s: f64) -> SceneAtTime {
         let mut meshes = self.still.clone();
         let mut light = self.light.clone();
@@ -127,7 +128,7 @@ impl Model {
             let time_s = if time_s.is_nan() { 0.0 } else { time_s };
             let shown = stage.at(time_s, Which::Moving);
             light = shown.light;
-            // It was possible at the first frame.
+            // Does not fail: `subdivided` has checked the same number of triangles.
             let mesh = subdivided(&shown.mesh, self.subdivisions).unwrap_or(shown.mesh);
             meshes.extend(stage.scene_mesh(mesh));
         }
@@ -135,7 +136,7 @@ impl Model {
     }
 }
 
-/// Triangles of a subdivided mesh at most.
+/// Maximum triangles of a subdivided mesh.
 const MAX_SUBDIVIDED: u64 = 1 << 28;
 
 fn subdivided(mesh: &Mesh, times: u32) -> Result<Mesh> {

@@ -1,7 +1,7 @@
 //! Materials of OBJ files (MTL).
 //!
-//! Ks and Ns are an unnormalised Phong highlight of peak Ks; its weight here keeps the peak. Ns is the exponent about
-//! the mirror direction. Illumination models 3 and 5 are mirrors, 4, 6, 7 and 9 glass.
+//! Ks and Ns define an unnormalised Phong highlight with peak Ks; the weight computed here keeps the peak. Ns is the exponent
+//! about the mirror direction. Illumination models 3 and 5 are mirrors; 4, 6, 7 and 9 are glass.
 
 use std::collections::BTreeMap;
 use std::io::BufReader;
@@ -24,12 +24,12 @@ pub struct Library<'a> {
     pub folder: &'a mut Folder,
     pub budget: &'a mut Budget,
     pub notes: &'a mut Vec<String>,
-    /// Textures by statement; `None` for those that cannot be read.
+    /// Textures by statement; `None` if a texture cannot be read.
     pub textures: BTreeMap<String, Option<Arc<ImageTexture>>>,
 }
 
 impl Library<'_> {
-    /// Reads the materials of a file; where that fails there are none, and a note.
+    /// Reads the materials of a file. On failure adds a note, and the scene has no materials.
     pub fn load(&mut self, name: &Path) -> tobj::MTLLoadResult {
         let name = name.to_string_lossy();
         let bytes = match self.folder.fetch(&name, self.budget) {
@@ -82,7 +82,7 @@ impl Library<'_> {
             let name: String = material.name.chars().take(80).collect();
             self.notes.push(format!("“{name}” is blended by its alpha {alpha}; below {CUTOFF} it is not seen here"));
         }
-        // A map is multiplied with the factor of the file, which is 1 where it is not given.
+        // A map is multiplied by the file's factor, which defaults to 1.
         let default = if material.diffuse_texture.is_some() { DVec3::ONE } else { DVec3::splat(0.8) };
         let base_color = color(material.diffuse).unwrap_or(default);
         let given =
@@ -125,7 +125,7 @@ impl Library<'_> {
     }
 }
 
-/// Makes every colour three numbers: of others, the parser returns an error or panics.
+/// Rewrites every colour to have three numbers: otherwise the parser returns an error or panics.
 fn plain(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for line in text.lines() {
@@ -146,7 +146,7 @@ fn plain(text: &str) -> String {
     plain
 }
 
-/// File name of a map statement, after its options, and whether one of them clamps it.
+/// Returns the file name of a map statement, after its options, and the wrap mode that they select.
 fn file_of(statement: &str) -> (&str, Wrap) {
     let mut rest = statement.trim();
     let mut wrap = Wrap::Repeat;
@@ -182,7 +182,7 @@ fn file_of(statement: &str) -> (&str, Wrap) {
     (rest, wrap)
 }
 
-/// Three numbers, not below 0.
+/// Parses three numbers, or one for all, and clamps them to at least 0.
 fn three(text: &str) -> Option<DVec3> {
     let numbers: Vec<f32> = text.split_whitespace().map_while(|word| word.parse().ok()).collect();
     let value = match numbers[..] {
@@ -194,7 +194,7 @@ fn three(text: &str) -> Option<DVec3> {
     value.is_finite().then(|| value.max(DVec3::ZERO))
 }
 
-/// Colours of one image with the alpha of another: its alpha, or where it has none its brightness.
+/// Combines the colours of one image with the alpha of a mask: its alpha channel, or its brightness if it has none.
 fn with_alpha(map: Option<&ImageTexture>, mask: &ImageTexture) -> ImageTexture {
     let own = mask.pixels.iter().any(|pixel| pixel[3] != 255);
     let alpha = |pixel: [u8; 4]| if own { pixel[3] } else { pixel[1] };

@@ -1,7 +1,7 @@
 //! OBJ files.
 //!
-//! The text is normalised before it is parsed: continued lines are joined, elements without a surface are dropped,
-//! and invalid corner numbers are refused.
+//! The text is normalised before it is parsed: continued lines are joined, elements without a surface are dropped, and invalid
+//! corner indices are rejected.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ use crate::mesh::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
 use crate::mesh::folder::Folder;
 use crate::scene::{MeshMaterial, SceneMesh};
 
-/// Most bytes that the parser takes for each byte of text.
+/// Maximum bytes that the parser allocates per byte of text.
 const PARSED: u64 = 32;
 
 /// Returns the mesh and [`Folder::contents`].
@@ -53,14 +53,14 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Scene
     for tobj::Model { mesh, name } in &models {
         budget.take(mesh.indices.len() as u64 / 3, TRIANGLE_BYTES, name)?;
         budget.take(count(&mesh.positions, 3) as u64, CORNER_BYTES, name)?;
-        // Where only some corners of a group have normals, the parser loses which: none are used.
+        // If only some corners of a group have normals, the parser does not report which, so none are used.
         let normals = if aligned(mesh, &mesh.normals, 3) { mesh.normals.as_slice() } else { &[] };
         let uvs = if aligned(mesh, &mesh.texcoords, 2) { mesh.texcoords.as_slice() } else { &[] };
         let vectors = |numbers: &[f32]| -> Vec<DVec3> {
             numbers.as_chunks::<3>().0.iter().map(|v| DVec3::from_array(v.map(f64::from))).collect()
         };
         let material = mesh.material_id.map_or(0, |id| id + 1).min(paints.len() - 1);
-        // In OBJ, v grows upwards.
+        // In OBJ, v increases upwards.
         let uvs: Vec<Vec2> = uvs.as_chunks::<2>().0.iter().map(|&[u, v]| Vec2::new(u, 1.0 - v)).collect();
         assembly.add(&Part {
             positions: &vectors(&mesh.positions),
@@ -78,14 +78,14 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Scene
 
 struct Plain {
     text: Vec<u8>,
-    /// Elements without a surface.
+    /// Number of elements without a surface.
     no_surface: usize,
 }
 
 fn plain(bytes: &[u8]) -> Result<Plain> {
     let mut text = Vec::with_capacity(bytes.len());
     let mut no_surface = 0;
-    // Corners, texture coordinates and normals so far.
+    // Number of positions, texture coordinates and normals so far.
     let mut counts = [0; 3];
     let mut joined = Vec::new();
     for (number, line) in (1..).zip(bytes.split(|&byte| byte == b'\n')) {
@@ -99,7 +99,7 @@ fn plain(bytes: &[u8]) -> Result<Plain> {
         let mut words = joined.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         match words.next() {
             Some(b"v") => {
-                // Weights and colours are dropped.
+                // Drops weights and colours.
                 text.push(b'v');
                 for word in words.take(3) {
                     text.push(b' ');
@@ -133,7 +133,7 @@ fn plain(bytes: &[u8]) -> Result<Plain> {
     Ok(Plain { text, no_surface })
 }
 
-/// A corner of a face with absolute numbers, given the counts so far; `None` where it is none.
+/// Converts a face corner to absolute indices, given the counts so far; `None` if it is invalid.
 fn corner(word: &str, counts: [usize; 3]) -> Option<String> {
     let mut numbers = Vec::new();
     for (at, part) in word.split('/').enumerate() {

@@ -1,18 +1,18 @@
-//! Which animation is shown, and notes that are safe to print.
+//! Choice of the animation, and notes that are safe to print.
 
-/// Most characters of a note.
+/// Maximum characters of a note.
 const MAX_NOTE: usize = 400;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Play<'a> {
-    /// The first, if there is any.
+    /// The first animation, if there is any.
     #[default]
     First,
-    /// The first of this name, as `Model::animations` has it.
+    /// The first animation of this name, as listed in `Model::animations`.
     Named(&'a str),
 }
 
-/// A note with control characters escaped: it quotes names of the file.
+/// Escapes control characters in a note, which quotes names from the file.
 pub(super) fn printable(note: &str) -> String {
     let plain = |c: char| if c.is_control() { c.escape_default().collect() } else { c.to_string() };
     note.chars().take(MAX_NOTE).map(plain).collect()

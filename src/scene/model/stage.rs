@@ -1,4 +1,4 @@
-//! A hierarchy of nodes with meshes, skins, lights and an animation: the scene of a file at any time.
+//! A hierarchy of nodes with meshes, skins, lights and an animation: the contents of a scene file at any time.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ pub struct Instance {
     /// Weights of the morph targets, unless animated.
     pub weights: Vec<f64>,
     pub geometry: Arc<Geometry>,
-    /// Whether the animation moves it: see [`Stage::find_moving`].
+    /// True if the animation moves it; set by [`Stage::find_moving`].
     pub is_moving: bool,
 }
 
@@ -33,7 +33,7 @@ pub struct Stage {
     pub materials: Arc<[MeshMaterial]>,
     pub lights: Vec<NodeLight>,
     pub animation: Animation,
-    /// Whether the animation moves anything, lights included.
+    /// True if the animation moves anything, including lights.
     pub is_moving: bool,
 }
 
@@ -43,7 +43,7 @@ pub enum Which {
     Moving,
 }
 
-/// Some instances at one time.
+/// Some of the instances at one time.
 #[derive(Debug)]
 pub struct Shown {
     pub mesh: Mesh,
@@ -53,12 +53,12 @@ pub struct Shown {
 }
 
 impl Stage {
-    /// `None` for a mesh without triangles.
+    /// Adds the materials to a mesh; `None` for a mesh without triangles.
     pub fn scene_mesh(&self, mesh: Mesh) -> Option<Arc<SceneMesh>> {
         (!mesh.triangles.is_empty()).then(|| Arc::new(SceneMesh::new(mesh, self.materials.clone())))
     }
 
-    /// Finds what the animation moves: a channel of constant value moves nothing.
+    /// Determines which instances the animation moves. A channel of constant value moves nothing.
     pub fn find_moving(&mut self) {
         let mut nodes = vec![false; self.nodes.locals.len()];
         let mut morphs = nodes.clone();
@@ -76,7 +76,7 @@ impl Stage {
         }
     }
 
-    /// Static or moving instances, and all lights, at a time in seconds.
+    /// Returns the static or moving instances, and all lights, at a time in seconds.
     pub fn at(&self, time_s: f64, which: Which) -> Shown {
         let mut poses: Vec<Local> = self.nodes.locals.clone();
         for channel in &self.animation.channels {

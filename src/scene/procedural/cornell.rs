@@ -1,4 +1,4 @@
-//! The Cornell box: two metres wide, open to +Z, red to −X and green to +X, a light in the ceiling, two white blocks.
+//! The Cornell box: two metres wide, open to +Z, red wall at −X and green wall at +X, a light in the ceiling, two white blocks.
 
 use glam::{DVec2, DVec3};
 

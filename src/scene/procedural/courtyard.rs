@@ -1,5 +1,5 @@
-//! A paved terrace under an open sky: brick wall to −X, striped wall with a lamp to −Z, pergola above, fence to +Z,
-//! nothing to +X. Three spheres and a box move.
+//! A paved terrace under an open sky: brick wall at −X, striped wall with a lamp at −Z, pergola above, fence at +Z, nothing at
+//! +X. Three spheres and a box move.
 
 use std::f64::consts::TAU;
 
@@ -11,8 +11,8 @@ use crate::scene::{Fence, Lamp, Light, Material, Object, SceneAtTime, Shape, Tex
 pub(super) const SCENE: Definition =
     Definition { name: "courtyard", region: (DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.3, 0.2, 0.3)), fixed, at };
 
-// The plan of the courtyard, in metres. The terrace ends, and the walls with it, before the +X face begins: that face
-// is empty from the whole probe region.
+// Layout of the courtyard, in metres. The terrace and the walls end before the field of view of the +X face begins, so that
+// face is empty from the whole probe region.
 const FENCE_Z: f64 = 1.3;
 const TERRACE_EDGE_X: f64 = 0.9;
 const WALL: f64 = -4.0;
@@ -35,7 +35,7 @@ fn fixed() -> Vec<Object> {
     let across = DVec3::X * (TERRACE_EDGE_X - WALL + 0.2);
 
     let mut objects = vec![
-        // The ground needs no shadow: nothing is below it, and nearly every shadow ray starts on it.
+        // The ground casts no shadow: nothing is below it, and nearly every shadow ray starts on it.
         wall([WALL - 0.2, 0.0, WALL - 0.2], DVec3::Z * 13.0, across, paving),
         block([WALL - 0.2, 0.0, WALL - 0.2], [WALL, 2.6, 4.0], bricks),
         block([WALL, 0.0, WALL - 0.2], [TERRACE_EDGE_X, 2.4, WALL], stripes),
@@ -81,30 +81,30 @@ fn fixed() -> Vec<Object> {
 fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     let (sin, cos) = (TAU * phase).sin_cos();
 
-    // A beach ball runs round a circle and bounces four times, in parabolas.
+    // A beach ball moves along a circle and bounces four times, in parabolas.
     let hop = (4.0 * phase).fract();
     let bounce = DVec3::new(-2.1 + 0.5 * cos, 0.32 + 2.6 * hop * (1.0 - hop), -0.1 + 0.8 * sin);
     let stripes = Texture::Stripes { colors: [rgb(0.75, 0.08, 0.05), rgb(0.8, 0.78, 0.7)], wave: DVec3::X * 6.0 };
     objects.push(Object { texture_from_world: DQuat::from_rotation_z(-TAU * phase), ..ball(bounce, 0.32, stripes) });
 
-    // A blue ball rolls to and fro before the striped wall without slipping.
+    // A blue ball rolls back and forth in front of the striped wall without slipping.
     let roll_x = -1.1 + 0.9 * sin;
     let checker = Texture::Checker { colors: [rgb(0.06, 0.16, 0.6), rgb(0.7, 0.72, 0.75)], size: 0.25 };
     let blue_ball = ball(DVec3::new(roll_x, 0.28, -2.0), 0.28, checker);
     objects.push(Object { texture_from_world: DQuat::from_rotation_z(roll_x / 0.28), ..blue_ball });
 
-    // A golden one hovers beyond the fence, seen between the posts and above them.
+    // A golden ball hovers beyond the fence, visible between and above the posts.
     let hover = DVec3::new(-0.9 + 0.8 * cos, 1.15 + 0.45 * (2.0 * TAU * phase).sin(), 2.5 + 0.4 * sin);
     objects.push(ball(hover, 0.2, Texture::Solid(rgb(0.8, 0.52, 0.1))));
 
-    // A box turns on the spot, once in a period.
+    // A box rotates in place, once per period.
     let cube = TurnedBox { center: DVec3::new(-2.7, 0.4, -2.5), half: DVec3::splat(0.4), turn: DVec2::new(cos, sin) };
     let tiles = Texture::Checker { colors: [rgb(0.7, 0.6, 0.1), rgb(0.16, 0.1, 0.2)], size: 0.27 };
     let texture_from_world = DQuat::from_rotation_y(-TAU * phase);
     let turning = Object::new(Shape::TurnedBox(cube), Material::diffuse(tiles));
     objects.push(Object { anchor: cube.center, texture_from_world, ..turning });
 
-    // The lamp rises and falls in straight lines: between two frames of a side, what it lights is their linear blend.
+    // The lamp's radiance is a triangle wave: between two frames on the same slope, lit pixels are linear blends of them.
     let pulse = 1.0 - (2.0 * phase - 1.0).abs();
     let glow = 6.0 + 14.0 * pulse;
     let warm = rgb(1.0, 0.78, 0.45);
@@ -129,7 +129,7 @@ mod tests {
         DemoScene::new(DemoKind::Courtyard)
     }
 
-    /// The middle and the eight corners of the probe region.
+    /// Returns the centre and the eight corners of the probe region.
     fn probes() -> Vec<DVec3> {
         let (middle, half) = courtyard().probe_region();
         let region = AxisBox { min: middle - half, max: middle + half };
@@ -212,7 +212,7 @@ mod tests {
         assert_eq!(hit.color.x, 20.0);
     }
 
-    /// Jumps of more than 10% from one pixel to the next.
+    /// Returns the number of depth changes above 10% between adjacent pixels of a row.
     fn jumps(depth: &DepthPlane, row: u32) -> usize {
         depth.row(row).windows(2).filter(|pair| (pair[0] / pair[1]).ln().abs() > 0.1).count()
     }
@@ -221,13 +221,13 @@ mod tests {
     fn fence_posts_are_one_to_three_pixels() {
         let (probe, _) = courtyard().probe_region();
         let (_, depth) = capture_face(&courtyard().at(0.0), probe, Face::Pz, 128).unwrap();
-        // Halfway between the rails, about 13 posts in a view of 90° from 1.3 m, each with two edges.
+        // Halfway between the rails a 90° view from 1.3 m contains about 13 posts, each with two edges.
         let row = 107;
         assert!(jumps(&depth, row) >= 22, "{}", jumps(&depth, row));
         let near = |d: f32| d < 2.2;
         let runs: Vec<usize> =
             depth.row(row).chunk_by(|a, b| near(*a) == near(*b)).filter(|run| near(run[0])).map(<[f32]>::len).collect();
-        // The pergola's post is the one exception.
+        // Only the pergola's post is wider.
         assert!(runs.iter().filter(|&&run| run > 3).count() <= 1, "{runs:?}");
         assert!(runs.iter().filter(|&&run| run <= 3).count() >= 11, "{runs:?}");
     }

@@ -1,7 +1,8 @@
-//! Thin things in the open: a fence of rods to +Z, wire mesh to −X, wires before the sky to −Z, leaves to +X, and ground as far as 300 m.
-//! A ball rolls behind the rods.
+//! Thin objects outdoors: a fence of rods at +Z, wire mesh at −X, wires against the sky at −Z, leaves at +X, and ground up to
+//! 300 m away. A ball rolls behind the rods.
 //!
-//! From the middle of the region, faces of 128² see a rod about a pixel wide, wires of the mesh a fifth of one, wires before the sky half of one.
+//! In 128² faces seen from the centre of the region, a rod is about a pixel wide, a wire of the mesh a fifth of a pixel, and a
+//! wire against the sky half a pixel.
 
 use std::f64::consts::TAU;
 
@@ -68,9 +69,9 @@ fn fixed() -> Vec<Object> {
     objects
 }
 
-/// A leaf of 10 by 5 cm, one of many in a crown.
+/// Returns a leaf of 10 by 5 cm, one of many in a tree crown.
 fn leaf(number: u32) -> Object {
-    // Multiples of roots fill the unit cube evenly.
+    // Multiples of square roots of primes fill the unit cube evenly.
     let unit = |root: f64| (f64::from(number) * root.sqrt()).fract();
     let [around, up, out, turn, tilt] = [2.0, 3.0, 5.0, 7.0, 11.0].map(unit);
     let (sin, cos) = (TAU * around).sin_cos();
@@ -101,7 +102,7 @@ mod tests {
         capture_face(&scene.at(0.0), scene.probe_region().0, face, size).unwrap().1
     }
 
-    /// Lengths of runs of pixels that are nearer than a distance in a row.
+    /// Returns the lengths of runs of pixels in a row that are nearer than `near_m`.
     fn runs(depth: &DepthPlane, row: u32, near_m: f32) -> Vec<usize> {
         let chunks = depth.row(row).chunk_by(|a, b| (*a < near_m) == (*b < near_m));
         chunks.filter(|run| run[0] < near_m).map(<[f32]>::len).collect()
@@ -112,7 +113,7 @@ mod tests {
         let rods = runs(&depth(Face::Pz, 128), 70, 3.0);
         assert!(rods.len() >= 20 && rods.iter().all(|&run| run <= 2), "{rods:?}");
         let mesh = |size: u32| runs(&depth(Face::Nx, size), size / 2 - size / 32, 3.2).len();
-        // Most are between the pixels of small faces.
+        // In small faces most wires fall between pixel centres.
         assert!(mesh(1024) >= 19 && mesh(128) < 12, "{} {}", mesh(1024), mesh(128));
     }
 
@@ -123,7 +124,7 @@ mod tests {
         let wires = column.chunk_by(|a, b| a.is_finite() == b.is_finite()).filter(|run| run[0].is_finite()).count();
         assert!(wires >= 5, "{wires}");
         let leaves = depth(Face::Px, 256);
-        // Above the horizon no ground is as near.
+        // Above the horizon there is no ground.
         let above = &leaves.data()[..256 * 128];
         let found = above.iter().filter(|&&metres| metres < 5.0).count();
         assert!((300..3000).contains(&found), "{found}");

@@ -1,5 +1,5 @@
-//! A closed room, six metres by three by five: brick and striped walls, a table, a shelf, a lattice of thin bars, two
-//! lamps. One sphere bounces, one rolls, and one hovers behind the lattice.
+//! A closed room, six metres by three by five: brick and striped walls, a table, a shelf, a lattice of thin bars, two lamps.
+//! One sphere bounces, one rolls, and one hovers behind the lattice.
 
 use std::f64::consts::TAU;
 
@@ -39,7 +39,7 @@ fn fixed() -> Vec<Object> {
     let mut bowl = ball(DVec3::new(1.9, 0.96, -1.45), 0.2, Texture::Solid(rgb(0.1, 0.3, 0.34)));
     bowl.material.phong = Phong { weight: DVec3::splat(0.25), exponent: 60.0 };
     objects.push(bowl);
-    // A shelf on the wall to +X, with boxes on it.
+    // A shelf on the +X wall, with boxes on it.
     for y in [0.5, 1.1, 1.7] {
         objects.push(block([2.7, y, 0.6], [3.0, y + 0.03, 2.2], wood));
     }
@@ -65,7 +65,7 @@ fn fixed() -> Vec<Object> {
         objects.push(bulb(at, 0.1, emission));
     }
     for object in &mut objects {
-        // Its shadow would fall on the ceiling alone.
+        // Its shadow would only fall on the ceiling.
         if object.bounds.max.y >= INSIDE.max.y {
             object.casts_shadow = CastsShadow::No;
         }

@@ -1,4 +1,4 @@
-//! Objects that procedural scenes are built of.
+//! Building blocks of procedural scenes.
 
 use glam::DVec3;
 
@@ -9,10 +9,10 @@ use crate::scene::{
 
 pub(super) struct Definition {
     pub name: &'static str,
-    /// Region for probes: centre and half size.
+    /// Region for probes: centre and half size, metres.
     pub region: (DVec3, DVec3),
     pub fixed: fn() -> Vec<Object>,
-    /// The scene at a phase of its period, 0..1, with its static objects.
+    /// Returns the scene at a phase of its period, 0..1, given its static objects.
     pub at: fn(f64, Vec<Object>) -> SceneAtTime,
 }
 
@@ -20,18 +20,18 @@ pub(super) fn rgb(r: f64, g: f64, b: f64) -> DVec3 {
     DVec3::new(r, g, b)
 }
 
-/// A box by its smallest and largest corner.
+/// Creates a box from its minimum and maximum corner.
 pub(super) fn block(min: [f64; 3], max: [f64; 3], texture: Texture) -> Object {
     Object::new(Shape::AxisBox(AxisBox { min: min.into(), max: max.into() }), Material::diffuse(texture))
 }
 
-/// A sphere, textured in its own coordinates.
+/// Creates a sphere textured in its own coordinates.
 pub(super) fn ball(center: DVec3, radius: f64, texture: Texture) -> Object {
     let object = Object::new(Shape::Sphere(Sphere { center, radius }), Material::diffuse(texture));
     Object { anchor: center, ..object }
 }
 
-/// A shining sphere that casts no shadow.
+/// Creates an emissive sphere that casts no shadow.
 pub(super) fn bulb(center: DVec3, radius: f64, emission: DVec3) -> Object {
     let mut bulb = ball(center, radius, Texture::Solid(DVec3::ZERO));
     bulb.material.emission = emission;
@@ -39,23 +39,23 @@ pub(super) fn bulb(center: DVec3, radius: f64, emission: DVec3) -> Object {
     bulb
 }
 
-/// A lamp of any range that shines in all directions.
+/// Creates a lamp of unlimited range that emits in all directions.
 pub(super) fn lamp(position: DVec3, radiance: DVec3) -> Lamp {
     Lamp { position, radiance, reach: f64::INFINITY, window: Window::Smooth, cone: None }
 }
 
-/// Light of a room without sky.
+/// Returns the lighting of a room without sky.
 pub(super) fn indoors(lamps: Vec<Lamp>, ambient: DVec3) -> Light {
     Light { suns: vec![], lamps, sky: Sky { ambient, ..Sky::NONE } }
 }
 
-/// A rectangle that casts no shadow: walls of a room that is lit from within, and lights.
+/// Creates a rectangle that casts no shadow, for lights and for walls of a room lit from within.
 pub(super) fn wall(corner: [f64; 3], u: DVec3, v: DVec3, texture: Texture) -> Object {
     let object = Object::new(Shape::Quad(Quad { corner: corner.into(), u, v }), Material::diffuse(texture));
     Object { casts_shadow: CastsShadow::No, ..object }
 }
 
-/// Floor, ceiling, and the walls to −X, +X, −Z, +Z of a room.
+/// Creates the floor, the ceiling, and the walls at −X, +X, −Z, +Z of a room.
 pub(super) fn room(inside: AxisBox, textures: [Texture; 6]) -> Vec<Object> {
     let AxisBox { min, max } = inside;
     let size = max - min;

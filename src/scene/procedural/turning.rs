@@ -1,4 +1,4 @@
-//! A knotted tube that turns about the vertical in empty space: a mesh with normals.
+//! A knotted tube that rotates about the vertical in empty space: a mesh with normals.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::scene::{Light, MeshMaterial, Object, Phong, SceneAtTime, SceneMesh, S
 pub(super) const SCENE: Definition =
     Definition { name: "object", region: (DVec3::new(0.0, 0.2, 1.4), DVec3::new(0.5, 0.3, 0.2)), fixed: Vec::new, at };
 
-/// Points along the tube, and around it.
+/// Number of points along the tube, and around it.
 const ALONG: u32 = 240;
 const AROUND: u32 = 24;
 /// Radius of the tube, metres.
@@ -38,7 +38,7 @@ fn at(phase: f64, objects: Vec<Object>) -> SceneAtTime {
     SceneAtTime::with_meshes(objects, vec![Arc::new(mesh)], light)
 }
 
-/// A rotated trefoil; every sixteenth ring begins a run of another colour.
+/// Returns a rotated trefoil knot; of every sixteen rings the first four have another colour.
 fn knot(turn: &DQuat) -> Mesh {
     let middle = |t: f64| {
         let radius = 0.3 + 0.15 * (3.0 * t).cos();

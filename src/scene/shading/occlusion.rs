@@ -1,4 +1,4 @@
-//! Ambient occlusion: the part of the ambient light that surfaces nearby leave open.
+//! Ambient occlusion: the fraction of the ambient light that nearby surfaces do not block.
 
 use std::f64::consts::TAU;
 
@@ -8,10 +8,11 @@ use crate::mesh::Ray;
 use crate::scene::raycast::SceneAtTime;
 use crate::scene::surface::Surface;
 
-/// Part of the ambient light that reaches a surface, 0 to 1: of rays whose density is that of the light, those that meet nothing nearby.
+/// Returns the fraction of the ambient light that reaches a surface, 0 to 1: the fraction of cosine-weighted rays that hit
+/// nothing nearby.
 ///
-/// All points have the same directions around their normal: neighbours, and the same point seen from elsewhere, differ by what occludes
-/// them alone, not by noise.
+/// All points use the same directions around their normal, so neighbouring points, and the same point in different views,
+/// differ only by their occluders and not by noise.
 pub(super) fn open_part(scene: &SceneAtTime, surface: &Surface) -> f64 {
     let count = scene.light_rays.occlusion;
     if count == 0 {
@@ -22,15 +23,15 @@ pub(super) fn open_part(scene: &SceneAtTime, surface: &Surface) -> f64 {
     let is_open = |at: &u32| {
         let [x, y, height] = direction(*at, count);
         let towards: DVec3 = x * across + y * along + height * surface.normal;
-        // Shading normals lean: nothing is open below the surface.
+        // A shading normal may lean, so some directions point below the surface; these are blocked.
         towards.dot(surface.side) > 0.0
             && !scene.light_stopped(&Ray::from_unit(above, towards.normalize()), scene.occlusion_reach())
     };
     (0..count).filter(is_open).count() as f64 / f64::from(count)
 }
 
-/// The direction of a number, of length 1, around the third axis: points of Hammersley's sequence on a disk, lifted to the hemisphere, whose
-/// density is the cosine's.
+/// Returns the unit vector of a sample, with the normal as third axis: Hammersley points on a disk, projected to the
+/// hemisphere, which makes the density proportional to the cosine.
 fn direction(at: u32, count: u32) -> [f64; 3] {
     let squared = (f64::from(at) + 0.5) / f64::from(count);
     let angle = TAU * f64::from(at.reverse_bits()) / 2f64.powi(32);
@@ -46,7 +47,7 @@ mod tests {
     fn directions_have_length_1_and_the_cosines_mean() {
         let all: Vec<[f64; 3]> = (0..256).map(|at| direction(at, 256)).collect();
         assert!(all.iter().all(|at| (DVec3::from_array(*at).length() - 1.0).abs() < 1e-12));
-        // The mean cosine of light that falls by the cosine is 2/3.
+        // The mean cosine of cosine-weighted directions is 2/3.
         let mean = all.iter().map(|at| at[2]).sum::<f64>() / 256.0;
         assert!((mean - 2.0 / 3.0).abs() < 1e-2, "{mean}");
         let middle = all.iter().map(|at| DVec3::from_array(*at)).sum::<DVec3>() / 256.0;

@@ -33,7 +33,7 @@ fn painted(base_color: DVec3) -> MeshMaterial {
     plain(PlainMaterial { base_color, ..PlainMaterial::default() })
 }
 
-/// A square of two triangles, four metres wide, that faces up at a height.
+/// Returns a square of two triangles, four metres wide, that faces up at a height.
 fn square(height: f64, material: MeshMaterial) -> SceneMesh {
     let corner = |x: f64, z: f64| DVec3::new(x, height, z);
     let mesh = Mesh {
@@ -86,7 +86,7 @@ fn a_square_of_triangles_is_lit_as_a_quad_is() {
         assert!((a.distance - b.distance).abs() < 1e-12);
         distinct.insert((a.color.x * 1e6) as i64);
     }
-    // Shadows, cone and fall-off are all in view.
+    // Shadows, cone and fall-off are all visible.
     assert!(distinct.len() > 50, "{}", distinct.len());
 }
 
@@ -113,7 +113,7 @@ fn a_highlight_is_where_the_mirror_direction_meets_the_light() {
     let scene = with_mesh(vec![], square(0.0, material), overhead());
     let straight = trace(&scene, DVec3::Y, DVec3::NEG_Y).color;
     assert!(near(straight, DVec3::splat(0.3 * (11.0 * 2.0 + 0.25))), "{straight}");
-    // 45° off, almost only the ambient light of where the mirror direction goes.
+    // 45° off, almost only the ambient light from the mirror direction remains.
     let aslant = trace(&scene, DVec3::new(1.0, 1.0, 0.0), DVec3::new(-1.0, -1.0, 0.0)).color.x;
     let expected = 0.3 * (22.0 * 0.5_f64.sqrt().powi(20) + 0.25 * (0.7 + 0.3 * 0.5_f64.sqrt()));
     assert!((aslant - expected).abs() < 1e-9, "{aslant} {expected}");
@@ -124,13 +124,13 @@ fn interpolated_normals_never_light_the_back() {
     let flat = square(0.0, painted(DVec3::ONE));
     let normals = vec![Vec3::new(0.8, 0.6, 0.0); 4];
     let mesh = SceneMesh::new(Mesh { normals, ..flat.mesh.clone() }, flat.materials.clone());
-    // The sun stands below the horizon of the square, but above that of its normals.
+    // The sun is below the horizon of the square, but above that of its shading normals.
     let low = Sun { direction: DVec3::new(0.995, -0.0998, 0.0).normalize(), radiance: DVec3::ONE };
     let scene = with_mesh(vec![], mesh.clone(), Light { suns: vec![low], lamps: vec![], sky: Sky::NONE });
     let seen = trace(&scene, DVec3::Y, DVec3::NEG_Y);
     assert_eq!(seen.color, DVec3::ZERO);
     assert!(near(seen.normal, DVec3::new(0.8, 0.6, 0.0).normalize()) || (seen.normal.x - 0.8).abs() < 1e-6);
-    // From below, the other side is seen, and its normals are turned.
+    // Seen from below, the normals are flipped.
     let scene = with_mesh(
         vec![],
         mesh,
@@ -163,7 +163,7 @@ fn rays_go_on_only_where_optics_call_for_it() {
     let (hit, rays) = counted(&one, DVec3::Y, DVec3::new(0.1, -1.0, 0.0));
     assert_eq!((rays, hit.optics), (1, [1.0, 0.0, 1.0]));
     assert!(near(hit.color, 0.5 * DVec3::new(0.9, 0.8, 0.7)));
-    // Between two of them, eight bounces and then the ambient light.
+    // Between two mirrors, eight bounces and then the ambient light.
     let two = SceneAtTime::new(vec![optical(floor(0.0), mirror), optical(floor(1.0), mirror)], overhead());
     let (hit, rays) = counted(&two, DVec3::Y * 0.5, DVec3::NEG_Y);
     assert_eq!(rays, u64::from(MAX_BOUNCES));
@@ -192,15 +192,15 @@ fn fresnel_at_right_angles_at_the_limit_and_beyond_it() {
         SceneAtTime::new(vec![optical(Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 }), glass)], overhead());
     let hit = trace(&ball, DVec3::Z * 3.0, DVec3::NEG_Z);
     assert!((hit.optics[0] - 0.04).abs() < 1e-12 && (hit.optics[1] - 0.96).abs() < 1e-12 && hit.optics[2] == 1.5);
-    // All around is the same light, and none is lost.
+    // The surroundings emit uniformly and nothing is absorbed.
     assert!((hit.color.x - 0.5).abs() < 1e-3, "{}", hit.color);
-    // From within: straight on as little as from outside, aslant all of it.
+    // From inside: at normal incidence the same reflectance as from outside, at a steep angle total reflection.
     let hit = trace(&ball, DVec3::ZERO, DVec3::NEG_Z);
     assert!((hit.optics[0] - 0.04).abs() < 1e-12);
     let hit = trace(&ball, DVec3::X * 0.9, DVec3::Y);
     assert_eq!(hit.optics, [1.0, 0.0, 1.5]);
     assert!(hit.color.is_finite());
-    // Grazing, nearly all.
+    // At grazing incidence, nearly total reflection.
     let hit = trace(&ball, DVec3::new(0.999_999, 0.0, 3.0), DVec3::NEG_Z);
     assert!(hit.optics[0] > 0.9 && hit.optics[0] <= 1.0);
 }
@@ -211,7 +211,7 @@ fn a_pane_moves_what_is_behind_it_aside_by_snells_law() {
     let pane = AxisBox { min: DVec3::new(-50.0, 1.0, -50.0), max: DVec3::new(50.0, 2.0, 50.0) };
     let pane = optical(Shape::AxisBox(pane), glass);
     let light = Light { suns: vec![], lamps: vec![], sky: Sky::NONE };
-    // What is seen through the pane is red from where the light shines.
+    // The spot seen through the pane is red where the refracted ray hits it.
     let (sin, cos) = 40.0_f64.to_radians().sin_cos();
     let inside = (sin / 1.5).asin();
     let lands = (sin / cos) * 2.0 + inside.tan();
@@ -281,7 +281,7 @@ fn indices_that_make_no_sense_give_no_nan() {
         optics: Optics::Mirror { tint: DVec3::ONE },
         unlit: false,
     };
-    // A shading normal that would send the reflection into the surface is not used.
+    // The shading normal is not used if the reflection would enter the surface.
     assert_eq!(bent.optical_normal(DVec3::new(-0.1, -1.0, 0.0).normalize()), DVec3::Y);
 }
 
@@ -294,9 +294,9 @@ fn surfaces_nearby_occlude_ambient_light_and_shadows_can_be_left_out() {
     let rays = |shadows, occlusion| scene.clone().with_light_rays(LightRays { shadows, occlusion });
     let [plain, occluded] = [at(&scene, 0.25), at(&rays(true, 64), 0.25)];
     assert!(occluded < 0.98 * plain, "{occluded} {plain}");
-    // A tenth of the scene's diagonal away from the ball nothing is occluded.
+    // Nothing is occluded a tenth of the scene's diagonal away from the ball.
     assert_eq!(at(&rays(true, 64), 1.5), at(&scene, 1.5));
-    // Under the ball, where the sun does not shine.
+    // Under the ball, in the shadow of the sun.
     let below = |scene: &SceneAtTime| trace(scene, DVec3::new(0.19, 0.05, 0.0), DVec3::NEG_Y).color.x;
     assert!(below(&rays(false, 0)) > 2.0 * below(&scene), "{} {}", below(&rays(false, 0)), below(&scene));
     assert_eq!(rays(true, 0).light_rays, LightRays::default());

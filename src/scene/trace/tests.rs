@@ -41,13 +41,13 @@ fn sun_shadow_and_ambient() {
     assert!((floor_at(-0.9, 0.0) - 0.1).abs().max_element() < 1e-12);
     // The shadow's edge is the ball's outline, from both sides.
     assert!(floor_at(-1.001, 0.0).x > 2.0 && floor_at(-0.999, 0.0).x < 0.2);
-    // On the floor's far corners, outside the shafts of all casters.
+    // The floor's far corners are outside the grid cells of all casters.
     assert!(floor_at(-8.9, 8.9).x > 2.0);
 }
 
 #[test]
 fn lamp_reaches_just_so_far() {
-    // Straight below: 1 m, window (1 − 1/4)².
+    // Directly below: 1 m, window (1 − 1/4)².
     assert!((floor_at(4.0, 0.0).x - (2.1 + 0.5625)).abs() < 1e-5);
     assert_eq!(floor_at(4.0, 1.8), floor_at(-4.0, 1.8));
 }
@@ -79,7 +79,7 @@ fn points_see_each_other_unless_something_lies_between() {
     assert!(scene.sees(DVec3::Y * 8.0, top) && scene.sees(top, DVec3::Y * 8.0));
     assert!(!scene.sees(top + 0.1 * DVec3::Y, bottom) && !scene.sees(DVec3::Y * 8.0, bottom));
     assert!(!scene.sees(DVec3::Y * 8.0, DVec3::ZERO) && scene.sees(DVec3::ZERO, bottom));
-    // Through the floor, along it, and at its edge.
+    // Through the floor, along it, and past its edge.
     assert!(!scene.sees(DVec3::new(3.0, 1.0, 0.0), DVec3::new(3.0, -1.0, 0.0)));
     assert!(scene.sees(DVec3::new(3.0, 0.0, 0.0), DVec3::new(-5.0, 0.0, 1.0)));
     assert!(scene.sees(DVec3::new(9.1, 1.0, 0.0), DVec3::new(9.1, -1.0, 0.0)));
@@ -92,7 +92,7 @@ fn points_see_each_other_unless_something_lies_between() {
 fn an_empty_scene_is_sky() {
     let empty = SceneAtTime::new(vec![], scene().light.clone());
     assert_eq!(trace(&empty, DVec3::ZERO, DVec3::Z).color, SKY.horizon);
-    // And a scene in which nothing casts a shadow is lit everywhere.
+    // A scene without shadow casters is lit everywhere.
     let mut floor = scene().objects[0];
     floor.casts_shadow = CastsShadow::No;
     let bare = SceneAtTime::new(vec![floor], scene().light.clone());

@@ -1,4 +1,4 @@
-//! A scene as binary glTF: one unlit, blended, double-sided primitive whose triangles are in drawing order.
+//! Writes a scene as binary glTF: one unlit, blended, double-sided primitive whose triangles are in drawing order.
 
 use std::io::Write;
 
@@ -12,11 +12,11 @@ use crate::mesh::gltf::write::{self, Additions};
 use crate::simplify::cost::TextureCoordinates;
 use crate::simplify::quad_mesh::QuadMesh;
 
-/// glTF has no homogeneous texture coordinates: they are an attribute of the application. The validator of Khronos reports a
-/// textured primitive without TEXCOORD_0, which therefore stays.
+/// glTF has no homogeneous texture coordinates, so they are an application-specific attribute. TEXCOORD_0 is written, too,
+/// because the Khronos validator reports a textured primitive without it.
 const HOMOGENEOUS: &str = "_TEXCOORD_STQ";
 
-/// Writes the mesh; `extras` are data of the file.
+/// Writes the mesh. `extras` is stored as the extras of the file.
 pub fn write(quads: &QuadMesh, extras: Value, out: &mut dyn Write) -> Result<()> {
     let material = Material {
         name: "quads".into(),
@@ -33,7 +33,7 @@ pub fn write(quads: &QuadMesh, extras: Value, out: &mut dyn Write) -> Result<()>
     write::glb(std::slice::from_ref(&quads.mesh), &[material], &additions, out)
 }
 
-/// `textures` are names of files with the same texture.
+/// Returns the bytes of the file. `textures` are the names of files with the same texture.
 pub fn bytes(scene: &Scene, textures: &[&str]) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     write(scene.quads, extras(scene, textures), &mut bytes)?;
@@ -58,7 +58,7 @@ fn extras(scene: &Scene, textures: &[&str]) -> Value {
         "drawing_order": "back to front, as stored; blend without depth test, without culling, and without sorting",
         "texture_coordinates": coordinates,
         "alpha": "straight",
-        // Lengths of runs of triangles, blended and opaque in turns.
+        // Lengths of runs of triangles, alternately blended and opaque.
         "runs_blended_opaque": scene.quads.runs,
         "three_js": { "material.forceSinglePass": true, "renderer.sortObjects": false },
     });

@@ -1,6 +1,6 @@
-//! Files of a simplified scene: binary glTF or OBJ, and textures beside them (Seurat 6).
+//! Files of a simplified scene: binary glTF or OBJ, and separate textures (Seurat 6).
 //!
-//! Light lies straight, not multiplied by alpha, in all of them. No file changes the order of triangles.
+//! All files store straight colour, not multiplied by alpha, and keep the order of triangles.
 
 pub mod glb;
 mod obj;
@@ -17,10 +17,10 @@ use crate::image::{Plane, exr};
 pub use scene::Scene;
 pub use textures::Ktx2Output;
 
-/// The files to write.
+/// Output files.
 #[derive(Debug)]
 pub struct Outputs {
-    /// `.obj`, or binary glTF; `-` for standard output.
+    /// Path of the scene: `.obj`, or binary glTF; `-` for standard output.
     pub scene: PathBuf,
     pub ktx2: Option<Ktx2Output>,
 }
@@ -38,7 +38,8 @@ enum SceneFormat {
 }
 
 impl Outputs {
-    /// Fails where names do not tell what to write; so that it can be said before there is a scene.
+    /// Fails if the names do not determine the formats, or if two files have the same name. Can be called before the scene
+    /// exists.
     pub fn check(&self) -> Result<()> {
         self.format()?;
         let absolute = |path: &PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
@@ -50,13 +51,13 @@ impl Outputs {
         Ok(())
     }
 
-    /// Files that a scene of this name may have.
+    /// Returns the files that a scene of this name may have.
     fn of_scene(&self) -> Vec<PathBuf> {
         let beside = ["exr", "mtl", "png", "normal.exr", "material.exr"].map(|extension| self.beside(extension));
         [self.scene.clone()].into_iter().chain(beside).collect()
     }
 
-    /// All files that may be written.
+    /// Returns all files that may be written.
     pub fn all(&self) -> Vec<PathBuf> {
         self.of_scene().into_iter().chain(self.ktx2.as_ref().map(|ktx2| ktx2.path.clone())).collect()
     }
@@ -73,13 +74,13 @@ impl Outputs {
         }
     }
 
-    /// The scene's name with another extension.
+    /// Returns the path of the scene with another extension.
     fn beside(&self, extension: &str) -> PathBuf {
         self.scene.with_extension(extension)
     }
 }
 
-/// The bytes of all files, that of the scene first. Half floats, where the scene has them, go to an EXR file of the scene's
+/// Returns the bytes of all files, the scene first. If the scene has half floats, they are written to an EXR file of the scene's
 /// name, and to the KTX2 file in place of codes.
 pub fn files(scene: &Scene, outputs: &Outputs) -> Result<Vec<OutputBytes>> {
     outputs.check()?;
@@ -119,7 +120,7 @@ pub fn files(scene: &Scene, outputs: &Outputs) -> Result<Vec<OutputBytes>> {
     Ok(files)
 }
 
-/// An atlas beside that of light.
+/// An atlas other than that of colour.
 struct SurfaceFile<'a> {
     values: &'a Plane<[f32; 3]>,
     extension: &'static str,
@@ -136,7 +137,7 @@ fn surfaces<'a>(scene: &'a Scene) -> impl Iterator<Item = SurfaceFile<'a>> {
     files.into_iter().flatten()
 }
 
-/// A name that other files can refer to.
+/// Returns the name by which other files refer to a file. Fails if it is not UTF-8 or contains control characters.
 fn file_name(path: &Path) -> Result<&str> {
     let name = path.file_name().and_then(OsStr::to_str).filter(|name| !name.chars().any(char::is_control));
     name.ok_or_else(|| Error::Usage(format!("{}: a file name in UTF-8 was expected", path.display())))

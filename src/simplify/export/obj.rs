@@ -1,11 +1,11 @@
-//! A scene as Wavefront OBJ, as the release of Seurat wrote it: homogeneous texture coordinates are `vt s t q`, affine ones `vt u v`.
-//! Both have their origin in the bottom left corner of the image.
+//! Writes a scene as Wavefront OBJ, in the form of the released Seurat: homogeneous texture coordinates are `vt s t q`, affine
+//! ones `vt u v`. Both have their origin in the bottom left corner of the image.
 
 use std::fmt::Write;
 
 use super::scene::Scene;
 
-/// The name of the material in both files.
+/// Name of the material in both files.
 const MATERIAL: &str = "quads";
 
 pub fn bytes(scene: &Scene, materials: &str) -> Vec<u8> {
@@ -13,7 +13,7 @@ pub fn bytes(scene: &Scene, materials: &str) -> Vec<u8> {
     let mut text =
         String::from("# Triangles are in drawing order, from back to front: blend them, without depth test.\n");
     let [min, max] = [scene.region.middle - scene.region.half, scene.region.middle + scene.region.half];
-    // Writing into a string does not fail.
+    // Writing to a string cannot fail.
     let _ =
         writeln!(text, "# Viewing region in metres: {} {} {} to {} {} {}", min.x, min.y, min.z, max.x, max.y, max.z);
     let _ = writeln!(text, "mtllib {materials}");
@@ -37,7 +37,7 @@ pub fn bytes(scene: &Scene, materials: &str) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// The material library: light of the texture as it is, whose alpha viewers take from the same image.
+/// Returns the material library: the unlit colour of the texture. Viewers take alpha from the same image.
 pub fn material(texture: &str) -> Vec<u8> {
     format!("newmtl {MATERIAL}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 0\nmap_Kd {texture}\n").into_bytes()
 }

@@ -1,4 +1,4 @@
-//! What is written.
+//! Input of the file writers.
 
 use crate::simplify::cost::TextureCoordinates;
 use crate::simplify::gbuffer::SurfaceAtlas;
@@ -6,15 +6,15 @@ use crate::simplify::quad_mesh::QuadMesh;
 use crate::simplify::region::ViewingRegion;
 use crate::simplify::selection::Budgets;
 
-/// A scene, and what files say about it.
+/// A scene, and the metadata that files store with it.
 #[derive(Debug)]
 pub struct Scene<'a> {
     pub quads: &'a QuadMesh,
     pub region: &'a ViewingRegion,
     pub budgets: &'a Budgets,
-    /// Of the capture.
+    /// Frame of the capture.
     pub frame: u32,
-    /// Largest side of the atlas, in texels.
+    /// Maximum side of the atlas, in texels.
     pub atlas: u32,
     pub coordinates: TextureCoordinates,
     pub surfaces: Option<&'a SurfaceAtlas>,

@@ -1,6 +1,6 @@
-//! The texture of a scene as files of its own: KTX2 of compressed blocks, EXR of half floats.
+//! Texture files of a scene: KTX2 with compressed blocks, and EXR with half floats.
 //!
-//! There is no ASTC: `intel_tex_2` 0.5 ranks its block modes, and panics where it would encode them.
+//! ASTC is not supported: `intel_tex_2` 0.5 ranks its block modes, and panics where it would encode them.
 
 use half::f16;
 use rayon::prelude::*;
@@ -15,17 +15,17 @@ use crate::image::{Plane, Primaries, exr};
 use crate::mesh::ImageTexture;
 use crate::simplify::quad_mesh::QuadMesh;
 
-/// BC7, or BC6H of half floats.
+/// KTX2 file of BC7, or of BC6H for half floats.
 #[derive(Debug)]
 pub struct Ktx2Output {
     pub path: PathBuf,
     pub effort: Effort,
 }
 
-/// Rows of blocks that one job encodes.
+/// Number of rows of blocks that one job encodes.
 const ROWS_A_JOB: usize = 16;
 
-/// Half floats in BC6H, which has no alpha, or codes with alpha.
+/// Encodes half floats as BC6H, which has no alpha, or codes as BC7, with alpha if any texel is not opaque.
 pub fn ktx2(quads: &QuadMesh, output: &Ktx2Output) -> Result<Vec<u8>> {
     let ImageTexture { width, height, pixels, .. } = &*quads.texture;
     let (across, effort) = (*width as usize, output.effort);
@@ -49,7 +49,8 @@ fn encode<E: BlockEncoder<Texel: Sync>>(encoder: &E, pixels: &[E::Texel], width:
     blocks.concat()
 }
 
-/// R, G, B and A as halves; unlike in other EXR files, light is not multiplied by alpha, as in the other textures of a scene.
+/// Encodes R, G, B and A as half floats. As in the other textures of a scene, and unlike in other EXR files, colour is not
+/// multiplied by alpha.
 pub fn exr(texture: &ImageTexture, light: &[[f16; 3]]) -> Result<Vec<u8>> {
     let alpha = |pixel: &[u8; 4]| f16::from_f32(f32::from(pixel[3]) / 255.0);
     let texels = light.iter().zip(&texture.pixels).map(|(&[r, g, b], pixel)| [r, g, b, alpha(pixel)]).collect();

@@ -1,4 +1,4 @@
-//! Alpha alone: how far each pixel is covered.
+//! Rasteriser of alpha alone: how far each pixel is covered.
 
 use rayon::prelude::*;
 
@@ -7,25 +7,26 @@ use super::{Compositing, DrawSettings, ROWS_A_JOB, Raster};
 use crate::math::Camera;
 use crate::simplify::quad_mesh::QuadMesh;
 
-/// Middle of a pixel.
+/// Centre of a pixel.
 const MIDDLE: [f64; 2] = [0.5; 2];
 
-/// Alpha of a picture, which is drawn again while texels become opaque.
+/// Alpha of a picture, which is drawn again as texels become opaque.
 pub struct AlphaRaster {
     raster: Raster,
     alpha: Vec<f32>,
 }
 
 impl AlphaRaster {
-    /// Nothing is drawn yet: all pixels are transparent.
+    /// Creates a picture without triangles: all pixels are transparent.
     pub fn new(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> AlphaRaster {
         let settings = DrawSettings { size, compositing: Compositing::Painter, samples: 1 };
         let raster = Raster::new(scene, camera, &settings);
         AlphaRaster { raster, alpha: vec![0.0; size[0] as usize * size[1] as usize] }
     }
 
-    /// Alpha of all pixels, row by row: that of [`super::draw`] where it is below `enough`, which is below 1, and no less than `enough`
-    /// elsewhere. Rows that had enough before are left as they are: the texels of the scene may only have become less transparent.
+    /// Returns the alpha of all pixels, in row-major order. It equals that of [`super::draw`] where that is below `enough`, which
+    /// is below 1, and is at least `enough` elsewhere. Rows that had enough before are not drawn again, so texels of the scene
+    /// may only have become less transparent.
     pub fn draw(&mut self, scene: &QuadMesh, enough: f32) -> &[f32] {
         let (texels, raster) = (Texels::new(scene), &self.raster);
         let pixels_a_job = (raster.settings.size[0] * ROWS_A_JOB).max(1) as usize;
@@ -36,10 +37,10 @@ impl AlphaRaster {
 }
 
 impl Raster {
-    /// Alpha of the rows of a job, unless they have `enough`.
+    /// Draws the alpha of the rows of a job, except for rows that have `enough`.
     fn cover(&self, job: usize, texels: &Texels, enough: f32, alpha: &mut [f32]) {
         let ([first, end], width) = (self.rows_of(job), self.settings.size[0]);
-        // Pixels of each row that have less.
+        // Returns the number of pixels to draw in a row, 0 if all have `enough`.
         let open_pixels = |row: &mut [f32]| {
             let is_left = row.iter().all(|alpha| *alpha >= enough);
             if !is_left {

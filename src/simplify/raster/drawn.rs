@@ -1,18 +1,18 @@
-//! A picture that was drawn.
+//! Result of drawing a picture.
 
 use glam::Vec4;
 
 use crate::error::Result;
 use crate::evaluate::RenderedImage;
 
-/// What was drawn.
+/// Pixels of a picture, and counts of triangles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawn {
-    /// Linear light multiplied by alpha, and alpha: means of the samples of a pixel.
+    /// Linear RGB multiplied by alpha, and alpha: means over the samples of a pixel.
     pub pixels: Vec<[f32; 4]>,
-    /// Triangles over each sample, whether they show or not, in all.
+    /// Total number of triangles over all samples, visible or not.
     pub fragments: u64,
-    /// Triangles over a sample, at most.
+    /// Maximum number of triangles over a sample.
     pub most_fragments: u32,
 }
 
@@ -26,7 +26,7 @@ impl Drawn {
         }
     }
 
-    /// The picture; colour is not multiplied by alpha.
+    /// Returns the picture with straight colour, not multiplied by alpha.
     pub fn image(&self, size: [u32; 2]) -> Result<RenderedImage> {
         let straight = |&[r, g, b, alpha]: &[f32; 4]| {
             let factor = if alpha > 0.0 { alpha.recip() } else { 0.0 };
@@ -35,7 +35,7 @@ impl Drawn {
         RenderedImage::of_pixels(size, self.pixels.iter().map(straight))
     }
 
-    /// The picture over black, as it is compared.
+    /// Returns the picture over black, as used in comparisons.
     pub fn over_black(&self, size: [u32; 2]) -> Result<RenderedImage> {
         RenderedImage::of_pixels(size, self.pixels.iter().copied())
     }

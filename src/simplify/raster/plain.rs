@@ -1,7 +1,7 @@
-//! The rasteriser without its fast forms: every pixel of a triangle's rectangle is tested, and every fragment is blended.
+//! Reference rasteriser without optimisations: it tests every pixel of a triangle's bounding rectangle, and blends every
+//! fragment.
 //!
-//! Triangles are not culled and not clipped: the ray of a pixel meets the plane of a triangle, and signs of three volumes say whether it
-//! meets the triangle.
+//! Triangles are neither culled nor clipped: the signs of three volumes determine whether the ray of a pixel meets a triangle.
 
 use glam::{DVec3, Vec4};
 use rayon::prelude::*;
@@ -11,22 +11,22 @@ use super::texels::{Texels, texture_coordinates};
 use crate::math::Camera;
 use crate::simplify::quad_mesh::QuadMesh;
 
-/// Rows that one job draws.
+/// Number of rows that one job draws.
 const ROWS_A_JOB: u32 = 16;
 
-/// A triangle as one camera sees it.
+/// A triangle as seen from one camera.
 struct Seen {
     /// Left, top, right, bottom in pixels.
     rect: [u32; 4],
-    /// The weight of a corner along a ray is its dot product with one of them; all are above 0 inside.
+    /// The weight of each corner along a ray is the dot product of the ray with one of these. All weights are above 0 inside.
     normals: [DVec3; 3],
-    /// Which edges belong to this triangle: an edge of two triangles belongs to one of them.
+    /// True for the edges that belong to this triangle: an edge shared by two triangles belongs to one of them.
     owns_edges: [bool; 3],
     /// Homogeneous texture coordinates.
     stq: [[f64; 3]; 3],
 }
 
-/// As [`super::draw`], one fragment after the other.
+/// Draws the mesh as [`super::draw`] does, one fragment after the other.
 pub fn draw_plainly(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Drawn {
     let [width, height] = size;
     let texels = Texels::new(scene);
@@ -84,7 +84,8 @@ fn see(scene: &QuadMesh, triangle: usize, camera: &Camera, size: [u32; 2]) -> Op
     (volume != 0.0).then_some(Seen { rect, normals, owns_edges, stq })
 }
 
-/// Pixels that a polygon can cover, of corners relative to the eye; none where it lies behind the camera or beside the image.
+/// Returns the rectangle of pixels that a polygon can cover, given its corners relative to the eye; `None` if it is behind the
+/// camera or outside of the image.
 fn bounds(corners: &[DVec3], camera: &Camera, [width, height]: [u32; 2]) -> Option<[u32; 4]> {
     let [forward, ..] = camera.axes();
     let near = 1e-9 * corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);

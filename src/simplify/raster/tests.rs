@@ -9,7 +9,7 @@ use crate::math::Lens;
 use crate::mesh::{ImageTexture, Mesh, Wrap};
 use crate::monitor::Silent;
 
-/// A square across the view at a distance, half as wide as the picture, of one colour.
+/// Adds a square of one colour that is perpendicular to the view, at a distance, and half as wide as the picture.
 fn square(mesh: &mut Mesh, distance: f64, texel: f32) {
     let first = mesh.positions.len() as u32;
     for [x, y] in [[-0.5, 0.5], [0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]] {
@@ -26,7 +26,7 @@ fn scene(mesh: Mesh) -> QuadMesh {
     QuadMesh { mesh, texture: Arc::new(texture), stq: Vec::new(), light: None, runs: Vec::new() }
 }
 
-/// Triangles of all sizes around the origin, beside and behind it, and a texture of all alphas.
+/// Returns triangles of all sizes around the origin, beside and behind it, and a texture with all alphas.
 fn crowd(count: u32) -> QuadMesh {
     let mut state = 7u32;
     let mut random = || {
@@ -61,7 +61,7 @@ fn settings(compositing: Compositing, samples: u32) -> DrawSettings {
 #[test]
 fn later_triangles_are_blended_over_earlier_ones() {
     let mut mesh = Mesh::default();
-    // The nearer one comes first: order decides, not depth.
+    // The nearer square comes first: order decides, not depth.
     square(&mut mesh, 1.0, 0.25);
     square(&mut mesh, 3.0, 0.75);
     let drawn = draw(&scene(mesh), &camera(DVec3::ZERO, DVec3::NEG_Z), [16, 16]);
@@ -76,7 +76,7 @@ fn later_triangles_are_blended_over_earlier_ones() {
 
 #[test]
 fn homogeneous_texture_coordinates_are_those_of_the_plane_of_a_face() {
-    // A quad that goes away from the eye, whose texture is a ramp over the picture.
+    // A quad that recedes from the eye, whose texture is a ramp over the picture.
     let mut mesh = Mesh::default();
     let corners = [([-1.0, 1.0], 1.0), ([1.0, 1.0], 4.0), ([1.0, -1.0], 4.0), ([-1.0, -1.0], 1.0)];
     for ([x, y], depth) in corners {
@@ -109,7 +109,7 @@ fn triangles_are_seen_from_both_sides_and_not_behind_the_eye() {
         let seen = |eye: DVec3, target: DVec3| draw(&scene, &camera(eye, target), [16, 16]).fragments;
         assert_eq!(seen(DVec3::ZERO, DVec3::Z), 0);
         assert_eq!(seen(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO), 64);
-        // An eye so near that the square goes on behind it, and one in its plane.
+        // An eye so near that part of the square is behind it, and an eye in the plane of the square.
         assert!(seen(DVec3::new(0.0, 0.3, -1.999), DVec3::new(0.0, 0.2, -2.1)) > 128);
         assert_eq!(seen(DVec3::new(0.0, 0.0, -2.0), DVec3::new(1.0, 0.0, -2.0)), 0);
     }
@@ -124,7 +124,7 @@ fn the_two_triangles_of_a_square_share_no_pixel_and_leave_none() {
         let turn = f64::from(step) * 0.31;
         let eye = DVec3::new(0.3 * turn.cos(), 0.3 * turn.sin(), 0.1);
         let drawn = draw(&scene, &camera(eye, DVec3::new(0.01, 0.02, -2.0)), [61, 61]);
-        // No more than the corners lie on the diagonal exactly.
+        // Only the corners lie exactly on the diagonal.
         assert!(drawn.most_fragments == 1, "{step}");
         assert_eq!(drawn.fragments, drawn.pixels.iter().filter(|pixel| pixel[3] > 0.0).count() as u64);
     }
@@ -159,7 +159,7 @@ fn the_nearest_shows_through_a_z_buffer_in_any_order() {
         assert_eq!(drawn.fragments, 2 * 8 * 8 * u64::from(samples * samples));
         drawn.pixels[16 * 8 + 8]
     };
-    // The first is opaque red; the second, of alpha 1/2, covers half of the samples.
+    // The first square is opaque red; the second, with an alpha of 1/2, covers half of the samples.
     for samples in [2, 4] {
         assert_eq!(shown([1.0, 3.0], samples), [1.0, 0.0, 0.0, 1.0]);
         assert_eq!(shown([3.0, 1.0], samples), [0.5, 0.5, 0.0, 1.0]);
@@ -214,7 +214,7 @@ fn near_and_far_of_the_camera_cut_triangles() {
         let drawn = draw(&scene, &camera, [8, 64]);
         (0..64).filter(|row| drawn.pixels[8 * row + 3][3] > 0.0).collect()
     };
-    // A row v below the middle sees the floor at depth 1 / v.
+    // A row v below the centre sees the floor at depth 1 / v.
     let depth = |row: usize| 1.0 / ((row as f64 + 0.5) / 32.0 - 1.0);
     let wanted = |near_m: f64, far_m: f64| -> Vec<usize> {
         (32..64).filter(|&row| depth(row) >= near_m && depth(row) <= far_m.min(50.0)).collect()
@@ -240,7 +240,7 @@ fn alpha_alone_is_that_of_pictures_up_to_what_is_enough() {
         for (eye, target) in [(DVec3::ZERO, DVec3::X), (DVec3::new(0.5, 2.0, 0.1), DVec3::ZERO)] {
             let (camera, size) = (camera(eye, target), [45, 37]);
             let mut raster = AlphaRaster::new(&crowd, &camera, size);
-            // Again after texels became opaque: rows without a change are left.
+            // Draws again after texels became opaque: rows without a change are kept.
             for _ in 0..2 {
                 let found = raster.draw(&crowd, enough).to_vec();
                 let drawn = draw(&crowd, &camera, size);

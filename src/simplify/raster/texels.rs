@@ -1,4 +1,4 @@
-//! Bilinear samples of an atlas, in linear light.
+//! Bilinear sampling of an atlas in linear RGB.
 
 use glam::Vec4;
 use half::f16;
@@ -7,10 +7,10 @@ use crate::image::Transfer;
 use crate::mesh::ImageTexture;
 use crate::simplify::quad_mesh::QuadMesh;
 
-/// An atlas beside the linear light of its codes.
+/// An atlas, and the linear RGB of its codes.
 pub struct Texels<'a> {
     texture: &'a ImageTexture,
-    /// In place of the codes.
+    /// Linear RGB that replaces the codes.
     light: Option<&'a [[f16; 3]]>,
     of_codes: [f32; 256],
     alpha: [f32; 256],
@@ -26,7 +26,7 @@ impl<'a> Texels<'a> {
         }
     }
 
-    /// Light, not multiplied by alpha, and alpha; (0, 0) is the top left corner, coordinates are clamped.
+    /// Returns linear RGB, not multiplied by alpha, and alpha. (0, 0) is the top left corner; coordinates are clamped.
     pub fn sample(&self, at: [f64; 2]) -> Vec4 {
         let ([a, b, c, d], [along, down]) = self.around(at);
         let (above, below) = (self.texel(a).lerp(self.texel(b), along), self.texel(c).lerp(self.texel(d), along));
@@ -43,7 +43,7 @@ impl<'a> Texels<'a> {
         Vec4::new(r, g, b, self.alpha[usize::from(alpha)])
     }
 
-    /// Alpha of [`Self::sample`].
+    /// Returns the alpha of [`Self::sample`].
     pub fn alpha(&self, at: [f64; 2]) -> f32 {
         let (texels, [along, down]) = self.around(at);
         let [a, b, c, d] = texels.map(|at| self.alpha[usize::from(self.texture.pixels[at][3])]);
@@ -51,7 +51,7 @@ impl<'a> Texels<'a> {
         between(between(a, b, along), between(c, d, along), down)
     }
 
-    /// The four texels around a place, row by row, and the weights of the second column and row.
+    /// Returns the four texels around a position, in row-major order, and the weights of the second column and of the second row.
     fn around(&self, [u, v]: [f64; 2]) -> ([usize; 4], [f32; 2]) {
         let (left, along) = place(u, self.texture.width);
         let (top, down) = place(v, self.texture.height);
@@ -63,20 +63,20 @@ impl<'a> Texels<'a> {
     }
 }
 
-/// Linear light of each sRGB code.
+/// Returns the linear value of each sRGB code.
 pub fn light_of_codes() -> [f32; 256] {
     std::array::from_fn(|code| Transfer::Srgb.decode(code as f64 / 255.0) as f32)
 }
 
-/// The texel before a coordinate, and the weight of the next one.
+/// Returns the texel before a coordinate, and the weight of the next texel.
 fn place(at: f64, side: u32) -> (usize, f32) {
-    // In this order a coordinate that is no number counts as 0.
+    // In this order of operations, NaN becomes 0.
     let at = (at * f64::from(side) - 0.5).max(0.0).min(f64::from(side - 1)) as f32;
     let first = at as usize;
     (first, at - first as f32)
 }
 
-/// Homogeneous texture coordinates of a corner.
+/// Returns the homogeneous texture coordinates of a corner.
 pub fn texture_coordinates(scene: &QuadMesh, corner: u32) -> [f64; 3] {
     match scene.stq.get(corner as usize) {
         Some(stq) => stq.as_dvec3().to_array(),

@@ -1,7 +1,8 @@
-//! Triangles as one camera sees them: edge functions, and the pixels of a row between them.
+//! Triangles as seen from one camera: edge functions, and the pixels of a row between them.
 //!
-//! Coordinates are those of the camera (right, down, forward), in which the ray of a pixel is (u, v, 1). What is linear along such rays is
-//! an affine function of the pixel. A triangle is not clipped: all weights of its corners are above 0 only on rays that meet it.
+//! Coordinates are those of the camera (right, down, forward), in which the ray of a pixel is (u, v, 1). A linear function of
+//! these rays is an affine function of the pixel. Triangles are not clipped: all weights of the corners are above 0 only for rays
+//! that meet the triangle.
 
 use std::ops::Range;
 
@@ -9,10 +10,10 @@ use glam::DVec3;
 
 use crate::math::Camera;
 
-/// Rows by which rounding moves a corner, at most.
+/// Maximum error of a corner by rounding, in rows.
 const ROUNDING_ROWS: f64 = 0.0625;
 
-/// A function of the pixel: `constant + across · x + down · y`.
+/// Affine function of the pixel: `constant + across · x + down · y`.
 #[derive(Debug, Clone, Copy)]
 pub struct Affine {
     constant: f64,
@@ -20,7 +21,7 @@ pub struct Affine {
     down: f64,
 }
 
-/// A function along a row: `start + across · x`.
+/// Affine function along a row: `start + across · x`.
 #[derive(Debug, Clone, Copy)]
 pub struct Along {
     start: f64,
@@ -52,12 +53,12 @@ impl Along {
 pub struct Pixels {
     size: [u32; 2],
     eye: DVec3,
-    /// Right, down, forward.
+    /// Unit vectors right, down and forward.
     axes: [DVec3; 3],
-    /// The left and top edge of the image at distance 1, and the sides of a pixel there.
+    /// Left and top edge of the image at distance 1, and the width and height of a pixel at that distance.
     first: [f64; 2],
     step: [f64; 2],
-    /// Near and far along the axis, in metres.
+    /// Near and far distance along the axis, in metres.
     depth_m: [f64; 2],
 }
 
@@ -76,13 +77,13 @@ impl Pixels {
         }
     }
 
-    /// A point in the coordinates of the camera.
+    /// Returns a point in the coordinates of the camera.
     pub fn seen_from_eye(&self, point: DVec3) -> DVec3 {
         let from_eye = point - self.eye;
         DVec3::from_array(self.axes.map(|axis| axis.dot(from_eye)))
     }
 
-    /// The dot product of a vector with the rays.
+    /// Returns the dot product of a vector with the ray of each pixel.
     fn along(&self, vector: DVec3) -> Affine {
         Affine {
             constant: vector.x * self.first[0] + vector.y * self.first[1] + vector.z,
@@ -91,7 +92,7 @@ impl Pixels {
         }
     }
 
-    /// Rows that a polygon can cover; none where it lies behind the camera or beside the image.
+    /// Returns the rows that a triangle can cover; `None` if it is behind the camera or outside of the image.
     fn rows(&self, corners: &[DVec3; 3]) -> Option<[u32; 2]> {
         let end = [0, 1].map(|axis| self.first[axis] + self.step[axis] * f64::from(self.size[axis]));
         let beyond = |outside: &dyn Fn(&DVec3) -> bool| corners.iter().all(outside);
@@ -104,7 +105,7 @@ impl Pixels {
             return None;
         }
         if corners.iter().any(|at| at.z <= 0.0) {
-            // A part of it is behind the eye: edge functions find its pixels.
+            // Part of the triangle is behind the eye; edge functions find its pixels.
             return Some([0, self.size[1]]);
         }
         let rows = corners.map(|at| (at.y / at.z - self.first[1]) / self.step[1]);
@@ -115,16 +116,17 @@ impl Pixels {
     }
 }
 
-/// A half-plane of pixels: where its function is above 0, and on its border if that is inside.
+/// A half-plane of pixels: those where its function is above 0, and those where it is 0 if the border is inside.
 #[derive(Debug, Clone, Copy)]
 struct Edge {
     side: Affine,
-    /// Minus the inverse of `across`, in pixels per unit: times the value at the start of a row, the column where the function is 0.
+    /// Minus the inverse of `across`, in pixels per unit. Multiplied by the value at the start of a row, it gives the column
+    /// where the function is 0.
     to_border: f64,
     border: Border,
 }
 
-/// Where the function of a half-plane is 0.
+/// Side to which the border of a half-plane belongs, where its function is 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Border {
     Inside,
@@ -136,7 +138,8 @@ impl Edge {
         Edge { side, to_border: -side.across.recip(), border }
     }
 
-    /// Whether it holds at a column of a row. The function has the same value for the same edge of another triangle, with the opposite sign.
+    /// Returns true if a column of a row is inside. For the same edge of another triangle, the function has the same value with
+    /// the opposite sign.
     #[inline]
     fn is_inside(&self, row: Along, x: f64) -> bool {
         let side = row.at(x);
@@ -144,11 +147,12 @@ impl Edge {
     }
 }
 
-/// Up to five half-planes, by the way their functions go along a row: pixels after a border, before one, and whole rows.
+/// Up to five half-planes, grouped by the slope of their functions along a row: pixels after a border, pixels before a border,
+/// and whole rows.
 #[derive(Debug, Clone, Copy)]
 struct Edges {
     all: [Edge; 5],
-    /// Ends of those that grow, of those that fall, and of the others.
+    /// End index of the increasing functions, of the decreasing ones, and of the constant ones.
     ends: [usize; 3],
 }
 
@@ -175,8 +179,9 @@ impl Edges {
         self.ends[kind..].iter_mut().for_each(|end| *end += 1);
     }
 
-    /// The columns of a row inside all, `offset` being the place of the sample in its pixel. The functions grow or fall along the row,
-    /// so each is asked beside the border only, where rounding may have put it on the other side.
+    /// Returns the columns of a row that are inside all half-planes. `offset` is the position of the sample in its pixel. The
+    /// functions are monotone along the row, so each is evaluated only near its border, where rounding may have put a column on
+    /// the wrong side.
     fn span(&self, y: f64, width: u32, offset: f64) -> Range<u32> {
         let (growing, others) = self.all[..self.ends[2]].split_at(self.ends[0]);
         let (falling, level) = others.split_at(self.ends[1] - self.ends[0]);
@@ -187,7 +192,7 @@ impl Edges {
         if !is_inside(level, 0) {
             return 0..0;
         }
-        // In this order what is no number counts as the side of the image.
+        // In this order of operations, a border that is NaN counts as the side of the image.
         let border = |edge: &Edge| edge.side.row(y).start * edge.to_border - offset;
         let first = growing.iter().fold(0.0, |first, edge| border(edge).max(first)).min(f64::from(width));
         let last = falling.iter().fold(f64::from(width), |last, edge| border(edge).min(last)).max(-1.0);
@@ -211,22 +216,22 @@ impl Edges {
 
 #[derive(Debug)]
 pub struct Triangle {
-    /// First and end row that it can cover.
+    /// First and end row that the triangle can cover.
     pub rows: [u32; 2],
-    /// Whether all its texels are: the others are looked at. The caller says so.
+    /// True if all of its texels are opaque, so that they need not be sampled. Set by the caller.
     pub is_opaque: bool,
-    /// Where the weights of its corners are above 0, and near and far, where the camera has them.
+    /// Half-planes where the weights of the corners are above 0, and those of the near and far distance if the camera has them.
     edges: Edges,
-    /// Sum of the weights.
+    /// Sum of the weights of the corners.
     pub sum: Affine,
-    /// The sum times homogeneous texture coordinates.
+    /// The sum of weights times the interpolated homogeneous texture coordinates.
     pub stq: [Affine; 3],
-    /// Volume of its corners and the eye, six times: divided by the sum it is the depth in metres along the axis.
+    /// Six times the volume spanned by the corners and the eye. Divided by the sum, it is the depth along the axis in metres.
     pub volume: f64,
 }
 
 impl Triangle {
-    /// Corners in the coordinates of the camera; none where it is not seen.
+    /// Takes the corners in the coordinates of the camera. Returns `None` if the triangle is not visible.
     pub fn new(corners: &[DVec3; 3], stq: [[f64; 3]; 3], pixels: &Pixels) -> Option<Triangle> {
         let rows = pixels.rows(corners).filter(|[first, end]| first < end)?;
         let [a, b, c] = *corners;
@@ -261,7 +266,7 @@ impl Triangle {
         Some(Triangle { rows, is_opaque: false, edges, sum, stq, volume })
     }
 
-    /// The pixels of a row whose samples it covers; a sample lies at `offset` in its pixel.
+    /// Returns the pixels of a row whose samples the triangle covers; a sample is at `offset` in its pixel.
     pub fn span(&self, row: u32, width: u32, offset: [f64; 2]) -> Range<u32> {
         self.edges.span(f64::from(row) + offset[1], width, offset[0])
     }

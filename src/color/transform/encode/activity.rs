@@ -1,4 +1,4 @@
-//! How busy regions are, which says how fine their steps are (color.md 6.3).
+//! Activity of regions, which determines how fine their steps are (color.md 6.3).
 
 use crate::color::quality::Quality;
 use crate::color::transform::blocks::MIN_SIDE;
@@ -6,14 +6,16 @@ use crate::color::transform::domain::Keyed;
 use crate::color::transform::encode::source::CellSource;
 use crate::color::transform::steps::{DELTA_UNIT, DELTAS};
 
-/// Variance of luma in codes² below which a place hides no errors; and how much more those of places have whose delta is 0.
+/// Variances of luma in codes². Below `QUIET`, a place hardly masks errors; at `USUAL`, its weight is 1, which is a delta of
+/// 0.
 const QUIET: f32 = 80.0;
 const USUAL: f32 = 100.0;
-/// Pixels around a square that count as its surroundings.
+/// Width in pixels of the margin around a square that counts as its surroundings.
 const AROUND: usize = 2;
 
-/// Delta of the step indices of a region: steps are the finer the quieter it is around each of its squares of 4x4 pixels, in all frames,
-/// and the more codes a key is there. The mean of the weights, not the weight of the mean, so that a region with a quiet part stays fine.
+/// Returns the delta of the step indices of a region. Steps are finer the lower the variance around its squares of 4x4 pixels
+/// is, in all frames, and the more codes one key is. It is derived from the mean of the weights, not from the weight of the
+/// mean, so that a region with a smooth part keeps fine steps.
 pub fn delta<S: Keyed, Q: Quality<S>>(
     cell: &CellSource<'_, S>,
     [left, top, width, height]: [usize; 4],
@@ -45,12 +47,12 @@ pub fn delta<S: Keyed, Q: Quality<S>>(
 struct Image {
     width: usize,
     luma: Vec<f32>,
-    /// Codes a key, relative to those of bytes.
+    /// Codes per key, relative to 8-bit samples.
     slopes: Vec<f32>,
 }
 
 impl Image {
-    /// What a squared error in keys counts at a square.
+    /// Weight of a squared error in keys, at a square.
     fn weight(&self, place: [usize; 2]) -> f32 {
         let height = self.luma.len() / self.width;
         let [[columns, rows], [inner_columns, inner_rows]] = [AROUND, 0].map(|around| {
@@ -73,7 +75,7 @@ impl Image {
     }
 }
 
-/// The logarithm to base 2 of a number, nearly and the same on all machines: linear between the powers of 2; -1000 of 0.
+/// Approximates log2, with the same result on all machines: linear between powers of 2; -1000 for 0.
 fn log2(value: f64) -> f64 {
     if value <= 0.0 {
         return -1000.0;

@@ -1,4 +1,4 @@
-//! Rough costs of all blocks of a region, which say what partitions are worth a closer look.
+//! Rough costs of all blocks of a region, which select the partitions that the search tries.
 
 use crate::color::transform::basis::{LENGTHS, length_index};
 use crate::color::transform::blocks::{Block, MIN_SIDE, REGION, Shape};
@@ -10,23 +10,23 @@ use crate::color::transform::steps::{STEP_BITS, Steps};
 
 const SQUARES: usize = (REGION / MIN_SIDE) * (REGION / MIN_SIDE);
 const LEVELS: usize = 4;
-/// Bits of a block, and of a split.
+/// Estimated bits of a block, and of a split.
 const BLOCK_BITS: f32 = 8.0;
 const SPLIT_BITS: f32 = 2.0;
 
-/// Estimated costs in steps² + λ·bits: of a block as one, and of the best partition below it.
+/// Estimated costs in steps² + λ·bits: of a block as a whole, and of the best partition below it.
 #[derive(Debug)]
 pub struct Estimates {
-    /// Index of a run of frames: that of first frame f and length n is at f · frames + n - 1.
+    /// Index of a run of frames: the run with first frame f and length n is at f · frames + n - 1.
     runs: Vec<Option<usize>>,
     frames: usize,
     whole: Vec<f32>,
     best: Vec<f32>,
-    /// Channels that count.
+    /// Channels that estimates include.
     channels: Vec<usize>,
 }
 
-/// Estimates of the ways to code a block: as one, in quarters, in parts.
+/// Estimated costs of a block as a whole, in quarters, and in parts.
 #[derive(Debug, Clone, Copy)]
 pub struct Ways {
     pub whole: f32,
@@ -34,17 +34,17 @@ pub struct Ways {
     pub parts: f32,
 }
 
-/// What estimates depend on.
+/// Parameters of estimates.
 pub struct Pricing<'a> {
     pub bases: &'a TimeBases,
     pub scales: &'a Scales,
     pub lambda: f32,
     pub weights: &'a FrameWeights,
-    /// Share of the greatest variance of a channel below which a channel is left out.
+    /// A channel is left out if its variance is below this share of the greatest variance of a channel.
     pub min_variance: f32,
 }
 
-/// Factors from coefficients to steps, by channel, size class and index of the length, for each spatial frequency.
+/// Factors from coefficients to steps, by channel, size class and length index, for each spatial frequency.
 pub struct Scales(Vec<[f32; 2 * REGION]>);
 
 impl Scales {
@@ -120,8 +120,8 @@ impl Estimates {
     }
 }
 
-/// Channels whose variance, in steps², is no less than a share of that of the one that varies most: chroma mostly splits where luma
-/// does.
+/// Returns the channels whose variance in steps² is at least a share of the greatest variance of a channel: chroma mostly
+/// splits where luma does.
 fn busy_channels(source: &RegionSource, pricing: &Pricing<'_>) -> Vec<usize> {
     let side = source.root.shape.side();
     let still = Shape { frames: 1, ..source.root.shape };
@@ -130,7 +130,7 @@ fn busy_channels(source: &RegionSource, pricing: &Pricing<'_>) -> Vec<usize> {
     (0..CHANNELS).filter(|&channel| variance(channel) >= pricing.min_variance * greatest).collect()
 }
 
-/// Gives each run of frames that a partition can have an index, from `next` on; answers the index after the last.
+/// Numbers the runs of frames that a partition can have, from `next` on. Returns the number after the last.
 fn number_runs(block: Block, runs: &mut [Option<usize>], mut next: usize) -> usize {
     let frames = runs.len().isqrt();
     let run = &mut runs[block.place.frame * frames + block.shape.frames - 1];
@@ -144,16 +144,16 @@ fn number_runs(block: Block, runs: &mut [Option<usize>], mut next: usize) -> usi
     next
 }
 
-/// Error and bits of coefficients: those well below a step are dropped, others cost bits by their logarithm.
+/// Estimates the error and bits of coefficients: those well below a step are dropped, others take bits by their logarithm.
 fn estimate(coefficients: &[f32], lambda: f32) -> f32 {
     const LANES: usize = 16;
-    // A level of 1 costs some five bits, and one for each octave above; what is rounded has an error of 1/12.
+    // A level of 1 takes about five bits, and about one more for each octave above; rounding has an error of 1/12.
     let (base, octave) = (5.0 * lambda + 1.0 / 12.0, 0.55 * lambda);
     let mut sums = [0.0; LANES];
     for coefficients in coefficients.as_chunks::<LANES>().0 {
         for (sum, value) in sums.iter_mut().zip(coefficients) {
             let square = value * value;
-            // The exponent of a float is its logarithm, and the mantissa nearly the rest.
+            // The exponent of a float is the integer part of its logarithm, and the mantissa approximates the fraction.
             let logarithm = (square.to_bits() as i32 - 0x3f80_0000) as f32 * (1.0 / 8_388_608.0);
             let coded = base + octave * logarithm.max(0.0);
             *sum += if square < coded { square } else { coded };

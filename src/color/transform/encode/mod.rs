@@ -1,6 +1,6 @@
-//! Encodes chunks of a cell: as few bytes as decoded frames of the promised PSNR take (color.md 6, 9).
+//! Encodes chunks of a cell in as few bytes as the quality target allows, measured on decoded frames (color.md 6, 9).
 //!
-//! In: the samples of a cell, frame by frame. Out: payloads of [`crate::color::transform::payload`].
+//! Input: the samples of a cell, frame by frame. Output: payloads of [`crate::color::transform::payload`].
 
 mod activity;
 mod estimate;
@@ -30,7 +30,7 @@ pub use promise::{COARSEST, Start};
 pub use rate::PricedTables;
 pub use training::count_payload;
 
-/// A PSNR that no error has.
+/// A PSNR that only lossless coding reaches.
 const LOSSLESS_DB: f64 = 200.0;
 
 /// Encodes the frames of one cell into chunks of a fixed number of frames.
@@ -42,23 +42,23 @@ pub struct TransformEncoder<S> {
     chunk_frames: u32,
     chunk_first: u32,
     frames: Vec<Vec<S>>,
-    /// Step and table set of the chunk before, where the next search starts.
+    /// Step and table set of the previous chunk, at which the next search starts.
     pub start: Option<Start>,
 }
 
 impl<S: Keyed> TransformEncoder<S> {
-    /// `chunk_frames` is from 1 to [`crate::color::transform::blocks::MAX_FRAMES`].
+    /// `chunk_frames` is 1 to [`crate::color::transform::blocks::MAX_FRAMES`].
     pub fn new(format: CellFormat<S>, search: SearchSettings, chunk_frames: u32, tables: Arc<PricedTables>) -> Self {
         TransformEncoder { format, search, tables, chunk_frames, chunk_first: 0, frames: Vec::new(), start: None }
     }
 
-    /// Takes the next frame. Answers the chunk that it completes, if any.
+    /// Adds the next frame. Returns the chunk that it completes, if any.
     pub fn push<Q: Quality<S>>(&mut self, samples: &[S], quality: &Q) -> Result<Option<EncodedChunk>> {
         self.frames.push(samples.to_vec());
         if self.frames.len() < self.chunk_frames as usize { Ok(None) } else { self.close(quality).map(Some) }
     }
 
-    /// The last chunk, if frames are left.
+    /// Returns the last chunk, if frames remain.
     pub fn finish<Q: Quality<S>>(&mut self, quality: &Q) -> Result<Option<EncodedChunk>> {
         if self.frames.is_empty() { Ok(None) } else { self.close(quality).map(Some) }
     }
@@ -68,7 +68,7 @@ impl<S: Keyed> TransformEncoder<S> {
         let cell = CellSource { size: self.format.size, frames: &frames };
         let transformed = encode_chunk(&cell, quality, &self.search, &self.tables, self.start);
         let raw_bytes = 3 * S::BYTES * self.format.pixels() * frames.len();
-        // Keyframes are no smaller than a quarter of the samples unless frames repeat, which costs a transform little.
+        // Keyframes take at least a quarter of the samples unless frames repeat, which takes a transform few bytes, too.
         let most_bytes = if matches!(self.search.target, Target::Psnr(_)) { raw_bytes / 4 } else { raw_bytes };
         let payload = match transformed {
             Some(Encoded { payload, start }) if payload.len() <= most_bytes => {
@@ -88,7 +88,7 @@ impl<S: Keyed> TransformEncoder<S> {
         Ok(EncodedChunk { first_frame, frame_count, payload })
     }
 
-    /// The chunk as keyframes and weights (color.md 4), without loss unless a PSNR is promised.
+    /// Encodes the chunk as keyframes and weights (color.md 4), without loss unless the target is a PSNR.
     fn as_cells<Q: Quality<S>>(&self, frames: &[Vec<S>], quality: &Q) -> Result<Vec<u8>> {
         let target = match self.search.target {
             Target::Psnr(db) => Target::Psnr(db),

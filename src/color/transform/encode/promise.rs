@@ -1,4 +1,4 @@
-//! The search for the step, and for the weights of frames, that keep the promised quality in every frame with the fewest bytes,
+//! Search for the step, and for the weights of frames, that reach the quality target in every frame with the fewest bytes,
 //! measured on decoded frames.
 
 use std::collections::BTreeMap;
@@ -25,39 +25,41 @@ use crate::effort::Effort;
 use crate::entropy::Encoder;
 use crate::metrics::visible::{error_of, visible_error};
 
-/// Table set whose prices the first search uses. Sets of sparse chunks price levels too high, and textures are lost.
+/// Table set whose prices the first search uses. The prices of sets for sparse chunks are too high for levels, and textures
+/// would be lost.
 const USUAL_SET: usize = 1;
-/// λ in steps² a bit.
+/// λ in steps² per bit.
 const LAMBDA: f32 = 0.09;
-/// The same where steps follow the eye: textures that a larger one drops are seen.
+/// λ without a PSNR target: a larger λ drops textures visibly.
 const LAMBDA_BY_EYE: f32 = 0.063;
-/// Step indices by which chroma is coarser than luma where steps follow the eye: a quarter of an octave.
+/// Step indices by which chroma is coarser than luma without a PSNR target: a quarter of an octave.
 const COARSER_CHROMA: i32 = 4;
-/// What a step index changes the squared error by, as a logarithm to base 2.
+/// Change of log2 of the squared error per step index.
 const OCTAVES_AN_INDEX: f64 = 0.09;
-/// A partition is searched anew where the step moves by more indices than this.
+/// The partition is searched again if the step changes by more indices than this.
 const NEAR: i32 = 8;
-/// Trials whose step is predicted from the errors before.
+/// Number of trials whose step is predicted from the errors before.
 const PREDICTED: i32 = 6;
-/// Round whose partition is searched with weights.
+/// Round in which the partition is searched again, with weights.
 const WEIGHTED: i32 = 2;
-/// How far below the limit errors aim, in octaves; as much more after each trial that misses it by little.
+/// Octaves by which errors aim below the limit; increased by as much after each trial that misses the limit by less than
+/// [`LITTLE`].
 const MARGIN: f64 = 0.005;
 const LITTLE: f64 = 0.1;
-/// Largest step index that is tried.
+/// Maximum step index.
 pub const COARSEST: i32 = 240;
-/// Steepest slope of chroma in 16ths.
+/// Maximum slope of chroma in 16ths.
 const MAX_SLOPE: f64 = 24.0;
-/// What steps of half-float keys are above those of bytes for the same quality.
+/// Offset of step indices of half-float keys from those of bytes, at the same PSNR.
 const USUAL_HALF_OFFSET: f64 = 96.0;
 
-/// Loss of quality of step index 0 of bytes, and what the next index multiplies it by, 2^(1/24).
+/// Loss of perceptual quality at step index 0 of bytes, and its factor per index, 2^(1/24).
 const LOSS_OF_FINEST: f64 = 1.93;
 const LOSS_A_STEP: f64 = 1.029_302_236_643_492;
-/// 16 keys of half floats are a code where [`Quality::codes_a_key`] is 1.
+/// Offset of the step indices of half floats: 16 keys are one code where [`Quality::codes_a_key`] is 1.
 const HALF_KEYS_A_CODE: i32 = 64;
 
-/// Where the search for a step starts.
+/// Start of the search for a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Start {
     pub step: i32,
@@ -65,20 +67,20 @@ pub struct Start {
 }
 
 impl Start {
-    /// Whether a search over `sets` table sets could have ended here.
+    /// True if a search over `sets` table sets could have ended at these values.
     pub fn is_possible(self, sets: usize) -> bool {
         (0..=COARSEST).contains(&self.step) && self.set < sets
     }
 }
 
-/// A payload that keeps the promise.
+/// A payload that reaches the quality target.
 #[derive(Debug)]
 pub struct Encoded {
     pub payload: Vec<u8>,
     pub start: Start,
 }
 
-/// Encodes a chunk; `None` if no step keeps the promise.
+/// Encodes a chunk; `None` if no step reaches the quality target.
 pub fn encode_chunk<S: Keyed, Q: Quality<S>>(
     cell: &CellSource<'_, S>,
     quality: &Q,
@@ -90,7 +92,7 @@ pub fn encode_chunk<S: Keyed, Q: Quality<S>>(
     let by_eye = !matches!(search.target, Target::Psnr(_));
     let delta = |region| if by_eye { activity::delta(cell, region, quality) } else { 0 };
     let mut deltas: Vec<i8> = regions(cell.size).map(delta).collect();
-    // A delta that all regions have goes into the step.
+    // A delta that all regions have is moved into the step.
     let shared = deltas.first().copied().filter(|first| deltas.iter().all(|delta| delta == first)).unwrap_or(0);
     deltas.iter_mut().for_each(|delta| *delta -= shared);
     let moved = DELTA_UNIT * i32::from(shared);
@@ -109,11 +111,11 @@ pub fn encode_chunk<S: Keyed, Q: Quality<S>>(
             .collect(),
         bases: TimeBases::up_to(cell.frames.len()),
     };
-    // A chunk by the eye depends on nothing before it, so that still cells stay as they are.
+    // Without a PSNR target a chunk does not depend on earlier chunks, so that static cells do not change.
     let set = if by_eye { USUAL_SET } else { start.map_or(USUAL_SET, |start| start.set) };
     let kept = match search.target {
         Target::Step(step) => trials.at_step(Start { step: i32::from(step), set }),
-        // Where that is better than asked for, it stays: the same step for the same appearance.
+        // A better quality than the target is kept, so that the same content has the same step.
         Target::Quality(least) => {
             let start = Start { step: step_of_quality::<S, Q>(least), set };
             trials.coarsest(start, start.step, visible_units(error_of(least)).saturating_sub(1))
@@ -146,17 +148,17 @@ struct Trials<'a, S, Q> {
     effort: Effort,
     slopes: ChromaSlopes,
     target: Target,
-    /// Whether steps follow the eye; a promise of PSNR counts all errors alike.
+    /// True without a PSNR target: steps depend on visibility, whereas a PSNR counts all errors alike.
     by_eye: bool,
-    /// What the step index is moved by in all regions, and its deltas by region.
+    /// Offset of the step index in all regions; `deltas` are added to it by region.
     moved: i32,
     deltas: Vec<i8>,
     regions: Vec<RegionSource>,
     bases: TimeBases,
 }
 
-/// A trial as it decodes: squared errors by frame, `None` where decoders refuse the payload because it has more leaves than its bytes
-/// allow. A finer step has more bytes.
+/// A decoded trial: errors by frame, `None` if decoders refuse the payload because it has more leaves than its bytes allow. A
+/// finer step has more bytes.
 struct Measured {
     trial: Trial,
     payload: Vec<u8>,
@@ -168,7 +170,7 @@ struct Kept {
     payload: Vec<u8>,
     start: Start,
     errors: Vec<u64>,
-    /// The partition that was searched last.
+    /// Trial with the partition that was searched last.
     partition: Rc<Trial>,
 }
 
@@ -179,7 +181,7 @@ impl Measured {
 }
 
 impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
-    /// Encodes at the given step, or a finer one if decoders refuse that.
+    /// Encodes at the given step, or at a finer one if decoders refuse the payload.
     fn at_step(&self, start: Start) -> Option<Kept> {
         let Measured { trial, payload, errors } =
             self.measure(start, &FrameWeights::even(self.cell.frames.len()), None);
@@ -190,7 +192,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
         }
     }
 
-    /// The coarsest step up to `most` whose frames keep the limit, all with the same weight.
+    /// Finds the coarsest step up to `most` at which all frames are within the limit, with equal weights of frames.
     fn coarsest(&self, mut start: Start, most: i32, limit: u64) -> Option<Kept> {
         let even = FrameWeights::even(self.cell.frames.len());
         let (mut kept, mut too_coarse): (Option<Kept>, i32) = (None, most + 1);
@@ -217,7 +219,8 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
             if between <= 1 || (enough && kept.is_some() && (number <= PREDICTED || between <= NEAR)) {
                 break;
             }
-            // Where the error hardly follows the step, predictions creep.
+            // Predictions converge slowly if the error hardly depends on the step. The step is then bisected, or made finer
+            // by growing amounts until one is kept.
             start.step = match &kept {
                 _ if number < PREDICTED => (step - finer).clamp(coarsest_kept + 1, too_coarse - 1),
                 Some(_) => (coarsest_kept + too_coarse) / 2,
@@ -227,12 +230,13 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
         kept
     }
 
-    /// Moves the weights of frames, and the step with them, until the errors of all frames are close to the limit; keeps what is smaller.
+    /// Adjusts the weights of frames, and the step with them, until the errors of all frames are close to the limit. Keeps
+    /// the smallest payload.
     fn balance(&self, kept: &mut Kept, limit: u64) {
         let mut weights = FrameWeights::even(self.cell.frames.len());
         let (mut start, mut errors, mut keeps) = (kept.start, kept.errors.clone(), true);
         let mut margin = MARGIN;
-        // Errors of the share `enough` of the limit are as good as the limit.
+        // Errors of at least `enough` times the limit are close enough to it.
         let (rounds, enough) = match self.effort {
             Effort::Fast => (2, 0.8),
             Effort::Normal => (8, 0.985),
@@ -248,7 +252,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
                 margin += MARGIN;
             }
             start.step = (start.step - weights.follow(&excess)).clamp(0, COARSEST);
-            // The partition is searched anew once the weights say which frames are hard.
+            // The partition is searched again once the weights show which frames are hard to code.
             let partition = (round != WEIGHTED).then_some(kept.partition.as_ref());
             let measured = self.measure(start, &weights, partition);
             keeps = measured.keeps(limit);
@@ -315,7 +319,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
         Trial { step: start.step, header, trees }
     }
 
-    /// The error of a frame that the target bounds: squared, or visible.
+    /// Error of a frame that the target limits: squared, or visible.
     fn error(&self, shown: &[S], source: &[S]) -> u64 {
         let Target::Quality(least) = self.target else {
             return self.quality.squared_error(shown, shown, 0, source, u64::MAX);
@@ -323,7 +327,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
         let codes = |samples: &[S], at: usize| [0, 1, 2].map(|channel| self.quality.code(samples[3 * at + channel]));
         let at = |x, y| [shown, source].map(|samples| codes(samples, y * self.cell.size[0] + x));
         let visible = visible_error(self.cell.size, at);
-        // As far above the limit as the worst sample is above its own.
+        // Exceeds the limit by as much as the worst sample outside the range exceeds its own limit.
         let excess = f64::from(self.quality.largest_outside(shown, source)) / outside_codes(least);
         visible_units(if excess > 1.0 { visible.max(error_of(least) * excess * excess) } else { visible })
     }
@@ -348,7 +352,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
         trial.header.write::<S>(&self.deltas, &substreams)
     }
 
-    /// Colours that are frequent in several regions, the most frequent first.
+    /// Colours that are frequent in at least two regions, the most frequent first.
     fn frequent_colors(&self) -> Vec<Color> {
         let mut places: BTreeMap<Color, [usize; 2]> = BTreeMap::new();
         let least = 4 * self.cell.frames.len();
@@ -365,12 +369,12 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
     }
 }
 
-/// Whether at least a quarter of all pixels have the colour of the pixel before.
+/// True if at least a quarter of all pixels have the colour of the pixel before.
 fn is_flat(keys: &[Color]) -> bool {
     4 * keys.windows(2).filter(|pair| pair[0] == pair[1]).count() >= keys.len()
 }
 
-/// Colours of a payload that palettes of at least two regions have.
+/// Candidates that palettes of at least two regions have, the most frequent first.
 fn shared_colors(candidates: &[Color], trees: &[Tree]) -> Vec<Color> {
     let mut places: BTreeMap<Color, [usize; 2]> = BTreeMap::new();
     for tree in trees {
@@ -392,7 +396,7 @@ fn most_frequent(places: BTreeMap<Color, [usize; 2]>) -> Vec<Color> {
     shared.into_iter().take(CACHED).map(|(color, _)| color).collect()
 }
 
-/// Slopes of chroma over luma, where it follows luma.
+/// Fits the slopes of chroma over luma; 0 where chroma does not follow luma.
 fn fit_slopes<S: Keyed>(cell: &CellSource<'_, S>) -> ChromaSlopes {
     let (mut luma, mut chroma, mut both) = (0.0, [0.0; 2], [0.0; 2]);
     for frame in cell.frames {
@@ -413,20 +417,21 @@ fn fit_slopes<S: Keyed>(cell: &CellSource<'_, S>) -> ChromaSlopes {
         }
     }
     let slope = |at: usize| {
-        // Less than a twentieth of its energy explained: prediction would only add noise.
+        // If less than a twentieth of the energy is explained, prediction would only add noise.
         let follows = both[at] * both[at] > 0.05 * luma * chroma[at];
         if follows { (16.0 * both[at] / luma).round().clamp(-MAX_SLOPE, MAX_SLOPE) as i8 } else { 0 }
     };
     ChromaSlopes { green: slope(0), orange: slope(1) }
 }
 
-/// Step indices of channels: an error of a step counts the same in red, green and blue, and chroma is coarser by some indices.
+/// Step indices of luma and chroma. The luma step accounts for the slopes, so that an error of a step counts the same in red,
+/// green and blue; chroma is coarser by `coarser_chroma` indices.
 fn step_indices(step: i32, slopes: ChromaSlopes, coarser_chroma: i32) -> StepIndices {
     let (green, orange) = (f64::from(slopes.green) / 32.0, f64::from(slopes.orange) / 32.0);
-    // Change of red, green and blue for a change of 1 in luma.
+    // Change of red, green and blue per unit of luma.
     let change = [1.0 + orange - green, 1.0 + green, 1.0 - orange - green];
     let energy: f64 = change.iter().map(|change| change * change).sum();
-    // 16 · log2 of the length: each index is 1/8 of an octave of the energy.
+    // Number of indices, 16 · log2 of the length: each index is 1/8 of an octave of the energy.
     let finer = (1..64).take_while(|&at| {
         energy >= f64::from(OCTAVE[(2 * at - 1) % 16]) / 4096.0 * f64::from(1u32 << ((2 * at - 1) / 16))
     });
@@ -434,12 +439,12 @@ fn step_indices(step: i32, slopes: ChromaSlopes, coarser_chroma: i32) -> StepInd
     StepIndices { luma: clamp(step - finer.count() as i32), chroma: clamp(step + coarser_chroma) }
 }
 
-/// Visible errors are compared in units of 2^-16.
+/// Converts a visible error to units of 2^-16, in which errors are compared.
 fn visible_units(error: f64) -> u64 {
     (error * 65_536.0) as u64
 }
 
-/// Step index that keeps a quality to the eye on most footage: twice the loss for 24 more.
+/// Step index that reaches a perceptual quality on most footage; 24 more indices double the loss.
 fn step_of_quality<S: Keyed, Q: Quality<S>>(least: f64) -> i32 {
     let mut loss = LOSS_OF_FINEST;
     let mut step = 0;
@@ -450,15 +455,15 @@ fn step_of_quality<S: Keyed, Q: Quality<S>>(least: f64) -> i32 {
     if Q::KEYS_ARE_STEPS { step } else { (step + HALF_KEYS_A_CODE).min(COARSEST) }
 }
 
-/// Step index that keeps a PSNR on most footage.
+/// Step index that reaches a PSNR on most footage.
 fn usual_step<S: Keyed, Q: Quality<S>>(min_psnr_db: f64) -> i32 {
-    // Squared error of a sample relative to that of 40 dB of 8-bit samples, on which 88 is usual.
+    // Step indices relative to that of 40 dB, which is usually 88 for 8-bit samples.
     let relative = (40.0 - min_psnr_db) * 3.7;
     let keys_a_step = if Q::KEYS_ARE_STEPS { 0.0 } else { USUAL_HALF_OFFSET };
     (88.0 + relative + keys_a_step).clamp(0.0, f64::from(COARSEST)) as i32
 }
 
-/// log2(a / b), with some precision and the same on all machines; 40 for b = 0 and -40 for a = 0.
+/// Approximates log2(a / b), with the same result on all machines; 40 for b = 0 and -40 for a = 0.
 fn log2_ratio(a: u64, b: u64) -> f64 {
     if a == 0 || b == 0 {
         return if b == 0 && a > 0 { 40.0 } else { -40.0 };

@@ -1,11 +1,11 @@
-//! Levels of a plane by rate and distortion: each level, and the last one, are chosen so that squared error + λ·bits is least.
+//! Rate-distortion optimisation of the levels of a plane: each level, and the last position, minimise squared error + λ·bits.
 
 use crate::color::transform::blocks::Shape;
 use crate::color::transform::contexts::{PlaneContext, Position};
 use crate::color::transform::encode::rate::{Prices, number_bits};
 use crate::color::transform::scan::{self, Magnitudes};
 
-/// Coefficients below this are never worth a last level.
+/// A coefficient of at most this magnitude is never coded as the last level.
 const SURELY_ZERO: f32 = 0.6;
 
 /// Squared error in steps², and bits.
@@ -33,9 +33,9 @@ pub struct Plane<'a> {
     pub context: PlaneContext,
     /// Magnitudes of the plane before.
     pub other: &'a Magnitudes,
-    /// Whether the plane before has levels.
+    /// True if the plane before has levels.
     pub coded_before: bool,
-    /// Class of the last position there ([`PlaneContext::last`]).
+    /// Class of the last position of the plane before ([`PlaneContext::last`]).
     pub class_before: usize,
 }
 
@@ -52,8 +52,8 @@ struct Choice {
 }
 
 impl Quantiser<'_> {
-    /// Fills `levels` and their magnitudes, both empty before; `None` leaves them so. Answers the cost, the flag of the
-    /// plane included.
+    /// Fills `levels` and `magnitudes`, which must be 0 and stay 0 if the plane gets no levels. Returns the cost, including
+    /// the flag of the plane.
     pub fn quantise(&self, plane: &Plane<'_>, levels: &mut [i32], magnitudes: &mut Magnitudes) -> Quantised {
         let side = plane.shape.side();
         let at = |position: Position| position.y() * side + position.x();
@@ -68,7 +68,7 @@ impl Quantiser<'_> {
             order.iter().rposition(|&position| plane.coefficients[at(position)].abs() > SURELY_ZERO).unwrap_or(0);
         let reachable: f32 =
             order[..=first].iter().map(|&position| plane.coefficients[at(position)]).map(|value| value * value).sum();
-        // Squared error of what lies beyond the scan's current position, if it is all dropped.
+        // Squared error of the coefficients beyond the current scan position, if all of them are dropped.
         let mut dropped = (energy - reachable).max(0.0);
         let flag = self.prices.symbol(plane.context.coded(plane.coded_before), 1);
         let mut last = None;
@@ -166,17 +166,18 @@ impl Quantiser<'_> {
     }
 }
 
-/// Result for a plane.
+/// Result of quantising a plane.
 #[derive(Debug, Clone, Copy)]
 pub struct Quantised {
     pub cost: Cost,
     /// Σ of the squared coefficients: the error without levels.
     pub energy: f32,
-    /// Index in the scan of the last level other than 0.
+    /// Scan index of the last level other than 0.
     pub last: Option<usize>,
 }
 
-/// Sum of the squares of coefficients, and the greatest magnitude. Sums have the same order with all kinds of vectors.
+/// Sum of the squares of coefficients, and maximum magnitude. The order of summation is the same for all vector instruction
+/// sets.
 struct Extremes {
     energy: f32,
     largest: f32,

@@ -1,4 +1,4 @@
-//! Bits of symbols, and coders that count or write them.
+//! Prices of symbols in bits, and coders that count or write symbols.
 
 use crate::color::transform::coder::{Coder, number_parts};
 use crate::color::transform::tables::{TableSet, Transform};
@@ -16,7 +16,7 @@ pub fn number_bits(prices: &Prices, context: usize, value: u32) -> f32 {
     prices.symbol(context, class) + (bits + length_bits) as f32
 }
 
-/// Counts bits.
+/// Coder that sums the bits of symbols.
 #[derive(Debug)]
 pub struct RateCounter<'a> {
     pub prices: &'a Prices,
@@ -35,7 +35,7 @@ impl Coder for RateCounter<'_> {
     }
 }
 
-/// Counts symbols, from which the cheapest table set is chosen and sets are trained.
+/// Coder that counts symbols, to select the cheapest table set and to train sets.
 #[derive(Debug)]
 pub struct SymbolCounter<'a>(pub &'a mut Counts);
 
@@ -50,7 +50,7 @@ impl Coder for SymbolCounter<'_> {
     }
 }
 
-/// Writes a substream.
+/// Coder that writes a substream.
 pub struct Writer<'a> {
     pub stream: Encoder,
     pub tables: &'a TableSet,

@@ -1,4 +1,4 @@
-//! The partition of a region by rate and distortion.
+//! Rate-distortion search of the partition of a region.
 
 use crate::color::transform::basis::length_index;
 use crate::color::transform::blocks::Block;
@@ -18,10 +18,10 @@ use crate::color::transform::scan::Magnitudes;
 use crate::color::transform::steps::Steps;
 use crate::effort::Effort;
 
-/// A palette of fewer bits is taken without a look at other ways.
+/// A palette of fewer bits is chosen without trying other ways.
 const FEW_BITS: f32 = 30.0;
 
-/// What the search of a region needs besides its samples.
+/// Parameters of the search of a region, besides its samples.
 pub struct SearchContext<'a> {
     pub header: &'a Header,
     pub domain: &'a Domain,
@@ -41,7 +41,7 @@ impl SearchContext<'_> {
         Pricing { bases, scales, lambda: *lambda, weights, min_variance }
     }
 
-    /// Ways whose estimate is within this factor of the best are tried.
+    /// Ways whose estimate is at most this factor above the best are tried.
     fn slack(&self) -> f32 {
         match self.effort {
             Effort::Fast => 1.0,
@@ -51,7 +51,7 @@ impl SearchContext<'_> {
     }
 }
 
-/// State that blocks leave to the blocks after them.
+/// State that is passed from a block to the blocks after it.
 #[derive(Debug, Clone)]
 struct State {
     means: Means,
@@ -67,12 +67,12 @@ pub struct Search<'a> {
     magnitudes: Box<PlaneMagnitudes>,
 }
 
-/// Magnitudes while a block is quantised.
+/// Magnitudes that quantising a block uses.
 #[derive(Default)]
 struct PlaneMagnitudes {
     plane: Magnitudes,
     before: Magnitudes,
-    /// The greatest of the first planes of the channels before.
+    /// Maximum of the first planes of the channels before.
     channels: Magnitudes,
 }
 
@@ -87,13 +87,13 @@ impl<'a> Search<'a> {
         Search { context, source, estimates, state, scratch: Vec::new(), magnitudes: Box::default() }
     }
 
-    /// The best partition.
+    /// Returns the best partition found.
     pub fn partition(source: &'a RegionSource, context: &'a SearchContext<'a>) -> Tree {
         let estimates = (context.effort != Effort::Exhaustive).then(|| Estimates::new(source, &context.pricing()));
         Search::new(source, context, estimates).node(source.root).tree
     }
 
-    /// The same partition as `tree`, with levels for other steps.
+    /// Returns the partition of `tree`, with levels for other steps.
     pub fn requantise(source: &'a RegionSource, context: &'a SearchContext<'a>, tree: &Tree) -> Tree {
         Search::new(source, context, None).again(tree)
     }
@@ -169,7 +169,7 @@ impl<'a> Search<'a> {
         self.take(best, block)
     }
 
-    /// The children of a split, unless they cost more than the best so far.
+    /// Returns the children of a split; `None` once they cost as much as the best so far.
     fn split(
         &mut self,
         block: Block,
@@ -203,7 +203,7 @@ impl<'a> Search<'a> {
                 self.state = state;
                 found
             }
-            // Every block has one promising way at least.
+            // Not reached: every block has at least one promising way.
             None => Found { tree: Tree::Parts(block, Vec::new()), cost: Cost::default() },
         }
     }
@@ -229,7 +229,7 @@ impl<'a> Search<'a> {
             magnitudes.clear(shape.side());
             let (mut class_before, mut planes) = (first_class, 0);
             let mut coded_before = false;
-            // Cost of the planes up to the last with levels, and of those behind it.
+            // Cost of the planes up to the last with levels, and of the planes after it.
             let (mut coded_cost, mut tail) = (Cost::default(), Cost::default());
             let mut tail_energy = 0.0;
             for (plane, (coefficients, levels)) in
@@ -277,7 +277,7 @@ impl<'a> Search<'a> {
         Found { tree: Tree::Transform(block, BlockLevels::new(shape, values)), cost }
     }
 
-    /// The block as a palette, if it has few colours.
+    /// Codes the block as a palette; `None` if it has too many colours.
     fn palette(&mut self, block: Block) -> Option<Found> {
         let palette = self.exact_palette(block)?;
         let mut rate = RateCounter { prices: self.context.prices, bits: self.kind_bits(block, PALETTE) };

@@ -1,4 +1,4 @@
-//! A region's samples, and their transforms of all sizes.
+//! Samples of a region, and their transforms of all block sizes.
 
 use pulp::{Arch, NullaryFnOnce};
 
@@ -7,7 +7,7 @@ use crate::color::transform::blocks::{Block, MIN_SIDE};
 use crate::color::transform::domain::{CHANNELS, ChromaSlopes, Keyed, forward, forward_fine};
 use crate::color::transform::palette::Color;
 
-/// The samples of a cell: by frame, row by row, three a pixel.
+/// Samples of a cell: by frame, row by row, three per pixel.
 #[derive(Debug)]
 pub struct CellSource<'a, S> {
     pub size: [usize; 2],
@@ -20,13 +20,14 @@ pub struct RegionSource {
     pub root: Block,
     /// Keys by frame, row by row.
     pub keys: Vec<Color>,
-    /// Spatial coefficients by level of the block size: channel, frame, block row by row, row by row.
+    /// Spatial coefficients by size class of the blocks; ordered by channel, frame, block row by row, and coefficient row by
+    /// row.
     spatial: Vec<Vec<f32>>,
     /// Variance of the samples of each channel.
     pub variances: [f32; CHANNELS],
 }
 
-/// An orthonormal basis, one function a row.
+/// Returns an orthonormal cosine basis, one function per row.
 pub fn orthonormal(points: usize) -> Vec<f32> {
     let scale = 1.0 / (f32::from(1u16 << BASIS_BITS) * (points as f32).sqrt());
     (0..points * points).map(|at| basis(points, at / points, at % points) as f32 * scale).collect()
@@ -65,11 +66,12 @@ impl RegionSource {
         RegionSource { root, keys, spatial, variances }
     }
 
-    /// Coefficients of a channel of a block by temporal frequency, each times the factor of its spatial frequency.
+    /// Computes the coefficients of a channel of a block by temporal frequency, each times the factor of its spatial
+    /// frequency.
     pub fn coefficients(&self, channel: usize, block: Block, bases: &TimeBases, factors: &[f32], out: &mut Vec<f32>) {
         let (root, side, frames) = (self.root.shape, block.shape.side(), block.shape.frames);
         let first = (channel * root.frames + block.place.frame) * root.pixels();
-        // A row of blocks above this one, and blocks to its left.
+        // Coefficients of the rows of blocks above this one, and of the blocks to its left.
         let before = block.place.y * root.side() + block.place.x * side;
         out.resize(frames * block.shape.pixels(), 0.0);
         Arch::new().dispatch(TimeTransform {
@@ -83,21 +85,21 @@ impl RegionSource {
     }
 }
 
-/// Transforms a block in time. Sums have the same order with all kinds of vectors.
+/// Transform of a block in time. The order of summation is the same for all vector instruction sets.
 struct TimeTransform<'a> {
-    /// From the block's first coefficient on.
+    /// Spatial coefficients, from the block's first one on.
     spatial: &'a [f32],
-    /// Coefficients from one frame to the next.
+    /// Number of coefficients from one frame to the next.
     between: usize,
     basis: &'a [f32],
-    /// By the sum of the vertical and the horizontal frequency.
+    /// Factors by the sum of the vertical and the horizontal frequency.
     factors: &'a [f32],
     side: usize,
-    /// As many as there are coefficients in all frames of the block.
+    /// Output for the coefficients of all frames of the block.
     out: &'a mut [f32],
 }
 
-// All of it is inlined, so that it is compiled for each kind of vectors.
+// Everything is inlined, so that it is compiled for each vector instruction set.
 impl NullaryFnOnce for TimeTransform<'_> {
     type Output = ();
 
@@ -131,13 +133,12 @@ fn transform_in_time<const SIDE: usize>(of: TimeTransform<'_>) {
     }
 }
 
-/// Variance of samples.
 fn variance(samples: &[f32]) -> f32 {
     let mean = mean_of(samples, |sample| sample);
     mean_of(samples, |sample| (sample - mean) * (sample - mean))
 }
 
-/// Mean of what a function makes of samples. Sums have the same order with all kinds of vectors.
+/// Mean of a function of samples. The order of summation is the same for all vector instruction sets.
 #[inline(always)]
 fn mean_of(samples: &[f32], value: impl Fn(f32) -> f32) -> f32 {
     let (chunks, rest) = samples.as_chunks::<16>();
@@ -160,13 +161,13 @@ impl TimeBases {
         TimeBases((0..=frames).map(of).collect())
     }
 
-    /// The basis of a length, one function a row.
+    /// Returns the basis of a length, one function per row.
     pub fn of(&self, frames: usize) -> &[f32] {
         &self.0[frames]
     }
 }
 
-/// Transforms all blocks of `size` pixels square of images of `side` pixels square.
+/// Transform of all blocks of `size` pixels square in images of `side` pixels square.
 struct SpatialTransform<'a> {
     samples: &'a [f32],
     side: usize,

@@ -1,4 +1,4 @@
-//! Counts the symbols of payloads, from which table sets are trained.
+//! Counts the symbols of payloads, to train table sets.
 
 use crate::color::transform::blocks::{Block, regions};
 use crate::color::transform::coder::{Coder, Reader, SourceCoder};
@@ -10,7 +10,7 @@ use crate::color::transform::tables::{Tables, Transform};
 use crate::entropy::{Decoder, PayloadCounts, Prices};
 use crate::error::{Error, Result};
 
-/// Counts a payload that was encoded with `tables`; `None` if it holds keyframes and weights.
+/// Counts the symbols of a payload that was encoded with `tables`; `None` if it has keyframes and weights.
 pub fn count_payload<S: Keyed>(
     payload: &[u8],
     size: [usize; 2],
@@ -36,7 +36,7 @@ pub fn count_payload<S: Keyed>(
     Ok(Some(PayloadCounts { counts, bytes: payload.len() as u64, bits }))
 }
 
-/// Counts the symbols that it reads.
+/// Coder that counts the symbols that it reads.
 struct CountingReader<'a> {
     reader: Reader<'a>,
     counts: &'a mut Counts,

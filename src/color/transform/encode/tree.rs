@@ -1,4 +1,4 @@
-//! A region as it is to be written.
+//! Tree of the blocks of a region, as it will be written.
 
 use crate::color::transform::blocks::{Block, Shape};
 use crate::color::transform::coder::Coder;
@@ -17,7 +17,7 @@ pub enum Tree {
     Parts(Block, Vec<Tree>),
 }
 
-/// Levels of a block: by channel, plane and row.
+/// Levels of a block by channel, plane and row.
 #[derive(Debug, Clone)]
 pub struct BlockLevels {
     shape: Shape,
@@ -26,7 +26,7 @@ pub struct BlockLevels {
 }
 
 impl BlockLevels {
-    /// `values` are those of all planes.
+    /// `values` has the levels of all planes of each channel.
     pub fn new(shape: Shape, values: [Vec<i32>; CHANNELS]) -> BlockLevels {
         let planes = values.each_ref().map(|values| {
             let empty = values.rchunks_exact(shape.pixels()).take_while(|plane| plane.iter().all(|&level| level == 0));

@@ -1,17 +1,17 @@
-//! What a squared error counts by frame, and quantisation that follows it.
+//! Weights of squared errors by frame, and quantisation with these weights.
 //!
-//! A promise holds in the worst frame, so an error counts more in frames that are worse than others. Within a block of several
-//! frames the error of frame f is Σ b(k, f)·d(k) over its temporal frequencies k, and the weighted error is dᵀ·M·d with
-//! M(k, j) = Σ w(f)·b(k, f)·b(j, f). Frequencies are quantised in turn; each compensates for the errors of those before.
+//! A quality target holds in the worst frame, so an error counts more in frames that are worse than others. Within a block of
+//! several frames, the error of frame f is Σ b(k, f)·d(k) over its temporal frequencies k, and the weighted error is dᵀ·M·d
+//! with M(k, j) = Σ w(f)·b(k, f)·b(j, f). Frequencies are quantised in turn; each compensates for the errors of earlier ones.
 
 use crate::color::transform::blocks::Block;
 use crate::color::transform::encode::source::TimeBases;
 
-/// Change of a weight for a change of a frame's error, as logarithms.
+/// Change of log2 of a weight per change of log2 of the frame's error.
 const RESPONSE: f64 = 1.5;
-/// Change of all weights that does what a step index does, in octaves.
+/// Change of all weights in octaves that has the effect of one step index.
 const OCTAVES_A_STEP: f64 = 0.3;
-/// Weights are from 1/32 to 32.
+/// Maximum of |log2| of a weight: weights are from 1/32 to 32.
 const MAX_OCTAVES: f64 = 5.0;
 
 /// Weights of the frames of a chunk, as logarithms to base 2.
@@ -36,9 +36,9 @@ impl FrameWeights {
         self.of(block).iter().sum::<f32>() / block.shape.frames as f32
     }
 
-    /// Raises the weights of frames whose squared error is above the limit and lowers the others, where `excess` is log2 of error over
-    /// limit by frame. What all weights change by goes into the step as far as it can: answers by how many indices the
-    /// step becomes finer.
+    /// Raises the weights of frames whose squared error is above the limit and lowers the others; `excess` is log2 of error
+    /// over limit by frame. The common change of all weights is moved into the step as far as possible. Returns the number of
+    /// indices by which the step becomes finer.
     pub fn follow(&mut self, excess: &[f64]) -> i32 {
         for (octaves, excess) in self.octaves.iter_mut().zip(excess) {
             *octaves += RESPONSE * excess;
@@ -52,7 +52,7 @@ impl FrameWeights {
     }
 }
 
-/// About 2^x, the same on all machines: linear between the powers of 2.
+/// Approximates 2^x, with the same result on all machines: linear between powers of 2.
 fn exp2(x: f64) -> f64 {
     let whole = x.floor();
     (1.0 + x - whole) * 2f64.powi(whole as i32)
@@ -89,8 +89,9 @@ impl TimeWeights {
         if self.matrix.is_empty() { self.mean } else { self.matrix[plane * self.frames + plane] }
     }
 
-    /// Changes a plane's coefficients to what best compensates for the `errors` of the planes before, and appends the unchanged
-    /// ones to `errors`. Answers what the squared error is too large by, if it is measured from the changed coefficients.
+    /// Changes a plane's coefficients so that they best compensate for the `errors` of earlier planes, and appends the
+    /// unchanged coefficients to `errors`. Returns the amount by which the squared error of the changed coefficients is too
+    /// large.
     pub fn compensate(&self, plane: usize, coefficients: &mut [f32], errors: &mut Vec<f32>) -> f32 {
         if self.matrix.is_empty() {
             return 0.0;
@@ -106,7 +107,7 @@ impl TimeWeights {
         shifts.iter().map(|shift| shift * shift).sum()
     }
 
-    /// Makes `errors` those of the plane's levels.
+    /// Subtracts the plane's levels from its part of `errors`.
     pub fn subtract(&self, plane: usize, levels: &[i32], errors: &mut [f32]) {
         let first = plane * levels.len();
         if let Some(errors) = errors.get_mut(first..first + levels.len()) {
@@ -143,7 +144,7 @@ mod tests {
             }
             let error: Vec<f32> = coefficients.iter().zip(levels).map(|(value, level)| value - level as f32).collect();
             let expected = weighted(&error, &weights, bases.of(FRAMES));
-            // Bases of integers are orthonormal within their precision.
+            // Integer bases are orthonormal only within their precision.
             assert!((compensated - expected).abs() < 0.01 * expected, "{weights:?}: {compensated}, {expected}");
             let rounded: Vec<f32> = coefficients.iter().map(|value| value - value.round()).collect();
             assert!(expected <= 1.01 * weighted(&rounded, &weights, bases.of(FRAMES)), "{weights:?}");
@@ -153,7 +154,7 @@ mod tests {
     #[test]
     fn weights_follow_errors_and_leave_what_is_common_to_the_step() {
         let mut weights = FrameWeights::even(3);
-        // All frames an octave too bad: about 1.5 octaves of weight, or five indices.
+        // All frames an octave above the limit: about 1.5 octaves of weight, or five indices.
         assert_eq!(weights.follow(&[1.0; 3]), 5);
         assert!(weights.weights.iter().all(|weight| (weight - 1.0).abs() < 0.01), "{weights:?}");
         assert_eq!(weights.follow(&[0.4, -0.2, -0.2]), 0);

@@ -31,7 +31,7 @@ impl Window {
         [2.0 / w, 0.0, 0.0, x, 0.0, 2.0 / h, 0.0, y, 0.0, 0.0, -2.0 / d, z, 0.0, 0.0, 0.0, 1.0]
     }
 
-    /// Where the ray of a pixel meets the window, in eye space without z.
+    /// Returns the point where the ray of a pixel meets the window, in eye space without z.
     fn at(self, [col, row]: [u32; 2]) -> [f64; 2] {
         let share = |at: u32, size: u32| (f64::from(at) + 0.5) / f64::from(size);
         let [across, down] = [share(col, SIZE[0]), share(row, SIZE[1])];
@@ -39,7 +39,7 @@ impl Window {
     }
 }
 
-/// A turn, a scale of two, a mirror and a step.
+/// Poses with a rotation and a translation: rigid, scaled by two, and mirrored.
 fn poses() -> [[f64; 16]; 3] {
     let (s, c) = 0.7f64.sin_cos();
     let turned = [c, 0.0, s, 1.5, 0.0, 1.0, 0.0, -2.0, -s, 0.0, c, 40.0, 0.0, 0.0, 0.0, 1.0];
@@ -56,17 +56,17 @@ fn camera(depth_type: DepthType, clip_from_eye: [f64; 16], world_from_eye: [f64;
     SeuratCamera::new(SIZE, depth_type, &CameraMatrices { clip_from_eye, world_from_eye }).unwrap()
 }
 
-/// The point of a matrix in row-major order, with its w divided out.
+/// Transforms a point by a matrix in row-major order and divides by w.
 fn transformed(matrix: &[f64; 16], point: DVec3) -> DVec3 {
     let row = |row: usize| DVec3::from_slice(&matrix[4 * row..]).dot(point) + matrix[4 * row + 3];
     DVec3::new(row(0), row(1), row(2)) / row(3)
 }
 
-/// Largest rounding error of a number of at most 1 as a 32-bit float.
+/// Max rounding error of a number of at most 1 as a 32-bit float.
 const HALF_ULP_OF_ONE: f64 = 1.0 / (1u64 << 25) as f64;
 
-/// Stores the depth of a point on the ray of each pixel and reads it again. `eye_point` is the point of a pixel at a distance
-/// from the eye's plane, `metres_per_window` the derivative of that distance by window depth.
+/// Stores the depth of a point on the ray of each pixel and reads it back. `eye_point` returns the point of a pixel at a distance
+/// from the eye plane, `metres_per_window` the derivative of that distance with respect to window depth.
 fn round_trips(
     clip_from_eye: [f64; 16],
     eye_point: impl Fn([u32; 2], f64) -> DVec3,
@@ -80,7 +80,8 @@ fn round_trips(
                 let camera = camera(depth_type, multiplied(clip_from_eye, factor), multiplied(world_from_eye, factor));
                 for (pixel, planar) in [([0, 0], 0.5), ([4, 3], 3.0), ([2, 1], 17.0), ([1, 3], 60.0)] {
                     let eye = eye_point(pixel, planar);
-                    // Distance of the ray's first point from the eye's plane, and length of the ray for each metre of that.
+                    // Distance of the first point of the ray from the eye plane, and length of the ray per metre of distance from
+                    // that plane.
                     let start = match (orthographic_near, depth_type) {
                         (None, _) => DVec3::ZERO,
                         (Some(near), DepthType::WindowZ) => eye_point(pixel, near),
@@ -145,7 +146,7 @@ fn orthographic_depths_come_back() {
 
 #[test]
 fn a_slanted_orthographic_image_is_measured_along_its_rays() {
-    // Rays go along (0.5, 0, -1): x in the image is x of eye space plus half its z.
+    // Rays have the direction (0.5, 0, -1): image x is eye-space x plus half of eye-space z.
     let mut matrix = Window { x: [-2.0, 3.0], y: [-1.0, 1.0], near: 0.0, far: 10.0 }.orthographic();
     matrix[2] = 0.5 * matrix[0];
     for (depth_type, depth) in [(DepthType::WindowZ, 0.2), (DepthType::EyeZ, 2.0), (DepthType::RayDepth, 5f32.sqrt())] {
@@ -222,7 +223,7 @@ fn cameras_that_are_none_are_refused() {
     for matrix in [[0.0; 16], changed(IDENTITY, &[(15, 0.0)]), changed(IDENTITY, &[(14, 0.5)])] {
         assert!(refused(perspective, matrix).contains("last row of world_from_eye_matrix"), "{matrix:?}");
     }
-    // Clip w is x: rays neither meet nor are parallel.
+    // Clip w is x: rays neither meet in a point nor are parallel.
     let neither = changed(IDENTITY, &[(12, 1.0), (15, 2.0)]);
     assert!(refused(neither, IDENTITY).contains("neither"), "{}", refused(neither, IDENTITY));
 }
@@ -303,7 +304,7 @@ fn cube_faces_have_the_rays_of_the_image_model_to_the_bit() {
 
 #[test]
 fn the_released_test_manifest_has_a_camera() {
-    // Identity as an orthographic projection, and a pose of the identity times 2.
+    // The identity as an orthographic projection, and a pose that is 2 times the identity matrix.
     let camera = camera(DepthType::EyeZ, IDENTITY, multiplied(IDENTITY, 2.0));
     assert!(camera.is_orthographic() && camera.position() == DVec3::ZERO);
     let ray = camera.ray([0, 0], 1.0).unwrap();

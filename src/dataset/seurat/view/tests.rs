@@ -8,7 +8,7 @@ use tempfile::TempDir;
 use crate::dataset::seurat::{CaptureRay, SeuratCapture};
 use crate::image::{Plane, ReadLimits, exr, png};
 
-/// A field of view of 90° without an end.
+/// Projection with a field of view of 90° and an infinite far plane.
 const PERSPECTIVE: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, -0.2, 0.0, 0.0, -1.0, 0.0];
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 const DISTANCES: [f32; 6] = [0.0, 1.0, f32::INFINITY, 2.5, 3.0, f32::from_bits(1)];
@@ -35,7 +35,7 @@ fn read(folder: &Path, manifest: &Value) -> Result<Vec<CaptureRay>, String> {
     capture.views[0].read(&ReadLimits::default()).map_err(|error| error.to_string())
 }
 
-/// An error of the ways to read `manifest` in `folder`, which names all of these.
+/// Asserts that reading `manifest` in `folder` fails with an error that contains all of `says` and the path of the view.
 fn assert_refused(folder: &Path, manifest: &Value, says: &[&str]) {
     let error = read(folder, manifest).unwrap_err();
     for says in says.iter().chain(&["view_groups[1].views[0]"]) {
@@ -110,7 +110,7 @@ fn png_light_is_srgb_and_png_depth_a_share_of_the_largest_code() {
     let manifest = |channel: &str| manifest("WINDOW_Z", &color("c.png", RGBA), &depth("d.PNG", channel));
     let rays = read(folder.path(), &manifest("R")).unwrap();
     assert_eq!(rays.len(), 4);
-    // Code 128 of the curve, from its published table.
+    // Code 128 of the sRGB curve, from its published table.
     let expected = f16::from_f32(0.215_86).to_f32();
     assert!(rays.iter().all(|ray| ray.light == [1.0, expected, 0.0] && ray.alpha == 0.2), "{rays:?}");
     let planar = |ray: &CaptureRay| -(ray.direction * ray.distance_m).z;

@@ -7,12 +7,12 @@ use crate::depth::bc4w::line::Line;
 use crate::depth::bc4w::{MARKER_BYTES, MAX_ENDPOINT, Pair};
 use crate::depth::block::BlockMut;
 
-/// What the quicker efforts may lose on adversarial blocks, in dB on average.
+/// Maximum mean loss of the faster efforts on adversarial blocks, in dB.
 const NORMAL_LOSS_DB: f64 = 0.9;
 const FAST_LOSS_DB: f64 = 1.7;
 const EFFORTS: [Effort; 3] = [Effort::Fast, Effort::Normal, Effort::Exhaustive];
 
-/// The seeded numbers of these tests.
+/// Seeded random numbers.
 struct Random(u64);
 
 impl Random {
@@ -22,14 +22,14 @@ impl Random {
     }
 }
 
-/// Encodes the block that codes of this width make, checks it, and returns what the encoder says of it.
+/// Encodes `codes` with rows of `width` pixels as one block, verifies it, and returns the accuracy that the encoder reports.
 fn check(codes: &[u16], width: usize, effort: Effort) -> Accuracy {
     let (coded, accuracy) = encode(&Block::of(codes, width, 1, [0, 0]), effort);
     verify(codes, width, coded, accuracy);
     accuracy
 }
 
-/// Decodes and compares with what the encoder says. No block may read as a marker.
+/// Decodes the block and compares its accuracy with the one that the encoder reports. No block may be read as a marker.
 fn verify(codes: &[u16], width: usize, coded: Bc4w, accuracy: Accuracy) {
     assert_ne!(coded.as_bytes()[MARKER_BYTES], [0xff; 4]);
     assert_eq!(Bc4w::from_bytes(*coded.as_bytes()), Some(coded));
@@ -46,8 +46,8 @@ fn decoded(bytes: [u8; 32]) -> Vec<u16> {
 
 #[test]
 fn both_modes_as_written_by_hand() {
-    // Each row has the indices 0 to 7. Side A is the right half with eight codes from 65535 down to 0; side B, where
-    // x is below 4, has six from 8 up to 2000, 0 and the background.
+    // Each row has the indices 0 to 7. Side A is the right half, with eight codes from 65535 down to 0. Side B, x < 4, has six
+    // codes from 8 up to 2000, code 0 and the background.
     let mut bytes = [0; 32];
     bytes[..24].chunks_exact_mut(3).for_each(|row| row.copy_from_slice(&[0x88, 0xc6, 0xfa]));
     let line = 4u64 | 4 << 6 | 7 << 9;
@@ -59,7 +59,7 @@ fn both_modes_as_written_by_hand() {
     assert_eq!(block.pairs(), [Pair { e0: 8191, e1: 0 }, Pair { e0: 1, e1: 250 }]);
     assert_eq!(block.palettes()[1], [8, 2000, 406, 805, 1203, 1602, 0, 65535]);
     assert_eq!(block.line().points(), [[4, 0], [4, 7]]);
-    // Equal endpoints: the second mode. Without a line: side A alone.
+    // Equal endpoints select the second mode. Without a line all pixels are on side A.
     bytes[24..].copy_from_slice(&(3000u64 | 3000 << 13 | 7 << 26).to_le_bytes());
     assert_eq!(decoded(bytes)[..8], [24002, 24002, 24002, 24002, 24002, 24002, 0, 65535]);
 }
@@ -83,7 +83,7 @@ fn markers_are_none_and_are_not_written() {
     let mut bytes = [0xff; 32];
     bytes[28] = 0xfe;
     assert!(Bc4w::from_bytes(bytes).is_some());
-    // The largest endpoints, and each line of two equal points.
+    // The largest endpoints, with each line of two equal points.
     let pair = Pair { e0: MAX_ENDPOINT, e1: MAX_ENDPOINT };
     for point in 0..64 {
         let packed = Bc4w::pack(Line::from_bits(point | point << 6), [pair; 2], &[7; 64]);
@@ -153,7 +153,7 @@ fn partial_blocks_are_measured_inside() {
     }
 }
 
-/// Codes that a search may find hard: ramps, steps along lines, noise, clusters, ties, background in between.
+/// Returns codes that are hard to search: ramps, steps along lines, noise, clusters, ties, scattered background.
 fn adversarial(seed: u64) -> Vec<u16> {
     let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     random.below(2);
@@ -188,7 +188,7 @@ fn adversarial(seed: u64) -> Vec<u16> {
         .collect()
 }
 
-/// What the literal search finds within a bound.
+/// Returns the accuracy of the literal search within a bound.
 fn literally(codes: &[u16], bound: u16) -> Option<Accuracy> {
     let tile = Tile::new(&Block::of(codes, 8, 1, [0, 0]), bound);
     literal::search(&tile).map(|solution| tile.finish(solution).1)
@@ -284,7 +284,8 @@ fn real_tiles() -> Vec<Vec<u16>> {
     Vec::new()
 }
 
-/// The literal search takes as long as the range of codes is wide, squared: tiles of more than 500 codes are left out.
+/// The time of the literal search is proportional to the square of the range of codes, so tiles with a range above 500 codes are
+/// skipped.
 #[test]
 #[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
 fn exhaustive_finds_what_the_literal_search_finds_in_real_tiles() {

@@ -19,7 +19,7 @@ fn the_nearest_come_first_and_ties_by_their_number() {
     assert!((selection.active[0].distance_m - 0.1).abs() < 1e-12);
     assert!(selection.culled.is_empty());
     assert_eq!(select(settings, &LINE, [1.5, 0.0, 0.0]).views(), [1, 2, 0, 3]);
-    // In one place, all that is left is the number.
+    // For views in one place, the index decides.
     assert_eq!(select(settings, &[[5.0; 3]; 3], [5.0; 3]).views(), [0, 1, 2]);
     assert!(select(settings, &[], [0.0; 3]).active.is_empty());
 }
@@ -30,14 +30,14 @@ fn by_angle_those_come_first_that_look_at_the_reference_point_from_where_the_eye
     let settings =
         SelectionSettings { priority: ViewPriority::Angle, pivot: Some(DVec3::ZERO), ..SelectionSettings::default() };
     let selection = select(settings, &ring, [9.0, 0.0, 1.0]);
-    // The one in the reference point counts as at a right angle, which is less than those behind.
+    // The view at the reference point counts as 90 degrees, which is less than the angles of the views on the far side.
     assert_eq!(selection.views(), [0, 1, 4, 3, 2]);
     assert!((selection.active[0].angle_deg - (1f64 / 9.0).atan().to_degrees()).abs() < 1e-9);
     assert_eq!(selection.active[2].angle_deg, 90.0);
-    // An eye in the reference point: by distance.
+    // If the eye is at the reference point, distance decides.
     let far = [[3.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 2.0]];
     assert_eq!(select(settings, &far, [0.0; 3]).views(), [1, 2, 0]);
-    // Without a reference point, it is the middle of the views.
+    // The default reference point is the mean position of the views.
     let free = SelectionSettings { pivot: None, ..settings };
     let moved = ring.map(|[x, y, z]| [x + 7.0, y, z - 3.0]);
     assert_eq!(select(free, &moved, [16.0, 0.0, -2.0]).views(), [0, 1, 4, 3, 2]);
@@ -46,18 +46,18 @@ fn by_angle_those_come_first_that_look_at_the_reference_point_from_where_the_eye
 #[test]
 fn views_that_the_eye_sees_close_together_are_redundant_to_the_first() {
     let settings = |cull_angle_deg| SelectionSettings { cull_angle_deg: Some(cull_angle_deg), ..Default::default() };
-    // As the eye sees them: at 0, 0, 5.7, 90 and 180 degrees.
+    // Angles at the eye: 0, 0, 5.7, 90 and 180 degrees.
     let views = [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 0.1, 0.0], [0.0, 0.0, 1.5], [-3.0, 0.0, 0.0]];
     let selection = select(settings(5.0), &views, [0.0; 3]);
     assert_eq!(selection.views(), [0, 2, 3, 4]);
     assert_eq!(selection.culled, [(1, Why::Angle(0))]);
     let selection = select(settings(10.0), &views, [0.0; 3]);
     assert_eq!((selection.views(), selection.culled.len()), (vec![0, 3, 4], 2));
-    // A view in the eye makes none redundant but those that are there, too.
+    // Only other views at the eye are redundant to a view at the eye.
     let selection = select(settings(170.0), &[[0.0; 3], [0.0; 3], [1.0, 0.0, 0.0]], [0.0; 3]);
     assert_eq!(selection.views(), [0, 2]);
     assert_eq!(selection.culled, [(1, Why::Angle(0))]);
-    // A threshold of 0 makes nothing redundant, not even one in the same place.
+    // A threshold of 0 makes no view redundant, not even one at the same position.
     assert_eq!(select(settings(0.0), &[[1.0; 3]; 2], [0.0; 3]).views(), [0, 1]);
 }
 
@@ -80,13 +80,13 @@ fn a_view_keeps_its_slot_for_as_long_as_it_stays() {
         selection.active.iter().map(|active| (active.view, active.slot)).collect()
     };
     assert_eq!(slots(0.4), [(0, 0), (1, 1)]);
-    // The order turns, the slots stay.
+    // The order changes, but the slots stay.
     assert_eq!(slots(0.6), [(1, 1), (0, 0)]);
-    // One comes, into the slot of the one that goes.
+    // A new view takes the slot of the view that leaves.
     assert_eq!(slots(1.4), [(1, 1), (2, 0)]);
     assert_eq!(slots(2.4), [(2, 0), (3, 1)]);
     assert_eq!(slots(0.4), [(0, 0), (1, 1)]);
-    // Never is a slot given twice, nor one beyond as many as there are views.
+    // No slot is assigned twice, and slots stay below the maximum number of views.
     for step in 0..400u32 {
         let given = slots(f64::from(step * 7919 % 400) / 100.0 - 0.5);
         let mut numbers: Vec<usize> = given.iter().map(|(_, slot)| *slot).collect();
@@ -106,7 +106,7 @@ fn slow_frames_leave_out_views_of_low_priority() {
     let selection = selector.select(&all, DVec3::ZERO);
     assert_eq!(selection.views(), [0, 1]);
     assert_eq!(selection.culled, [(2, Why::Performance), (3, Why::Performance)]);
-    // Views that the frame does not have are none: slots of those that are gone become free.
+    // Slots of views that do not have the frame become free.
     let selection = selector.select(&all[2..], DVec3::ZERO);
     assert_eq!(selection.active.iter().map(|active| (active.view, active.slot)).collect::<Vec<_>>(), [(2, 0), (3, 1)]);
 }

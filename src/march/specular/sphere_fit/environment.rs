@@ -1,11 +1,11 @@
-//! The local environment map of a refractive sphere: a view from its centre.
+//! Local environment map of a refractive sphere: a view from its centre.
 //!
-//! Enters: active views that all see the sphere from outside. Leaves: a view whose every texel has a depth and a colour.
+//! Takes active views that all see the sphere from outside. Returns a view with a depth and a colour in every texel.
 //!
-//! Directions in which views see a surface take its depth and colour. Others, behind the sphere, are hidden, and they are
-//! most of what the sphere shows. Their depths are those of extrapolated planes, else interpolated from around. Their
-//! colours are those that views see through the sphere: each refractive texel's ray is traced to the environment, where
-//! its colour is splatted.
+//! Directions in which views see a surface take its depth and colour. The other directions, behind the sphere, are hidden, and
+//! they are most of what the sphere shows. Their depths are those of extrapolated planes, or else interpolated from their
+//! neighbours. Their colours are those that views see through the sphere: the ray of each refractive texel is traced to the
+//! environment, where the texel's colour is splatted.
 
 use glam::Vec3;
 use half::f16;
@@ -24,16 +24,16 @@ use crate::march::{
 use crate::monitor::Monitor;
 use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, View};
 
-/// Greatest width of a face, in texels.
+/// Maximum width of a face, in texels.
 pub const MAX_TEXELS: u32 = 128;
-/// Texels that refract less than this part of the light straight through are not splatted.
+/// Minimum fraction of the light that a splatted texel refracts straight through.
 pub const MIN_THROUGH: f32 = 0.5;
-/// Points at most that planes are fitted to, in quadratic time.
+/// Maximum number of points to which planes are fitted, in quadratic time.
 pub const MAX_EDGES: usize = 4096;
-/// Splats are weighted by this power of the view's camera weight: refracted light differs more between views than surfaces.
+/// Splats are weighted by this power of the view's camera weight: refracted light differs more between views than surfaces do.
 pub const NEARNESS: i32 = 4;
 
-/// Six faces of a cube, row by row: sums of weighted values, and of their weights.
+/// Six faces of a cube, row by row: sums of weighted values, and sums of their weights.
 struct Cube {
     size: usize,
     sums: Vec<Vec3>,
@@ -50,7 +50,7 @@ impl Cube {
         self.weights[at] += weight;
     }
 
-    /// Means; where weights are below 1, coarser images fill in the rest (pull-push).
+    /// Returns weighted means; where the sum of weights is below 1, coarser images fill in the rest (pull-push).
     fn filled(&self) -> Vec<Vec3> {
         let size = self.size;
         if size == 1 {
@@ -61,7 +61,7 @@ impl Cube {
         let mut coarse = Cube::empty(size / 2);
         for (at, (&sum, &weight)) in self.sums.iter().zip(&self.weights).enumerate() {
             let (row, column) = (at / size, at % size);
-            // Faces lie below each other, with an even number of rows.
+            // Faces are stacked vertically, with an even number of rows each.
             let above = row / 2 * coarse.size + column / 2;
             coarse.sums[above] += sum;
             coarse.weights[above] += weight;
@@ -88,15 +88,15 @@ impl Cube {
     }
 }
 
-/// What views see in a direction from the sphere.
+/// Surface or background that views see in a direction from the sphere.
 #[derive(Clone, Copy)]
 struct Seen {
-    /// Metres from the centre, infinite for the background.
+    /// Metres from the centre; infinite for background.
     distance_m: f32,
     color: Vec3,
 }
 
-/// The environment map of a sphere with an index of refraction.
+/// Computes the environment map of a sphere with an index of refraction.
 pub fn map(views: &ActiveViews<'_>, sphere: Sphere, ior: f32, monitor: &dyn Monitor) -> Result<View> {
     let of_views = views.views.iter().flat_map(|view| view.view.faces.iter().flatten().map(|face| face.size[0]));
     let size = of_views.max().unwrap_or(1).clamp(1, MAX_TEXELS).next_power_of_two();
@@ -117,7 +117,7 @@ pub fn map(views: &ActiveViews<'_>, sphere: Sphere, ior: f32, monitor: &dyn Moni
     Ok(view)
 }
 
-/// Direction of a texel, counted through all faces, which have the size of this one.
+/// Returns the direction of a texel. `at` is its index over all faces, which have the size of `face`.
 fn direction(at: usize, face: &FaceTexels) -> Vec3 {
     let [width, height] = face.size.map(|size| size as usize);
     let centre = [at % width, at / width % height].map(|at| at as f32 + 0.5);
@@ -144,7 +144,8 @@ impl Search<'_> {
         Ok((0..6 * height).into_par_iter().map(row).collect::<Result<Vec<_>>>()?.concat())
     }
 
-    /// Rays start inside the solid, and march from the first point that is empty in a view. None where no view sees anything.
+    /// Returns the surface or background that views see in a direction. The ray starts on the sphere and is marched from the
+    /// first point that is empty in a view. None if no view sees anything.
     fn known(&self, direction: Vec3) -> Option<Seen> {
         let Search { views, sphere: Sphere { centre, radius_m }, steps, .. } = *self;
         let ray = Ray { origin: centre + radius_m * direction, direction };
@@ -160,7 +161,7 @@ impl Search<'_> {
         }
     }
 
-    /// Surface points beside hidden texels, evenly thinned to [`MAX_EDGES`].
+    /// Returns surface points next to hidden texels, evenly subsampled to [`MAX_EDGES`].
     fn edges(&self, known: &[Option<Seen>]) -> Result<Vec<Edge>> {
         let size = self.face.size[0] as usize;
         let at_edge = |&at: &usize| {
@@ -186,7 +187,7 @@ impl Search<'_> {
         Ok(some.into_par_iter().filter_map(edge).collect())
     }
 
-    /// The ray that leaves the sphere straight through, and its part of the light.
+    /// Returns the ray that leaves the sphere straight through, and its fraction of the light.
     fn through(&self, ray: &Ray, ior: f32) -> Option<Exit> {
         let entry = self.sphere.entry(ray)?;
         let normal = self.sphere.normal(entry)?;
@@ -245,7 +246,7 @@ impl Search<'_> {
     }
 }
 
-/// Depths of the map: of hidden texels those of planes, else interpolated in inverse distance.
+/// Writes the depths of the map. Hidden texels take the depths of planes, or else are interpolated in inverse distance.
 fn put_depths(view: &mut View, known: &[Option<Seen>], planes: &[Plane], like: &FaceTexels) {
     let size = like.size[0];
     let mut cube = Cube::empty(size as usize);
@@ -287,7 +288,7 @@ mod tests {
     fn missing_texels_are_filled_from_around() {
         let size = 16;
         let mut cube = Cube::empty(size);
-        // A face of which the middle is missing, red to the left of it and green to the right; all others are unknown.
+        // One face has a missing centre, with red on its left and green on its right; all other faces are unknown.
         for at in 0..size * size {
             let (row, column) = (at / size, at % size);
             if !(4..12).contains(&column) || !(4..12).contains(&row) {
@@ -302,7 +303,7 @@ mod tests {
         let (left, right) = (filled[8 * size + 5], filled[8 * size + 10]);
         assert!(left.x > 0.6 && right.y > 0.6, "{left} {right}");
         assert!((filled[5 * size * size].x - 0.5).abs() < 1e-5);
-        // Of nothing at all, nothing is made that is no number.
+        // Without any known texel the result is 0, not NaN.
         assert!(Cube::empty(4).filled().iter().all(|value| *value == Vec3::ZERO));
     }
 
@@ -320,7 +321,7 @@ mod tests {
         let (straight, part) = through(0.0, 1.5).unwrap();
         assert_eq!((straight.origin, straight.direction), (Vec3::NEG_Z * 4.0, Vec3::NEG_Z));
         assert!((part - 0.96 * 0.96).abs() < 1e-4);
-        // Turned by twice the difference of the angles outside and inside.
+        // The ray is rotated by twice the difference of the angles outside and inside.
         let (bent, _) = through(0.6, 1.5).unwrap();
         let turn = 2.0 * (0.6f32.asin() - 0.4f32.asin());
         assert!((bent.direction.angle_between(Vec3::NEG_Z) - turn).abs() < 1e-3 && bent.direction.x < 0.0);

@@ -1,6 +1,6 @@
 //! Plane extrapolation: walls and floors that continue behind a refractive solid.
 //!
-//! Enters: surface points beside hidden directions, relative to one centre. Leaves: the planes that many of them lie in.
+//! Takes surface points next to hidden directions, relative to one centre. Returns the planes that many of the points lie in.
 
 use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
@@ -8,20 +8,21 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::monitor::Monitor;
 
-/// Least part of the points that lie in a plane.
+/// Minimum fraction of the points that lie in a plane.
 pub const MIN_PART: f32 = 0.1;
-/// A point lies in a plane where their distances in its direction differ by at most this part.
+/// Maximum relative difference of the distances of a point and of a plane, in the direction of the point, at which the point lies
+/// in the plane.
 pub const IN_PLANE: f32 = 0.01;
 pub const MAX_PLANES: usize = 8;
 
-/// The vector whose product with a direction is 1 over the distance of the plane in it.
+/// Vector whose product with a unit direction is 1 over the distance of the plane in that direction.
 pub type Plane = Vec3;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge {
-    /// Metres from the centre.
+    /// In metres relative to the centre.
     pub point: Vec3,
-    /// Of length 1.
+    /// Unit normal.
     pub normal: Vec3,
 }
 
@@ -29,7 +30,7 @@ fn lies_in(plane: Plane, edge: &Edge) -> bool {
     (plane.dot(edge.point) - 1.0).abs() <= IN_PLANE
 }
 
-/// The planes of some points, the one with the most points first. Takes quadratic time.
+/// Returns the planes of some points, the one with the most points first. Takes quadratic time.
 pub fn planes(edges: &[Edge], monitor: &dyn Monitor) -> Result<Vec<Plane>> {
     let least = (MIN_PART * edges.len() as f32).max(3.0) as usize;
     let (mut left, mut found) = (edges.to_vec(), Vec::new());
@@ -58,7 +59,7 @@ pub fn planes(edges: &[Edge], monitor: &dyn Monitor) -> Result<Vec<Plane>> {
     Ok(found)
 }
 
-/// Mean and covariance of points, in units of their root mean square distance from the mean.
+/// Mean of points, their root mean square distance from it, and their covariance in units of that distance.
 pub struct Spread {
     pub middle: DVec3,
     pub unit_m: f64,
@@ -78,19 +79,19 @@ impl Spread {
     }
 }
 
-/// The plane through points, by least squares of its product with them minus 1; none where they lie on a line, or in a plane
+/// Fits a plane to points, by least squares of its product with them minus 1. None if the points lie on a line, or in a plane
 /// through the centre.
 ///
-/// With the covariance S of the points and their mean m, the normal equations (S + m·mᵀ)·p = m are solved by the formula of
-/// Sherman and Morrison with the adjugate of S, as S is singular for flat, small or distant sets.
+/// With the covariance S of the points and their mean m, the normal equations (S + m·mᵀ)·p = m are solved by the Sherman–Morrison
+/// formula with the adjugate of S, because S is singular for flat, small or distant sets.
 fn fit<'a>(edges: impl Iterator<Item = &'a Edge> + Clone) -> Option<Plane> {
     let Spread { middle, unit_m, covariance } = Spread::of(edges.map(|edge| edge.point.as_dvec3()));
     let (away_m, way) = (middle.length(), middle.try_normalize()?);
-    // The columns of the adjugate of a symmetric matrix.
+    // Columns of the adjugate of a symmetric matrix.
     let [x, y, z] = [covariance.x_axis, covariance.y_axis, covariance.z_axis];
     let across = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * way;
     let facing = way.dot(across);
-    // Points have the precision of single floats.
+    // Points have single precision.
     let rounding = f64::from(f32::EPSILON) * away_m.hypot(unit_m) / unit_m;
     if facing.is_nan() || facing < rounding * rounding {
         return None;
@@ -101,7 +102,7 @@ fn fit<'a>(edges: impl Iterator<Item = &'a Edge> + Clone) -> Option<Plane> {
     plane.is_finite().then_some(plane)
 }
 
-/// 1 over the distance of the nearest plane in a direction of length 1, as inside a convex room.
+/// Returns 1 over the distance of the nearest plane in a direction of length 1, as inside a convex room.
 pub fn nearest_inverse(planes: &[Plane], direction: Vec3) -> Option<f32> {
     planes.iter().map(|plane| plane.dot(direction)).filter(|&inverse| inverse > 0.0).reduce(f32::max)
 }
@@ -133,7 +134,7 @@ mod tests {
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(found.iter().any(|plane| plane.distance(Vec3::NEG_Y) < 0.01), "{found:?}");
         assert!(found.iter().any(|plane| plane.distance(Vec3::NEG_X) < 0.01), "{found:?}");
-        // Down and to the left beyond all points, where the two walls meet.
+        // Down and to the left, beyond all points, where the two walls meet.
         let down = Vec3::new(-0.6, -0.8, 0.0);
         assert!((nearest_inverse(&found, down).unwrap() - 0.8).abs() < 0.01);
         assert!((nearest_inverse(&found, Vec3::new(-0.8, -0.6, 0.0)).unwrap() - 0.8).abs() < 0.01);
@@ -141,7 +142,7 @@ mod tests {
         assert!(planes(&[], &Silent).unwrap().is_empty());
     }
 
-    /// A small part of a wall, which the least squares of single floats around the centre cannot tell from a line.
+    /// A small part of a wall, which least squares in single precision around the centre cannot distinguish from a line.
     #[test]
     fn planes_are_scale_free() {
         let wall = Vec3::new(0.3, -0.2, -1.0);
@@ -154,7 +155,7 @@ mod tests {
                 let edge = |at: usize| Edge { point: size * part(at, breadth), normal: -wall.normalize() };
                 let edges: Vec<Edge> = (0..100).map(edge).collect();
                 let found = fit(edges.iter()).unwrap();
-                // Roundings of the plane, and of coordinates near 1 over the 9 breadths that the points reach.
+                // Rounding errors of the plane, and of coordinates near 1 over the 9 breadths that the points cover.
                 let most = 4.0 * f32::EPSILON * (1.0 + 1.0 / (9.0 * breadth));
                 assert!((size * found).distance(wall) < most, "{size} {breadth}: {found}");
                 assert_eq!(fit(edges[..10].iter()), None, "a line, {size} {breadth}");

@@ -1,4 +1,4 @@
-//! Measures a point of coding by running encode, decode, diff and pack.
+//! Measures a point of a coding sweep by running encode, decode, diff and pack.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -39,7 +39,7 @@ impl<'a> CodingBench<'a> {
             Some(StreamKind::Color) => {
                 measured.set("min_psnr_db", Value::Number(of.number("min_cell_psnr_db")?));
                 measured.set("min_quality", of.value["min_quality"].as_f64().map(Value::Number));
-                // Half floats have none.
+                // Not defined for half floats.
                 measured.set("ssim", of.value["ssim"].as_f64().map(Value::Number));
             }
             stream => {
@@ -52,7 +52,7 @@ impl<'a> CodingBench<'a> {
         Ok(())
     }
 
-    /// Bytes of what a command encodes; each command runs once for all points.
+    /// Returns the number of bytes that an encoding command writes. Each command runs once for all points.
     fn bytes(&mut self, runner: &dyn Runner, words: Vec<OsString>) -> Result<u64> {
         if let Some(&bytes) = self.known_bytes.get(&words) {
             return Ok(bytes);
@@ -120,7 +120,7 @@ impl Bench for CodingBench<'_> {
         for (name, report) in [("encode_peak_bytes", &encoded), ("decode_peak_bytes", &decoded)] {
             measured.set(name, report.value["peak_memory_bytes"].as_u64().map(Value::Count));
         }
-        // There were a warm-up and one pass of the decoder.
+        // The survey decoded twice, a warm-up and one timed pass; further passes add to the cost of a run.
         let run = encode_seconds + decode_seconds + pass_seconds * f64::from(passes - 1);
         Ok(Survey { measured, cost: Cost { survey: runner.now_seconds() - start, run } })
     }
@@ -139,7 +139,7 @@ impl Bench for CodingBench<'_> {
     fn cost(&self, measured: &Measured) -> Option<Cost> {
         let (encode, decode) = (measured.number("encode_seconds")?, measured.number("decode_seconds")?);
         let passes = measured.count("decode_passes") as f64 + 1.0;
-        // A survey encodes twice or more, compares and packs; each takes about as long.
+        // A survey encodes at least twice, compares and packs; each step takes about as long as encoding.
         Some(Cost { survey: encode * 4.0 + decode * 2.0, run: encode + decode * passes })
     }
 }

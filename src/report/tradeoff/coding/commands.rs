@@ -1,4 +1,4 @@
-//! The command lines that measure a point.
+//! Command lines that measure a point.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -10,13 +10,15 @@ use crate::report::tradeoff::kind::{Point, Setting};
 use crate::report::tradeoff::knob::Stage;
 use crate::streams::ColorBlocks;
 
-/// Seconds of decoding in one timed run of a point, about: short decodes vary most, and are repeated more often.
+/// Target duration of decoding in one timed run of a point, in seconds. Short decodes vary most and are repeated more
+/// often.
 const TIMED_SECONDS: f64 = 0.3;
 const DECODER_PASSES: [u32; 2] = [9, 200];
-/// LZMA2 level of the column of sizes that have it on top.
+/// LZMA2 level of the sizes that are measured with LZMA2 on top.
 pub const LZMA2_LEVEL: u32 = 6;
 
-/// Passes over all frames in one timed run of a point, whose median counts; `pass_seconds` is the time of one.
+/// Returns the number of passes over all frames in one timed run of a point, given the seconds of one pass. The median
+/// of the passes counts.
 pub fn decoder_passes(pass_seconds: f64) -> u32 {
     let [least, most] = DECODER_PASSES;
     ((TIMED_SECONDS / pass_seconds.max(1e-9)) as u32).clamp(least, most)
@@ -29,18 +31,18 @@ pub enum Form {
     Sequence,
 }
 
-/// The footage, and options of all points that are no knobs.
+/// The footage, and the options of all points that are not knobs.
 #[derive(Debug, Clone)]
 pub struct Input {
     pub path: PathBuf,
     pub form: Form,
-    /// Kinds of streams that it has, and the points in time of each.
+    /// Kinds of streams in the footage, with the number of frames of each.
     pub kinds: Vec<(StreamKind, u64)>,
     pub encode: Vec<String>,
-    /// Those that comparing needs as well, such as `--frames=0-9`.
+    /// Options that `diff` needs as well, such as `--frames=0-9`.
     pub diff: Vec<String>,
     pub decode: Vec<String>,
-    /// Configuration hash: changes with all that values depend on and that is not a knob.
+    /// Configuration hash. It covers everything that results depend on, except the knobs.
     pub made_of: u32,
 }
 
@@ -53,7 +55,8 @@ impl Input {
         self.encode_settings(stream_of(point), &point.settings, &self.encode)
     }
 
-    /// The same coding in time with samples as they are, in neither blocks nor functions, without LZMA2.
+    /// Returns the command that encodes the same temporal coding with raw samples: no blocks, no modelling functions,
+    /// no LZMA2.
     pub fn temporal(&self, point: &Point) -> Vec<OsString> {
         let mut settings = without(&point.settings, &["lzma2", "threads", "device"]);
         match stream_of(point) {
@@ -80,7 +83,7 @@ impl Input {
         self.encode_settings(stream_of(point), &Point::new(&CODING, point.stream, settings).settings, &options)
     }
 
-    /// The same without LZMA2, where the point is in blocks or functions.
+    /// Returns the command of the point without LZMA2, if the point uses blocks or functions.
     pub fn spatial(&self, point: &Point) -> Option<Vec<OsString>> {
         let value = |knob: &str| point.value(knob);
         let has = match stream_of(point) {
@@ -107,7 +110,7 @@ impl Input {
             words.push(format!("--stream={}", stream.name()).into());
         }
         words.extend(knob_options(settings, Stage::Encode));
-        // Sizes without LZMA2 are sizes of payloads.
+        // Sizes without LZMA2 are sizes of uncompressed payloads.
         let compressed = settings.iter().any(|(name, level)| *name == "lzma2" && level != "none");
         let says = |option: &String| option.starts_with("--zstd") || option == "--no-compression";
         if !compressed && !options.iter().any(says) {
@@ -120,7 +123,7 @@ impl Input {
         words
     }
 
-    /// Decodes the container of a point `passes` times, after a warm-up.
+    /// Returns the command that decodes the container of a point `passes` times, after a warm-up.
     pub fn decode(&self, point: &Point, container: &Path, passes: u32) -> Vec<OsString> {
         let mut words = vec!["decode".into(), container.into(), "--null".into(), format!("--repeat={passes}").into()];
         words.extend(knob_options(&point.settings, Stage::Decode));
@@ -168,7 +171,7 @@ fn without(settings: &[Setting], names: &[&str]) -> Vec<Setting> {
     settings.iter().filter(|(name, _)| !names.contains(name)).cloned().collect()
 }
 
-/// The threshold of a point's coding in time, in dB, where blocks make it another than the usual one.
+/// Returns the PSNR threshold of a point's temporal coding in dB, if its blocks change the default threshold.
 fn psnr_in_time(point: &Point, options: &[String]) -> Option<String> {
     let value = |knob: &str| {
         let prefix = format!("--{knob}=");

@@ -1,4 +1,4 @@
-//! Findings of the papers, tested on this footage by the rule of each.
+//! Findings of the papers, each tested on this footage by a stated rule.
 
 use super::runs::in_boxes;
 use crate::depth::tile_psnr::{BIN_DB, PsnrDistribution, TileModel, TilePsnr};
@@ -10,11 +10,11 @@ use crate::report::tradeoff::runs::{self, Run};
 use crate::report::tradeoff::study::Results;
 
 const BAD_DB: usize = 60;
-/// PSNR in dB from which on a tile is as good as exact: what GDC 6.4 says that BC4w hardly exceeds.
+/// PSNR in dB from which a tile counts as exact: GDC 6.4 says that BC4w hardly exceeds it.
 const PERFECT_DB: usize = 85;
-/// Runs without which a difference of times is not told from noise.
+/// Minimum number of runs to distinguish a difference in time from noise.
 const MIN_RUNS: usize = 3;
-/// R² from which on a line is said to fit: much that curves upwards is not exponential.
+/// Minimum R² of a line fit. Many curves that bend upwards are not exponential.
 const FITS: f64 = 0.95;
 
 type CodingTest = Test<fn(&Results, &TilePsnr) -> Option<Judged>>;
@@ -135,7 +135,8 @@ fn boxes_compress_less_and_less(results: &Results) -> Option<Judged> {
     )
 }
 
-/// The longest and the shortest window of every row of points along `depth-window` that has at least two.
+/// Returns the points of the longest and the shortest window for each row along `depth-window` with at least two
+/// points.
 fn windows(results: &Results) -> Vec<[&Measured; 2]> {
     let runs = runs::along(results, Some(StreamKind::Depth), "depth-window", 2);
     runs.iter().filter_map(|run| Some([run.points.last()?.1, run.points.first()?.1])).collect()
@@ -179,7 +180,7 @@ fn short_windows_decode_faster(results: &Results) -> Option<Judged> {
 
 fn thresholds_grow_exponentially(results: &Results) -> Option<Judged> {
     struct Growth {
-        /// R² of a line through the logarithms of the bytes, and through the bytes.
+        /// R² of a line fit to the logarithms of the bytes, and to the bytes.
         logarithmic: f64,
         linear: f64,
         factor: f64,
@@ -245,10 +246,10 @@ fn functions_decode_faster_than_codes(results: &Results) -> Option<Judged> {
 
 struct TimeRatio {
     ratio: f64,
-    /// In every run of at least [`MIN_RUNS`].
+    /// True if every run is faster, and both points have at least [`MIN_RUNS`] runs.
     is_faster: bool,
     is_slower: bool,
-    /// Runs of both overlap, or are too few.
+    /// True if the ranges of the runs overlap, or there are too few runs.
     is_within_spread: bool,
 }
 
@@ -279,7 +280,7 @@ fn bc4w_is_rarely_bad_and_rarely_perfect(tiles: &TilePsnr) -> Option<Judged> {
     (tiles.tiles() > 0).then(|| Judged::new(least(0) && least(1), rests_on))
 }
 
-/// Shares of tiles below [`BAD_DB`], and exact or from [`PERFECT_DB`] on.
+/// Returns the share of tiles below [`BAD_DB`], and the share of those that are exact or reach [`PERFECT_DB`].
 fn shares(psnr: &PsnrDistribution) -> [f64; 2] {
     let bins = psnr.histogram();
     let bad: u64 = bins.iter().take(BAD_DB / BIN_DB).sum();
@@ -287,8 +288,8 @@ fn shares(psnr: &PsnrDistribution) -> [f64; 2] {
     [bad, good + psnr.exact].map(|count| count as f64 / psnr.tiles.max(1) as f64)
 }
 
-/// The straight line of least squares through points: its slope, and R², the part of the variance that it explains. R² is
-/// 1 where all y are equal, as nothing is left to explain.
+/// Least-squares line through points: returns its slope and R², the share of the variance that the line explains. R² is
+/// 1 if all y are equal.
 fn line_fit(x: &[f64], y: &[f64]) -> (f64, f64) {
     let (mean_x, mean_y) = (mean(x.iter().copied()), mean(y.iter().copied()));
     let sum =

@@ -1,4 +1,4 @@
-//! JSON of what only coding has: PSNR of tiles, recommendations.
+//! JSON that only coding sweeps have: PSNR of tiles, recommendations.
 
 use serde_json::{Map, Value, json};
 

@@ -1,4 +1,4 @@
-//! The sweep of coding: its table, its commands, the figures and findings of the papers, recommendations.
+//! Coding sweeps: measures, commands, figures and findings of the papers, recommendations.
 
 pub mod bench;
 pub mod commands;

@@ -1,39 +1,40 @@
-//! The smallest point that meets all demands; or the closest to the source, if only time and bytes are limited.
+//! Recommends a point: the smallest that meets all demands or, if only time and bytes are limited, the one closest to
+//! the source.
 
 use crate::image::StreamKind;
 use crate::report::tradeoff::kind::Measured;
 use crate::report::tradeoff::store::StoredPoint;
 
-/// Limits for a point. Each applies to the kinds of streams that have the measure.
+/// Limits for a point. Each limit applies to the kinds of streams that have its measure.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Demands {
-    /// 16-bit log codes of depth, steps of 8 bits of material.
+    /// Depth: steps of 16-bit log codes. Material: steps of 8-bit codes.
     pub max_error_codes: Option<u32>,
     pub max_error_m: Option<f64>,
-    /// Lowest PSNR of any frame of any cell of colour, in dB.
+    /// Minimum PSNR in dB of every frame of every colour cell.
     pub min_psnr_db: Option<f64>,
-    /// Lowest quality to the eye of any frame of any cell of colour.
+    /// Minimum perceptual quality of every frame of every colour cell.
     pub min_quality: Option<f64>,
     pub decode_ms: Option<f64>,
     pub max_bytes: Option<u64>,
-    /// Bytes of the container in percent of those of the footage.
+    /// Maximum size of the container in percent of the size of the footage.
     pub max_ratio_percent: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Aim {
-    /// The one with the fewest bytes: quality is limited.
+    /// Fewest bytes: quality is limited.
     Smallest,
-    /// The one that is closest to the source: only bytes and time are limited.
+    /// Closest to the source: only bytes and time are limited.
     Closest,
 }
 
-/// The recommended point of a kind of stream, or the one that misses the demands least.
+/// Recommended point for a kind of stream, or the point that comes closest to meeting the demands.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advice<'a> {
     pub row: &'a StoredPoint,
     pub aim: Aim,
-    /// Demands that it misses, a sentence each; empty for a point to be used.
+    /// Demands that the point misses, one sentence each. Empty if it meets all.
     pub misses: Vec<String>,
 }
 
@@ -47,7 +48,7 @@ impl Demands {
         *self == Demands::default()
     }
 
-    /// The aim for a kind of stream; none without demands on it.
+    /// Returns the aim for a kind of stream. `None` if no demand applies to it.
     pub fn aim(&self, kind: StreamKind) -> Option<Aim> {
         let quality = match kind {
             StreamKind::Depth => self.max_error_codes.is_some() || self.max_error_m.is_some(),
@@ -67,7 +68,7 @@ impl Demands {
             let (limit, found) = (limit?, of.number(name)?);
             (found > limit).then(|| Miss { words: words(limit, found), ratio: found / limit.max(least) })
         };
-        // A PSNR is computed twice, on either side of a file: the last digit may differ.
+        // The PSNR is computed before and after a file is written: the last digit may differ.
         let psnr = self.min_psnr_db.filter(|_| of.point.stream == Some(StreamKind::Color));
         let psnr = psnr.map(|limit| (limit, closeness_db(of))).filter(|(limit, found)| *found < limit - 1e-6);
         let quality = self.min_quality.zip(of.number("min_quality")).filter(|(limit, found)| *found < limit - 1e-6);
@@ -105,7 +106,7 @@ impl Demands {
     }
 }
 
-/// Advice for each kind of stream that was measured and of which something is asked, in the order of kinds.
+/// Returns advice for each kind of stream that was measured and has demands, in the order of kinds.
 pub fn recommend<'a>(rows: &[&'a StoredPoint], demands: &Demands) -> Vec<Advice<'a>> {
     let of_kind = |kind: StreamKind| {
         let aim = demands.aim(kind)?;
@@ -127,7 +128,7 @@ pub fn recommend<'a>(rows: &[&'a StoredPoint], demands: &Demands) -> Vec<Advice<
     StreamKind::ALL.into_iter().filter_map(of_kind).collect()
 }
 
-/// PSNR of the worst cell, or of all samples where there are no cells.
+/// Returns the PSNR of the worst cell, or of all samples for streams without cells.
 fn closeness_db(of: &Measured) -> f64 {
     of.number("min_psnr_db").or(of.number("psnr_db")).unwrap_or(0.0)
 }
@@ -149,7 +150,7 @@ mod tests {
         StoredPoint { studies: vec![], measured: of, command: String::new(), made_of: 0 }
     }
 
-    /// A point of depth with these bytes, codes of error and seconds of decoding.
+    /// A depth point with the given bytes, error in codes and decoding time in seconds.
     fn depth(error: &str, bytes: u64, codes: u64, seconds: f64) -> StoredPoint {
         let mut of = point(StreamKind::Depth, ("max-error", error), bytes, seconds);
         of.measured.set("max_error_codes", Value::Count(codes));
@@ -182,23 +183,24 @@ mod tests {
         };
         let none = Demands::default();
         assert!(none.is_empty());
-        // A demand in dB says nothing about depth, and one in codes or metres nothing about colour.
+        // Demands in dB do not apply to depth, and those in codes or metres do not apply to colour.
         assert_eq!(ask(&Demands { max_error_codes: Some(55), ..none }), said(&[("50", 0)]));
         assert_eq!(ask(&Demands { max_error_m: Some(0.2), ..none }), said(&[("60", 0)]));
         assert_eq!(ask(&Demands { max_error_m: Some(0.05), ..none }), said(&[("60", 1)]));
         assert_eq!(ask(&Demands { min_psnr_db: Some(35.0), ..none }), said(&[("40", 0)]));
-        // 0.02 s for ten points in time are 2 ms. Nothing is asked of the quality of colour: the best in time.
+        // 0.02 s for ten frames are 2 ms per frame. The quality of colour is not limited: the best point within the
+        // time.
         let fast = Demands { max_error_codes: Some(55), decode_ms: Some(2.5), ..none };
         assert_eq!(ask(&fast), said(&[("40", 0), ("0", 0)]));
         assert_eq!(fast.aim(StreamKind::Color), Some(Aim::Closest));
         assert_eq!(fast.aim(StreamKind::Depth), Some(Aim::Smallest));
         assert_eq!(ask(&Demands { max_ratio_percent: Some(15.0), ..none }), said(&[("30", 1), ("60", 0)]));
-        // Twice the smallest error is nearer to lossless than three times the bytes to their limit.
+        // Twice the smallest error misses its limit by less than three times the bytes do.
         let points = [depth("1", 50, 2, 0.02), depth("0", 150, 0, 0.02)];
         let lossless = Demands { max_error_codes: Some(0), max_ratio_percent: Some(5.0), ..none };
         let advice = recommend(&[&points[0], &points[1]], &lossless);
         assert_eq!(advice[0].row.measured.count("bytes_container"), 50);
-        // Of several with the same quality, the smallest.
+        // Among points of equal quality, the smallest.
         assert_eq!(ask(&Demands { max_bytes: Some(450), ..none }), said(&[("30", 0), ("60", 0)]));
     }
 

@@ -1,11 +1,11 @@
-//! Points of coding that others are compared with.
+//! Reference points of coding sweeps.
 
 use super::table::CODING;
 use crate::image::StreamKind;
 use crate::report::tradeoff::kind::{Measured, Point, Setting};
 use crate::report::tradeoff::study::Results;
 
-/// Depth as boxes of codes, without modelling functions, with these settings otherwise.
+/// Returns the depth point coded in boxes, without modelling functions, whose other settings are `others`.
 pub fn in_boxes<'a>(results: &'a Results, others: &[Setting]) -> Option<&'a Measured> {
     let others = others.iter().filter(|(name, _)| *name != "depth-codec").cloned();
     let settings = others.chain([("depth-codec", "aabb".to_owned())]).collect();

@@ -1,4 +1,4 @@
-//! Sweeps of encoding and decoding: bytes, quality and time of footage (CALF figures 7 and 8, GDC figures 5, 6 and 8).
+//! Coding sweeps: bytes, quality and time of footage (CALF figures 7 and 8, GDC figures 5, 6 and 8).
 
 use StreamKind::{Color, Depth, Material};
 
@@ -100,8 +100,8 @@ pub const KNOBS: &[Knob] = &[
     Knob::new(Stage::Decode, "device", "device", "cpu", &["cpu", "gpu"]).of(ALL_STREAMS),
 ];
 
-/// Sizes are those of CALF table 1: the footage, coded in time, with blocks or functions, the container, with LZMA2 on top.
-/// Depth errors are in 16-bit log codes, those of material in steps of 8 bits.
+/// Sizes are those of CALF table 1: footage, temporal coding, blocks or functions, container, container with LZMA2.
+/// Depth errors are in 16-bit log codes, material errors in 8-bit steps.
 const MEASURES: &[Measure] = &[
     Measure::new("bytes_raw", Source::Count(Some(1))).shown("raw", Format::Bytes),
     Measure::new("bytes_temporal", Source::Count(Some(1))).shown("in time", Format::Bytes),

@@ -1,4 +1,4 @@
-//! What figures share: sheets of charts with a title, axes of knobs, marks with their range.
+//! Shared parts of figures: sheets of charts with a title, axes of knobs, marks with their range.
 
 use crate::report::plot::chart::{Chart, Kind, Series};
 use crate::report::plot::drawing::Text;
@@ -11,24 +11,24 @@ pub use crate::report::plot::chart::Mark;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Name of its files, without an ending.
+    /// File name without extension.
     pub name: String,
-    /// What it shows and how it is read, in sentences.
+    /// Sentences that explain the figure.
     pub caption: String,
     pub drawing: Drawing,
 }
 
-/// The axis of a knob, and the place of each value on it.
+/// Axis of a knob, with the position of each value.
 pub struct KnobAxis {
     label: &'static str,
     pub axis: axis::Axis,
     pub places: Vec<f64>,
-    /// How series along it are drawn: values that are words are not joined.
+    /// How series along the axis are drawn. Values that are words are not joined by lines.
     pub kind: Kind,
 }
 
 impl KnobAxis {
-    /// Numbers are placed by their value, words in their order.
+    /// Places numbers by value and words in their order.
     pub fn new(study: &Study, along: &Axis) -> KnobAxis {
         let label = study.label(along);
         match along.numbers() {
@@ -41,22 +41,22 @@ impl KnobAxis {
     }
 }
 
-/// The point of a study whose varied axes have these values.
+/// Returns the point of a study at the given values of its varied axes.
 pub fn point_at(study: &Study, values: impl IntoIterator<Item = Setting>) -> Point {
     let single =
         study.axes.iter().filter(|axis| axis.values.len() == 1).map(|axis| (axis.knob, axis.values[0].clone()));
     Point::new(study.sweep, study.stream, study.fixed.iter().cloned().chain(single).chain(values).collect())
 }
 
-/// The mark of a point, with the range of its runs; `unit` divides values.
+/// Returns the mark of a point with the range of its runs. Values are divided by `unit`.
 pub fn mark(x: f64, line: &PanelLine, unit: f64, point: &Measured) -> Option<Mark> {
     let factor = point.kind.measure(line.measure)?.factor() / unit;
     let spread = point.spread(line.measure).map(|spread| (spread.low * factor, spread.high * factor));
     Some(Mark { x, y: point.number(line.measure)? * factor, spread, name: None })
 }
 
-/// The values that an axis has to show: those of marks and of their ranges, up to twice the largest mark, so that one
-/// disturbed run does not flatten all others.
+/// Returns the values that an axis must show: marks and their ranges, capped at twice the largest mark, so that one
+/// outlier run does not flatten the rest.
 pub fn extents<'a>(marks: impl Iterator<Item = &'a Mark> + Clone) -> Vec<f64> {
     let finite = marks.clone().map(|mark| mark.y).filter(|y| y.is_finite());
     let most = 2.0 * finite.fold(0.0, f64::max);
@@ -73,7 +73,7 @@ pub fn chart(along: KnobAxis, scale: Scale, unit: &PanelUnit, series: Vec<Series
     Chart { series, ..Chart::new(title, along.axis, axis_of(scale, &unit.title, &values)) }
 }
 
-/// A vertical axis with its label for values, which are in the unit of the label.
+/// Returns a vertical axis for values in the unit that the label names.
 pub fn axis_of(scale: Scale, label: &str, values: &[f64]) -> axis::Axis {
     let each = values.iter().copied();
     match scale {
@@ -87,7 +87,7 @@ pub fn axis_of(scale: Scale, label: &str, values: &[f64]) -> axis::Axis {
     }
 }
 
-/// The unit of a panel's values, and its title with the unit.
+/// Unit of a panel's values, and its title with the unit.
 pub struct PanelUnit {
     pub size: f64,
     pub name: &'static str,
@@ -112,12 +112,12 @@ pub fn fixed_words(settings: &[Setting]) -> String {
     }
 }
 
-/// Height of the title, and of each line under it, in pixels.
+/// Heights of the title and of each line below it, in pixels.
 const HEAD: f64 = 30.0;
 const LINE: f64 = 16.0;
 const GAP: f64 = 8.0;
 
-/// A picture with a title, lines under it, and rows of drawings below.
+/// Returns a drawing with a title, lines of text below it, and rows of drawings.
 pub fn sheet(title: &str, lines: &[String], rows: Vec<Vec<Drawing>>) -> Drawing {
     let head = HEAD + LINE * lines.len() as f64;
     let row_width = |row: &Vec<Drawing>| row.iter().map(|one| f64::from(one.width) + GAP).sum::<f64>();
@@ -156,7 +156,7 @@ pub fn subtitle<'a>(
     [first].into_iter().chain(times(points)).collect()
 }
 
-/// How often points were timed; none without runs.
+/// Describes how often points were timed. `None` without runs.
 pub fn times<'a>(points: impl IntoIterator<Item = &'a Measured>) -> Option<String> {
     let mut points = points.into_iter().peekable();
     let of_streams = points.peek()?.point.stream.is_some();

@@ -1,4 +1,4 @@
-//! Two knobs against each other: heat maps of the kind's mapped panels and of the score, and lines of the panels (CALF
+//! Figures of two varied knobs: heat maps of the mapped panels and of the score, and line charts of the panels (CALF
 //! figures 7 and 8).
 
 use super::common::{Figure, KnobAxis, Mark, PanelUnit, chart, fixed_words, mark, point_at, sheet, subtitle};
@@ -13,10 +13,10 @@ use crate::report::tradeoff::study::{Axis, Results, Study, product};
 
 const MAP: [u32; 2] = [410, 340];
 const CHART: [u32; 2] = [619, 340];
-/// Figures of one study at most, where it has more than two axes.
+/// Maximum number of figures of a study with more than two axes.
 const MAX_OF_A_STUDY: usize = 4;
 
-/// The varied axes of a study: rows and columns of heat maps.
+/// Varied axes of a study: rows and columns of the heat maps.
 pub struct Axes<'a> {
     pub rows: &'a Axis,
     pub columns: &'a Axis,
@@ -38,7 +38,7 @@ struct MapValues {
     best: Option<usize>,
 }
 
-/// One figure for each combination of the other axes' values, the first few of them.
+/// Returns one figure for each combination of values of the other axes, up to `MAX_OF_A_STUDY`.
 pub fn figures(results: &Results, study: &Study, axes: Axes<'_>) -> Vec<Figure> {
     let combinations = product(&[], axes.others.iter().copied());
     let count = combinations.len();
@@ -99,7 +99,8 @@ impl Grid<'_> {
         Figure { name, caption, drawing: sheet(&study.title, &subtitle, vec![maps, lines]) }
     }
 
-    /// Which point has the least score, and that the score ignores quality.
+    /// Returns a sentence that names the point with the lowest score, and warns if quality differs, which the score
+    /// ignores.
     fn least_words(&self, scored: &Scored<'_>) -> String {
         let Some(at) = scored.best else { return String::new() };
         let Axes { rows, columns, .. } = self.axes;
@@ -150,7 +151,7 @@ impl Grid<'_> {
         let Axes { rows, columns, .. } = self.axes;
         let x = KnobAxis::new(self.study, columns);
         let unit = self.unit(panel, line);
-        // A hole in the grid is a hole in the line.
+        // A missing point interrupts the line.
         let hole = |x: f64| Mark { x, y: f64::NAN, ..Mark::default() };
         let of = |(point, &x): (&Option<&Measured>, &f64)| {
             point.and_then(|point| mark(x, line, unit.size, point)).unwrap_or(hole(x))

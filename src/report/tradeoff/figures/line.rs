@@ -1,4 +1,4 @@
-//! One knob: all panels along its values.
+//! Figures of one varied knob: all panels along its values.
 
 use super::common::{Figure, KnobAxis, Mark, PanelUnit, chart, mark, point_at, sheet, subtitle};
 use crate::report::plot::chart::{Chart, Series};
@@ -19,7 +19,7 @@ pub struct PlacedPoint<'a> {
     pub point: &'a Measured,
 }
 
-/// The points of a study along its one varied axis.
+/// Returns the points of a study along its one varied axis.
 pub fn along<'a>(results: &'a Results, study: &'a Study, axis: &'a Axis) -> Along<'a> {
     let placed = axis.values.iter().zip(KnobAxis::new(study, axis).places);
     let point = |value: &String| results.of(&point_at(study, [(axis.knob, value.clone())]));
@@ -30,7 +30,7 @@ pub fn along<'a>(results: &'a Results, study: &'a Study, axis: &'a Axis) -> Alon
 }
 
 impl Along<'_> {
-    /// The chart of a panel; none without values.
+    /// Returns the chart of a panel. `None` without values.
     pub fn chart(&self, panel: &Panel) -> Option<Chart> {
         let lines = || panel.lines.iter();
         let all = self.points.iter().flat_map(|of| lines().filter_map(|line| of.point.number(line.measure)));
@@ -51,10 +51,10 @@ impl Along<'_> {
     }
 }
 
-/// Parts of the largest value that a chart hardly shows.
+/// Fraction of the largest value below which a difference is not visible in a chart.
 const UNSEEN: f64 = 0.004;
 
-/// Series, of which those that would be drawn over an earlier one are joined with it.
+/// Merges series that would be drawn on top of an earlier one into that one.
 fn joined(all: Vec<Series>) -> Vec<Series> {
     let values = all.iter().flat_map(|series| &series.marks).map(|mark| mark.y.abs());
     let near = UNSEEN * values.filter(|y| y.is_finite()).fold(0.0, f64::max);

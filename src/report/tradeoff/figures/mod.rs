@@ -1,4 +1,4 @@
-//! The charts of a report: one figure for each study, and one for each pair of measures that a kind of sweep trades.
+//! Charts of a report: one figure per study, and one per pair of measures that a sweep kind trades.
 
 mod common;
 mod grid;

@@ -12,7 +12,7 @@ use crate::report::tradeoff::coding;
 use crate::report::tradeoff::kind::{Measured, Point, Value};
 use crate::report::tradeoff::tests::sample;
 
-/// Left, top, right, bottom of what a text's capitals cover.
+/// Returns left, top, right and bottom of the area that a text's capitals cover.
 fn bounds([x, y]: [f64; 2], text: &Text) -> [f64; 4] {
     let (width, height) = (text.width(), text.em * font::CAP_PER_EM);
     let before = match text.anchor {
@@ -26,7 +26,7 @@ fn bounds([x, y]: [f64; 2], text: &Text) -> [f64; 4] {
     }
 }
 
-/// Fails when anything lies outside of the drawing, has no place, or when two texts overlap.
+/// Fails if a shape lies outside the drawing, a coordinate is not finite, or two texts overlap.
 fn check(name: &str, drawing: &Drawing) {
     let (width, height) = (f64::from(drawing.width), f64::from(drawing.height));
     let inside = |[x, y]: [f64; 2]| (-0.5..=width + 0.5).contains(&x) && (-0.5..=height + 0.5).contains(&y);
@@ -53,7 +53,7 @@ fn check(name: &str, drawing: &Drawing) {
     }
 }
 
-/// Fails when elements are not closed in order, or an attribute is no number where one must be.
+/// Fails if elements are not closed in order, or a numeric attribute is not a number.
 fn check_xml(name: &str, svg: &str) {
     let mut open: Vec<&str> = Vec::new();
     for tag in svg.split('<').skip(1).map(|rest| rest.split_once('>').expect("tags end").0) {
@@ -64,7 +64,7 @@ fn check_xml(name: &str, svg: &str) {
         }
         assert_eq!(tag.matches('"').count() % 2, 0, "{name}: {tag}");
         assert!(!tag.contains("NaN") && !tag.contains("inf"), "{name}: {tag}");
-        // Larger numbers would be places that were brought in from nowhere.
+        // Longer numbers would be coordinates that were clamped to the bound.
         let longest = tag.split(|letter: char| !letter.is_ascii_digit()).map(str::len).max();
         assert!(longest <= Some(6), "{name}: {tag}");
     }
@@ -137,7 +137,7 @@ fn pixels_are_not_blank_and_have_the_stated_size() {
     }
 }
 
-/// Results with something odd in them, by name.
+/// Results with unusual content, by name.
 fn odd() -> Vec<(&'static str, Results)> {
     let depth = StreamKind::Depth;
     let usual = |point: &Point| Some(sample::as_in_the_papers(point));
@@ -248,7 +248,7 @@ fn odd_results_are_drawn_without_overlaps_and_without_places_that_are_no_numbers
     }
 }
 
-/// The series of a figure's chart are seen by their lines: how many lines of a width it has.
+/// Counts the lines of a given width in a figure; each series of its chart draws its own lines.
 fn lines_of_width(figure: &Figure, width: f64) -> usize {
     let is = |shape: &&Shape| matches!(shape, Shape::Line { stroke, .. } if stroke.width == width);
     figure.drawing.shapes.iter().filter(is).count()

@@ -1,5 +1,5 @@
-//! One measure against another: all points of a kind of stream with their Pareto front, whose points are named (CALF figure
-//! 9, GDC figure 5).
+//! Figures of one measure against another: all points of a kind of stream with their Pareto front, whose points are
+//! labelled (CALF figure 9, GDC figure 5).
 
 use super::common::{Figure, Mark, axis_of, sheet, times};
 use crate::image::StreamKind;
@@ -34,7 +34,7 @@ fn figure(results: &Results, stream: Option<StreamKind>, trade: &Trade) -> Optio
         })
         .filter(|placed| placed.x.is_finite() && !placed.y.is_nan())
         .collect();
-    // Lossless points alone have no distortion to show.
+    // There is no distortion to plot if all points are lossless.
     if points.len() < 2 || points.iter().all(|placed| placed.y.is_infinite()) {
         return None;
     }
@@ -87,7 +87,7 @@ fn mark(points: &[PlacedPoint<'_>], front: &[usize], at: usize) -> Mark {
     Mark { x: points[at].x, y: points[at].y, spread: None, name }
 }
 
-/// A series for each study; points that belong to several are with the first.
+/// Returns a series per study. Points of several studies belong to the first.
 fn by_study(studies: &[&Study], points: &[PlacedPoint<'_>], front: &[usize]) -> Vec<Series> {
     let members: Vec<_> = studies.iter().map(|study| study.points()).collect();
     let home = |placed: &PlacedPoint<'_>| members.iter().position(|points| points.contains(&placed.point.point));
@@ -109,7 +109,7 @@ fn by_study(studies: &[&Study], points: &[PlacedPoint<'_>], front: &[usize]) -> 
     all.filter(|series| !series.marks.is_empty()).collect()
 }
 
-/// A series for each setting of all knobs but the last of the study.
+/// Returns a series per setting of all knobs except the last of the study.
 fn by_last_knob(studies: &[&Study], points: &[PlacedPoint<'_>], front: &[usize]) -> Vec<Series> {
     let last = studies.first().and_then(|study| study.axes.last()).map_or("", |axis| axis.knob);
     let mut all: Vec<Series> = Vec::new();

@@ -1,4 +1,4 @@
-//! What the thesis says about its figures and tables of chapter 4, tested on this scene.
+//! Claims of the thesis about its figures and tables of chapter 4, tested on this scene.
 
 use crate::report::plot::number::short;
 use crate::report::tradeoff::findings::{Finding, Judged, Test};
@@ -6,11 +6,12 @@ use crate::report::tradeoff::kind::Measured;
 use crate::report::tradeoff::runs::{self, Run};
 use crate::report::tradeoff::study::Results;
 
-/// Part of a view's ray casting that a further view may cost.
+/// Maximum cost of a further view, as a fraction of ray casting one view.
 const SMALL_SLOPE: f64 = 0.1;
-/// By how much the slopes of the first and the last half of a row may differ from their mean, where time is linear.
+/// Maximum relative deviation of the slopes of the first and the last half of a row from their mean for time to count
+/// as linear.
 const STRAIGHT: f64 = 0.5;
-/// Difference in time that counts as none.
+/// Relative difference in time below which two times count as equal.
 const NO_DIFFERENCE: f64 = 0.05;
 
 type InterpolationTest = Test<fn(&Results) -> Option<Judged>>;
@@ -80,7 +81,7 @@ pub fn judge(results: &Results) -> Vec<Finding> {
     TESTS.iter().map(|test| test.finding((test.judge)(results))).collect()
 }
 
-/// Seconds that a further view takes, between two points of a run.
+/// Returns the additional seconds per view between two points of a run.
 fn slope(run: &Run<'_>, [from, to]: [usize; 2]) -> Option<f64> {
     let [(few, first), (many, last)] = [run.points[from], run.points[to]];
     Some((last.number("seconds")? - first.number("seconds")?) / (many - few))
@@ -129,7 +130,7 @@ fn time_is_linear(results: &Results) -> Option<Judged> {
     })
 }
 
-/// Times of the last point of each run along a knob over those of the first.
+/// Returns for each run along a knob the time of its last point divided by that of its first.
 fn last_over_first(results: &Results, knob: &str) -> Vec<f64> {
     let runs = runs::along(results, None, knob, 2);
     let ratio = |run: &Run<'_>| {
@@ -224,14 +225,14 @@ fn dual_beats_hierarchical(results: &Results) -> Option<Judged> {
     )
 }
 
-/// A measure of points that differ in a knob alone, where both values were measured.
+/// Returns a measure of points that differ only in one knob, for pairs in which both values were measured.
 fn pairs(results: &Results, knob: &'static str, values: [&str; 2], measure: &str) -> Vec<[f64; 2]> {
     let with = |value: &str| results.measured.iter().filter(move |of| of.point.value(knob) == Some(value)).collect();
     let [first, last]: [Vec<&Measured>; 2] = values.map(with);
     let pair = |of: &&Measured| {
         let other = last.iter().find(|other| other.point.without(knob) == of.point.without(knob))?;
         let pair = [of.number(measure)?, other.number(measure)?];
-        // Views of sources alone are exact.
+        // Views that coincide with source views are exact and have no finite PSNR.
         pair.iter().all(|number| number.is_finite()).then_some(pair)
     };
     first.iter().filter_map(pair).collect()

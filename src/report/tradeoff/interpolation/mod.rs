@@ -1,4 +1,5 @@
-//! Sweeps of view interpolation: time against quality by views, layers, splits, coalescing, acquisition and baseline (Epipolar 4).
+//! Sweeps of view interpolation: time and quality by number of views, layers, splits, coalescing, acquisition and
+//! baseline (Epipolar 4).
 
 pub mod findings;
 
@@ -129,7 +130,7 @@ pub struct InterpolationBench {
 }
 
 impl InterpolationBench {
-    /// The command of a point, without its output.
+    /// Returns the command of a point, without output options.
     fn interpolate(&self, point: &Point) -> Vec<OsString> {
         words_of(["interpolate", &self.scene], &self.fixed, point)
     }
@@ -212,7 +213,7 @@ mod tests {
     use crate::report::tradeoff::store::Store;
     use crate::report::tradeoff::study::Weights;
 
-    /// Answers as `interpolate` would: a second, and a hundredth for each view.
+    /// Returns reports like those of `interpolate`: one second, and a hundredth of a second per view.
     struct Told(RefCell<Vec<String>>);
 
     impl Runner for Told {
@@ -253,7 +254,7 @@ mod tests {
         let lab = Lab { runner: &told, bench: &mut bench, store: &mut store };
         measure(std::slice::from_ref(&study), Extent { repeats: 2, budget_seconds: None }, lab, &Silent).unwrap();
         let lines = told.0.into_inner();
-        // Two timed runs, and one with the truth.
+        // Two timed runs, and one with the comparison.
         assert_eq!(lines.len(), 6 * 3, "{lines:?}");
         assert_eq!(lines[0], "interpolate a.glb --baseline=0.5 --views=10 --coalesce=0 --null --json");
         assert_eq!(lines.iter().filter(|line| line.ends_with("--compare")).count(), 6);

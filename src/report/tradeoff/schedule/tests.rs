@@ -16,21 +16,22 @@ use crate::report::tradeoff::kind::Value as Stored;
 use crate::report::tradeoff::plan::{Request, Sweep, plan};
 use crate::report::tradeoff::runner::shell_line;
 
-/// Runs nothing: keeps the command lines, moves a clock, and answers what a command would.
+/// Runner without processes: records the command lines, advances a clock, and returns reports like those of the
+/// commands.
 #[derive(Default)]
 struct Fake {
     lines: RefCell<Vec<String>>,
     clock: RefCell<f64>,
-    /// Ends the run of this number, from 0, with an error.
+    /// Index of the run that ends with an error, from 0.
     stops_at: Option<usize>,
-    /// Lets every command fail that has this in it.
+    /// Commands that contain this text fail.
     fails: Option<&'static str>,
-    /// Seconds that a command takes besides the usual one, where its line has these words.
+    /// Additional seconds of commands whose line contains these words.
     slow: Option<(&'static str, f64)>,
 }
 
 impl Fake {
-    /// What was run: the subcommand and the values of psnr and cell.
+    /// Returns the subcommands that ran, each with its values of `color-cell`, `psnr` and `max-error`.
     fn told(&self) -> Vec<String> {
         let of = |line: &String, name: &str| {
             let value = line.split(&format!("--{name}=")).nth(1)?;
@@ -63,7 +64,7 @@ impl Runner for Fake {
         }
         *self.clock.borrow_mut() += self.slow.filter(|(words, _)| line.contains(words)).map_or(0.0, |(_, more)| more);
         let number = self.lines.borrow().len();
-        // Options that a point has make it smaller.
+        // Each option makes the output smaller.
         let bytes = 1000 - line.replace(" --no-compression", "").len();
         self.lines.borrow_mut().push(line);
         let quality = json!({ "psnr_db": null, "psnr_db_is": "inf", "min_cell_psnr_db": 41.5, "ssim": 0.9, "max_error_codes": 3, "max_error_m": 0.5 });
@@ -99,7 +100,7 @@ fn studies(sweeps: &[&str]) -> Vec<Study> {
     plan(&Request { streams: &kinds, sweeps: &sweeps, preset: None, fixed: &[] }).unwrap().studies
 }
 
-/// Measures into the folder with what is there already.
+/// Measures into a folder, starting from its existing results.
 fn run(fake: &Fake, sweeps: &[&str], extent: Extent, folder: &Path) -> Result<(Schedule, Store)> {
     let (input, mut store) = (input(), Store::open(&CODING, folder, Some(7)).unwrap());
     let mut bench = CodingBench::new(&input, Path::new("work"));
@@ -116,7 +117,7 @@ fn all(repeats: u32) -> Extent {
 fn rounds_go_to_and_fro_after_a_first_pass_that_is_not_timed() {
     let (fake, folder) = (Fake::default(), TempDir::new().unwrap());
     let (outcome, store) = run(&fake, &["psnr=30,40,50"], all(3), folder.path()).unwrap();
-    // The second and third are the first pass's coding in time, which colour without blocks is already.
+    // The survey needs no second encoding for temporal coding: colour without blocks is temporal coding already.
     assert_eq!(fake.encodes(), ["30", "40", "50", "30", "40", "50", "50", "40", "30", "30", "40", "50"]);
     let point = &["encode 30", "decode", "diff", "pack"].map(str::to_owned);
     assert_eq!(&fake.told()[..4], point);
@@ -141,7 +142,7 @@ fn sizes_of_stages_are_encoded_once_for_all_points() {
     let count = |words: &str| lines.iter().filter(|line| line.contains(words)).count();
     assert_eq!(count("--depth-codec=aabb"), 1, "coding in time is the same for all bounds");
     assert_eq!(count("--lzma2=6"), 2, "what has LZMA2 already is not packed");
-    // Four points are each encoded twice; without LZMA2 two of them are others that are known.
+    // Four points are encoded twice each. Without LZMA2, two of them are the same as other known points.
     assert_eq!(count("encode scene"), 4 * 2 + 1);
     for row in &store.rows {
         let [spatial, container, lzma2] =
@@ -183,7 +184,7 @@ fn wherever_it_stops_it_goes_on() {
         assert!(matches!(run(&stopped, &sweeps, all(2), folder.path()), Err(Error::Interrupted)));
         let rest = Fake::default();
         let (_, store) = run(&rest, &sweeps, all(2), folder.path()).unwrap();
-        // At most the step that was cut off is done twice.
+        // At most the interrupted step runs twice.
         assert!(rest.told().len() <= runs - stops_at + 3, "{stops_at}: {:?}", rest.told());
         assert_eq!(store.rows.len(), wanted.rows.len());
         for (row, wanted) in store.rows.iter().zip(&wanted.rows) {
@@ -197,7 +198,7 @@ fn wherever_it_stops_it_goes_on() {
 
 #[test]
 fn a_budget_adds_whole_values_coarse_to_fine_and_says_what_it_left_out() {
-    // A point takes 4 s at first and 2 s in each run.
+    // The survey of a point takes 4 s and each run 2 s.
     let sweeps = ["psnr=10,20,30,40,50", "color-cell=8,16,32"];
     let within = |seconds: f64, repeats: u32| {
         let (fake, folder) = (Fake::default(), TempDir::new().unwrap());
@@ -212,7 +213,7 @@ fn a_budget_adds_whole_values_coarse_to_fine_and_says_what_it_left_out() {
     };
     let (grid, left_out, _) = within(1e6, 2);
     assert_eq!((grid, left_out), (vec!["10,20,30,40,50".to_owned(), "8,16,32".to_owned()], Vec::new()));
-    // Six points with one run of each are 36 s.
+    // Six points with one run each take 36 s.
     let (grid, left_out, took) = within(40.0, 1);
     assert_eq!(grid, ["10,30,50", "8,32"]);
     assert_eq!(
@@ -223,17 +224,17 @@ fn a_budget_adds_whole_values_coarse_to_fine_and_says_what_it_left_out() {
         ]
     );
     assert!(took <= 40.0, "{took}");
-    // Fewer runs before fewer values.
+    // The number of runs is reduced before the number of values.
     let (grid, left_out, took) = within(40.0, 3);
     assert_eq!(grid, ["10,30,50", "8,32"]);
     assert!(left_out[2].contains("a single run of each point instead of 3"), "{left_out:?}");
     assert!(took <= 40.0, "{took}");
-    // No budget is too small for one run of one point.
+    // Even the smallest budget allows one run of one point.
     let (grid, left_out, took) = within(1.0, 3);
     assert_eq!((grid, took), (vec!["10".to_owned(), "8".to_owned()], 6.0));
     assert_eq!(left_out[0], "Study color-psnr-cell: psnr 20, 30, 40, 50 did not fit into 1 s.");
     assert_eq!((left_out.len(), left_out[3].as_str()), (4, "It took 6.0 s instead of 1 s."));
-    // Where the ends do not fit, one of them does.
+    // If the ends of the axes do not all fit, some of them do.
     let (grid, _, took) = within(14.0, 1);
     assert_eq!(grid, ["10,50", "8"]);
     assert!(took <= 14.0, "{took}");
@@ -252,7 +253,7 @@ fn a_budget_counts_from_the_start_of_the_program() {
 #[test]
 fn a_point_that_no_longer_fits_is_not_begun() {
     let (fake, folder) = (Fake { slow: Some(("--repeat=200", 20.0)), ..Fake::default() }, TempDir::new().unwrap());
-    // The first pass promises 2 s for each run, and then each takes 22 s.
+    // The survey suggests 2 s per run, but each run takes 22 s.
     let extent = Extent { repeats: 1, budget_seconds: Some(45.0) };
     let (outcome, store) = run(&fake, &["psnr=10,20,30"], extent, folder.path()).unwrap();
     let runs: Vec<_> = store.rows.iter().map(|row| row.measured.runs("encode_runs").len()).collect();
@@ -273,7 +274,7 @@ fn what_is_measured_costs_nothing_and_what_is_missing_costs_what_it_did() {
     let (outcome, _) = run(&again, &sweeps, extent, folder.path()).unwrap();
     assert_eq!((again.told().len(), outcome.left_out), (0, Vec::new()));
     assert_eq!(outcome.studies, studies(&sweeps));
-    // Medians of the first time say that two more values, each of 3 points, do not fit.
+    // The medians of the first process show that two more values, each of 3 points, do not fit.
     let mut store = Store::open(&CODING, folder.path(), Some(7)).unwrap();
     for row in &mut store.rows {
         row.measured.set("encode_runs", Stored::Runs(vec![1.0; 2]));
@@ -314,7 +315,7 @@ fn a_point_that_fails_when_it_is_timed_keeps_what_is_known_of_it() {
     let (outcome, store) = run(&broken, &["psnr=30", "threads=1,2"], all(2), folder.path()).unwrap();
     assert_eq!(outcome.failed.len(), 1, "it is not tried in the second round");
     assert_eq!(store.rows.iter().map(|row| row.measured.runs("encode_runs").len()).collect::<Vec<_>>(), [2, 0]);
-    // Within a budget as well.
+    // The same with a budget.
     let extent = Extent { repeats: 2, budget_seconds: Some(1e6) };
     let (outcome, _) = run(&broken, &["psnr=30", "threads=1,2"], extent, folder.path()).unwrap();
     assert_eq!((outcome.failed.len(), outcome.left_out.len()), (1, 0));
@@ -340,7 +341,7 @@ fn sweeps_into_one_folder_keep_their_studies() {
         let (_, store) = run(&Fake::default(), sweeps, all(1), folder.path()).unwrap();
         assert_eq!(store.rows.iter().map(|row| row.studies.join(" ")).collect::<Vec<_>>(), names);
     }
-    // A point of two studies is of both.
+    // A point of two studies belongs to both.
     let quick = |name: &str| {
         let mut studies = studies(&["psnr=30,50"]);
         studies[0].name = name.to_owned();

@@ -1,4 +1,4 @@
-//! What the paper says about its figures 9 to 11, 13 and 14, tested on this capture.
+//! Claims of the paper about its figures 9 to 11, 13 and 14, tested on this capture.
 
 use crate::report::plot::number::short;
 use crate::report::tradeoff::findings::{Finding, Judged, Test};
@@ -7,15 +7,15 @@ use crate::report::tradeoff::knob;
 use crate::report::tradeoff::runs::{self, Run};
 use crate::report::tradeoff::study::{Results, all_points};
 
-/// Area, in spheres, from which on the paper sees hardly any cracks (figure 10).
+/// Projected area, in spheres, from which the paper sees hardly any cracks (figure 10).
 const WITHOUT_CRACKS: f64 = 3.0;
-/// Area at which its uniform grid is infeasible (figure 13).
+/// Projected area at which the paper's uniform grid is infeasible (figure 13).
 const TOO_SMALL: f64 = 1.25;
-/// Least part of the texels that adaptive sizes save (figure 14).
+/// Minimum fraction of texels that adaptive sizes save (figure 14).
 const MIN_SAVING: f64 = 0.18;
-/// What the paper's peak overdraw exceeds its budget by: 5.6 where 5 was asked for (table 1).
+/// Ratio of the paper's peak overdraw to its budget: 5.6 for a budget of 5 (table 1).
 const EXCESS: f64 = 1.12;
-/// Duality gap of a search that has converged.
+/// Maximum duality gap of a converged search.
 const CONVERGED: f64 = 0.01;
 
 type SimplificationTest = Test<fn(&Results) -> Option<Judged>>;
@@ -104,7 +104,7 @@ pub fn judge(results: &Results) -> Vec<Finding> {
     TESTS.iter().map(|test| test.finding((test.judge)(results))).collect()
 }
 
-/// First and last point of a run, which has at least one.
+/// Returns the first and last point of a run, which has at least one.
 fn ends<'a>(run: &Run<'a>) -> [(f64, &'a Measured); 2] {
     [run.points[0], run.points[run.points.len() - 1]]
 }
@@ -217,7 +217,7 @@ fn adaptive_sizes_save_texels(results: &Results) -> Option<Judged> {
     for uniform in runs.iter().filter(|run| with(run, "uniform")) {
         let adaptive = runs.iter().filter(|run| with(run, "adaptive") && others(run) == others(uniform));
         let adaptive: Vec<[f64; 2]> = adaptive.flat_map(curve).collect();
-        // An atlas that holds all textures as they are has the same texels either way.
+        // An atlas that holds all textures at full resolution has the same texels with both sizings.
         let is_full = |spot: &[f64; 2]| adaptive.contains(spot);
         for spot in curve(uniform).into_iter().filter(|spot| !is_full(spot)) {
             ratios.extend(texels_at(&adaptive, spot[0]).map(|texels| texels / spot[1]));
@@ -234,7 +234,8 @@ fn adaptive_sizes_save_texels(results: &Results) -> Option<Judged> {
     Some(Judged::new(most <= 1.0 - MIN_SAVING, rests_on))
 }
 
-/// Texels at which a curve of (PSNR, texels) has a PSNR, their logarithm interpolated; none outside of the curve.
+/// Returns the texels at which a curve of (PSNR, texels) reaches a PSNR, by interpolating the logarithm of the texels.
+/// `None` outside the curve.
 fn texels_at(curve: &[[f64; 2]], psnr_db: f64) -> Option<f64> {
     curve.windows(2).find_map(|pair| {
         let [[low, few], [high, many]] = [pair[0], pair[1]];

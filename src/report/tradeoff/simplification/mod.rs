@@ -1,5 +1,5 @@
-//! Sweeps of simplification: budgets of triangles, fill rate and texels against what the simplified scene looks like (Seurat 7,
-//! figures 9 to 11, 13 and 14).
+//! Sweeps of simplification: budgets of triangles, fill rate and texels against the quality of the simplified scene
+//! (Seurat 7, figures 9 to 11, 13 and 14).
 
 pub mod findings;
 
@@ -137,7 +137,7 @@ pub struct SimplificationBench {
 }
 
 impl SimplificationBench {
-    /// The command of a point, without its output.
+    /// Returns the command of a point, without output options.
     fn simplify(&self, point: &Point) -> Vec<OsString> {
         words_of(["simplify", &self.capture], &self.fixed, point)
     }
@@ -178,10 +178,10 @@ impl CommandBench for SimplificationBench {
             measured.set(name, Value::Number(report.number(name)?));
         }
         measured.set("atlas_occupancy", Value::Number(report.number("atlas_occupancy")?));
-        // Pictures too small for their windows have neither.
+        // Not defined for pictures smaller than the windows of the metrics.
         measured.set("ssim", report.value["ssim"].as_f64().map(Value::Number));
         measured.set("psnr_hvs_m_db", report.number("psnr_hvs_m_db").ok().map(Value::Number));
-        // Where all points are compared with images that they were not made from.
+        // Present if all points are compared with images that were not used to build the scene.
         measured.set("held_out_psnr_db", report.number("held_out/psnr_db").ok().map(Value::Number));
         measured.set("held_out_ssim", report.value["held_out"]["ssim"].as_f64().map(Value::Number));
         for name in ["crack_pixels", "translucent_pixels", "triangles", "tiles", "atlas_texels"] {
@@ -209,10 +209,10 @@ mod tests {
     use crate::report::tradeoff::schedule::{Extent, Lab, Schedule, measure};
     use crate::report::tradeoff::store::Store;
 
-    /// Answers as `simplify` would, and keeps the command lines.
+    /// Returns reports like those of `simplify`, and records the command lines.
     struct Told {
         lines: RefCell<Vec<String>>,
-        /// What the point of the least triangles fails with.
+        /// Error message of the point with the fewest triangles.
         failure: &'static str,
     }
 

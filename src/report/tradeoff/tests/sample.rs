@@ -9,7 +9,7 @@ use crate::report::tradeoff::kind::{Measured, Point, Value};
 use crate::report::tradeoff::knob;
 use crate::report::tradeoff::study::{Axis, Results, Study, Weights, all_points};
 
-/// A point of depth with these settings, bytes and seconds of decoding.
+/// A depth point with the given settings, bytes and decoding time in seconds.
 pub fn measured(settings: &[(&'static str, &str)], bytes: u64, seconds: f64) -> Measured {
     let settings = settings.iter().map(|(name, value)| (*name, (*value).to_owned())).collect();
     let mut of = Measured::new(&CODING, Point::new(&CODING, Some(StreamKind::Depth), settings));
@@ -37,7 +37,7 @@ pub fn measured(settings: &[(&'static str, &str)], bytes: u64, seconds: f64) -> 
     of
 }
 
-/// A study of all values of some knobs.
+/// A study of all combinations of values of some knobs.
 pub fn study(name: &str, kind: StreamKind, axes: &[(&str, &[&str])]) -> Study {
     let axis = |(name, values): &(&str, &[&str])| Axis {
         knob: CODING.knob(name).map_or("", |knob| knob.name),
@@ -69,7 +69,7 @@ pub fn results(studies: Vec<Study>, mut of: impl FnMut(&Point) -> Option<Measure
     }
 }
 
-/// What a point of the papers' studies comes to where everything is as the papers say.
+/// Values of a point of the papers' studies that agree with all claims of the papers.
 pub fn as_in_the_papers(point: &Point) -> Measured {
     let number = |name: &str| point.value(name).and_then(knob::number);
     if point.stream == Some(StreamKind::Color) {
@@ -95,7 +95,7 @@ pub fn as_in_the_papers(point: &Point) -> Measured {
     of
 }
 
-/// PSNR of tiles: most even, some with an edge, some noise.
+/// PSNR of tiles: most are smooth, some have an edge, some have noise.
 pub fn tiles() -> TilePsnr {
     let mut all = TilePsnr::default();
     let domain = Domain::log();
@@ -130,7 +130,7 @@ pub fn tiles() -> TilePsnr {
     all
 }
 
-/// The papers' studies with results as the papers have them.
+/// The papers' studies with results that agree with the papers.
 pub fn paper() -> Results {
     let five: &[&str] = &["1", "2", "4", "8", "16"];
     let bound =

@@ -1,4 +1,4 @@
-//! Scenes of all sizes, cameras in bad places, rays that graze, and what is very far.
+//! Scenes of all sizes, cameras at difficult positions, grazing rays, and very distant surfaces.
 
 use std::sync::Arc;
 
@@ -11,8 +11,8 @@ use crate::scene::{
     Window,
 };
 
-/// A floor and a tent of triangles, a ball of each kind, a turned box, a sun and a lamp: all of it `scale` times as
-/// large, and moved.
+/// Returns a floor and a tent of triangles, a ball of each kind, a turned box, a sun and a lamp, scaled by `scale` and then
+/// shifted.
 fn scene(scale: f64, shift: DVec3) -> SceneAtTime {
     let put = |point: DVec3| scale * point + shift;
     let object = |shape: Shape, optics: Optics| {
@@ -84,7 +84,7 @@ fn the_picture_does_not_depend_on_the_size_or_the_place() {
                 different += u32::from(!(depth && color));
             }
         }
-        // An outline or the edge of a shadow may fall to the other side.
+        // At an outline or the edge of a shadow the result may change sides.
         assert!(hits > 2000 && different <= 5, "{scale} {shift}: {different} of {hits}");
     }
 }
@@ -93,12 +93,12 @@ fn the_picture_does_not_depend_on_the_size_or_the_place() {
 fn cameras_in_bad_places_see_something_finite() {
     let scene = scene(1.0, DVec3::ZERO);
     let places = [
-        // On the floor, in its plane, on a corner and on an edge of triangles.
+        // On the floor, at its corner, on an edge of its triangles, and in its plane.
         DVec3::ZERO,
         DVec3::new(-3.0, 0.0, -3.0),
         DVec3::new(1.0, 0.0, 1.0),
         DVec3::new(9.0, 0.0, 0.0),
-        // In the middle of balls, on them, in the box.
+        // At the centres of the balls, on a ball, in the box.
         DVec3::new(-1.0, 0.5, -0.7),
         DVec3::new(0.0, 0.5, -0.7),
         DVec3::new(1.0, 0.5, -0.7),
@@ -117,7 +117,7 @@ fn cameras_in_bad_places_see_something_finite() {
             }
         }
     }
-    // From the middle of the opaque ball, all of it is as far as its radius.
+    // From the centre of the opaque ball every hit is at its radius.
     let inside = trace(&scene, DVec3::new(-1.0, 0.5, -0.7), DVec3::new(0.1, -0.8, 0.3));
     assert!((inside.distance - 0.4).abs() < 1e-12);
 }
@@ -162,7 +162,7 @@ fn hits_at_the_end_of_the_world_are_finite_or_infinite() {
 #[test]
 fn rays_in_the_plane_of_a_wall_and_along_its_edge_see_past_it() {
     let scene = scene(1.0, DVec3::ZERO);
-    // In the floor's plane nothing of the floor is seen; the box that stands on it is.
+    // In the plane of the floor the floor is not hit; the box that stands on it is.
     let along = trace(&scene, DVec3::new(-5.0, 0.0, -2.5), DVec3::X);
     assert_eq!(along.distance, f64::INFINITY);
     let diagonal = trace(&scene, DVec3::new(-4.0, 0.0, -4.0), DVec3::new(1.0, 0.0, 1.0));
@@ -200,11 +200,11 @@ fn sight_of_points_on_triangles_from_anywhere() {
         let put = |x: f64, y: f64, z: f64| scale * DVec3::new(x, y, z) + shift;
         assert!(scene.sees(put(2.0, 1.0, 2.0), put(2.5, 0.0, 1.0)), "{scale}");
         assert!(!scene.sees(put(2.0, 1.0, 2.0), put(2.5, -0.1, 1.0)));
-        // The ball hides what is behind it, of glass or not, and its own far side.
+        // A ball hides what is behind it, even a glass ball, and its own far side.
         assert!(!scene.sees(put(0.0, 0.5, 1.0e-3), put(0.0, 0.5, -2.0)));
         assert!(!scene.sees(put(0.0, 0.5, 1.0e-3), put(0.0, 0.5, -1.1)));
         assert!(scene.sees(put(0.0, 0.5, 1.0e-3), put(0.0, 0.5, -0.3)));
-        // Both on the floor, at a low angle, in sight of each other.
+        // Both points are on the floor, at a low angle, and visible to each other.
         assert!(scene.sees(put(2.0, 0.0, 2.0), put(2.5, 0.0, -2.0)));
     }
 }

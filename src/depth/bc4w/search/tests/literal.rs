@@ -1,24 +1,24 @@
 //! The literal search: every bipartition with every pair of endpoints (GDC, algorithm 1, without its coarse level).
 //!
-//! As plain as can be, since the other efforts are measured against it. Pairs are the outer loop, as in the paper: what
-//! a pair costs in each pixel is the same for all lines.
+//! Kept simple because it is the reference for the other efforts. Pairs are the outer loop, as in the paper, because the cost of
+//! a pair in each pixel is the same for all lines.
 
 use crate::depth::bc4w::Pair;
 use crate::depth::bc4w::bipartitions::bipartitions;
 use crate::depth::bc4w::tile::{Solution, Tile, surface_codes};
 use crate::depth::quantise::BACKGROUND_CODE;
 
-/// More than any sum of squared differences: 64 · 65535² is less.
+/// A cost above any sum of squared differences, which is at most 64 · 65535².
 const IMPOSSIBLE: u64 = 1 << 40;
 
-/// The best pair of one side so far.
+/// Best pair of one side so far.
 #[derive(Debug, Clone, Copy)]
 struct Best {
     cost: u64,
     pair: Pair,
 }
 
-/// The first of the solutions with the lowest squared error within the tile's bound.
+/// Returns the first solution with the lowest squared error within the tile's bound.
 pub fn search(tile: &Tile) -> Option<Solution> {
     let none = Best { cost: IMPOSSIBLE, pair: Pair { e0: 0, e1: 0 } };
     let lines = bipartitions();
@@ -46,7 +46,7 @@ pub fn search(tile: &Tile) -> Option<Solution> {
     (a.cost + b.cost < IMPOSSIBLE).then_some(Solution { line: line.line, pairs: [a.pair, b.pair] })
 }
 
-/// What a pair costs in each pixel.
+/// Returns the cost of a pair in each pixel.
 fn pixel_costs(tile: &Tile, pair: Pair) -> [u64; 64] {
     let palette = pair.palette();
     let levels = surface_codes(palette);
@@ -63,8 +63,8 @@ fn pixel_costs(tile: &Tile, pair: Pair) -> [u64; 64] {
     costs
 }
 
-/// For each row, the sum of the pixels of each mask of a row, as far as the sides of lines have them: pixels from one
-/// end of the row on.
+/// Returns, for each row, the sum over each mask of pixels that occurs in a side of a line: runs that start at one end of the
+/// row.
 fn row_sums(costs: &[u64; 64]) -> [[u64; 256]; 8] {
     let mut sums = [[0; 256]; 8];
     for (sums, costs) in sums.iter_mut().zip(costs.chunks_exact(8)) {

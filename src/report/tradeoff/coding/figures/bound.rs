@@ -1,4 +1,4 @@
-//! Decoding by the error bound, beside depth without modelling functions (GDC figure 8).
+//! Decoding time by error bound, compared with depth without modelling functions (GDC figure 8).
 
 use crate::report::plot::chart::Rule;
 use crate::report::plot::{Drawing, axis};
@@ -19,7 +19,7 @@ const PANELS: [Panel; 3] = [
     Panel::new("Pixels written (% of those shown)", Scale::Linear, &[line("changed_percent")]),
 ];
 
-/// A figure for each study of the error bound alone that was timed.
+/// Returns a figure for each timed study that varies only the error bound.
 pub fn figures(results: &Results) -> Vec<Figure> {
     let of = |study: &Study| match study.varied().as_slice() {
         [axis] if axis.knob == "max-error" => figure(results, study, axis),

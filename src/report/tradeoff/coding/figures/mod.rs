@@ -1,4 +1,4 @@
-//! Figures of coding that need more than the points: decoding by the error bound, and PSNR of tiles.
+//! Figures of coding that need more data than the points: decoding by error bound, and PSNR of tiles.
 
 mod bound;
 mod tiles;

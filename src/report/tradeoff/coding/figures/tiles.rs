@@ -8,10 +8,10 @@ use crate::report::tradeoff::figures::{Figure, Mark, sheet};
 
 const HISTOGRAM: [u32; 2] = [340, 280];
 const CURVES: [u32; 2] = [1732, 400];
-/// Points of a sorted curve.
+/// Number of points of a sorted curve.
 const QUANTILES: u32 = 400;
 
-/// The figure of tiles that were modelled in some way; none without tiles.
+/// Returns the figure of the tiles. `how` describes the modelling settings. `None` without tiles.
 pub fn figure(tiles: &TilePsnr, how: &str) -> Option<Figure> {
     if tiles.tiles() == 0 {
         return None;
@@ -41,7 +41,8 @@ pub fn figure(tiles: &TilePsnr, how: &str) -> Option<Figure> {
         let psnr = tiles.of(model);
         let shares = (0..=QUANTILES).map(|step| f64::from(step) / f64::from(QUANTILES));
         let marks = shares.map(|share| mark((100.0 * share, psnr.quantile_db(share)))).collect();
-        // What is the best of several lies on one of them, which is to be seen under it; and so do both of these.
+        // The curve of the best of several functions coincides with one of theirs, and so do the two combined curves:
+        // dashes keep the curves below visible.
         let look = match model {
             TileModel::PlateletOrBiquadratic => Look::of(at).dashed([11.0, 6.0]),
             TileModel::BestOf => Look::of(at).dashed([5.0, 9.0]),

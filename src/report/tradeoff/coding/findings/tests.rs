@@ -32,7 +32,7 @@ fn what_is_so_is_found_and_what_is_not_is_not() {
     let nothing = Results { measured: vec![], ..results.clone() };
     assert!(judge(&nothing, None).iter().all(|finding| finding.verdict == NotMeasured));
 
-    // The same with bytes and times turned round.
+    // The same results with bytes and times inverted.
     let mut turned =
         with_runs(&results, |point| point.runs("decode_runs").iter().map(|seconds| 0.01 / seconds).collect());
     for point in &mut turned.measured {
@@ -56,7 +56,7 @@ fn a_difference_within_the_spread_is_no_finding() {
     });
     assert_eq!(verdict(&noisy, "short_windows_decoding"), Verdict::NotFound);
     assert_eq!(verdict(&noisy, "functions_faster_than_codes"), Verdict::NotFound);
-    // One run has no spread to tell.
+    // A single run has no range.
     let single = with_runs(&results, |point| point.runs("decode_runs")[..1].to_vec());
     assert_eq!(verdict(&single, "short_windows_decoding"), Verdict::NotFound);
     assert_eq!(verdict(&single, "functions_faster_than_codes"), Verdict::NotFound);
@@ -69,7 +69,7 @@ fn a_difference_within_the_spread_is_no_finding() {
 fn what_curves_upwards_need_not_be_exponential() {
     let mut results = sample::paper();
     for point in results.measured.iter_mut().filter(|point| point.point.stream == Some(StreamKind::Color)) {
-        // It jumps at 45 dB.
+        // The size jumps at 45 dB.
         let psnr: f64 = point.point.value("psnr").unwrap().parse().unwrap();
         let bytes = if psnr < 45.0 { 1000 } else { (psnr * 1000.0) as u64 };
         point.set("bytes_container", Value::Count(bytes));

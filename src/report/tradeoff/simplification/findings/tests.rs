@@ -5,10 +5,10 @@ use crate::report::tradeoff::plan::{Sweep, grid};
 use crate::report::tradeoff::simplification::SIMPLIFICATION;
 use crate::report::tradeoff::study::Weights;
 
-/// What a point measures, by the name of a measure; none where the point is infeasible.
+/// Measured values of a point, by measure name. `None` if the point is infeasible.
 type Measures = Option<Vec<(&'static str, Value)>>;
 
-/// The results of a grid whose points measure what a function of their settings says.
+/// Results of a grid whose points have the values that `measure` returns for their settings.
 fn results(sweeps: &[&str], measure: impl Fn(&Point) -> Measures) -> Results {
     let sweeps: Vec<Sweep> = sweeps.iter().map(|text| Sweep::parse(text).unwrap()).collect();
     let study = grid(&SIMPLIFICATION, &sweeps).unwrap();
