@@ -1,6 +1,6 @@
-var _=class extends Error{name="FormatError"},g=class extends Error{name="UnsupportedError"};var Re=class extends Error{name="FileChangedError"},D=class extends Error{constructor(t,r){super(t);this.status=r}status;name="TransportError"},Tr=16,Ce=class n{constructor(e,t,r,o){this.url=e;this.byteCount=t;this.version=r;this.first=o}url;byteCount;version;first;static async open(e,t){let r=await Mr(e,{Range:`bytes=0-${Tr-1}`},t),{range:o,size:s}=S1(r);if(r.status===416&&s===0)return await Qe(r),new n(e,0,E1(r),new Uint8Array(0));if(r.status===200)throw await Qe(r),new g("The server does not answer requests for ranges of a file, which the player needs: nginx and Apache do, python3 -m http.server does not.");try{if(Rr(r),s===void 0||!o||o[0]!==0||o[1]!==Math.min(Tr,s)-1)throw new D("The server does not tell the size of the file, or answered with another range",206)}catch(a){throw await Qe(r),a}let i=await Cr(r,o[1]+1,t);return new n(e,s,E1(r),i)}async read(e,t,r){let o=e+t-1;if(!(e>=0&&t>=0&&o<this.byteCount))throw new RangeError(`bytes ${e} to ${o} of a file of ${this.byteCount}`);if(o<this.first.length)return this.first.slice(e,e+t);if(t===0)return new Uint8Array(0);let s=Ar(this.version.etag)?{"If-Range":this.version.etag}:void 0,i=await Mr(this.url,{Range:`bytes=${e}-${o}`,...s},r);try{this.checkVersion(i),Rr(i),this.checkRange(i,e,o)}catch(a){throw await Qe(i),a}return Cr(i,t,r)}checkVersion(e){let{status:t}=e;if(t!==200&&t!==206&&t!==412&&t!==416)return;let{etag:r,lastModified:o}=E1(e),{size:s}=S1(e),i=r!==null&&r!==this.version.etag||o!==null&&this.version.lastModified!==null&&o!==this.version.lastModified||s!==void 0&&s!==this.byteCount,a=t===200&&Ar(this.version.etag)&&r!==this.version.etag;if(i||a||(t===412||t===416))throw new Re("The file on the server has changed since it was opened")}checkRange(e,t,r){let{range:o}=S1(e);if(o?.[0]!==t||o[1]!==r){let s=o?`bytes ${o[0]} to ${o[1]}`:"no range";throw new D(`The server answered with ${s} where bytes ${t} to ${r} were asked for`,206)}}};function Ar(n){return n!==null&&n.startsWith('"')}function E1({headers:n}){return{etag:n.get("ETag"),lastModified:n.get("Last-Modified")}}function S1({headers:n}){let e=/^bytes (?:(\d{1,15})-(\d{1,15})|\*)\/(?:(\d{1,15})|\*)$/u.exec(n.get("Content-Range")??"");return{range:e?.[1]===void 0?void 0:[Number(e[1]),Number(e[2])],size:e?.[3]===void 0?void 0:Number(e[3])}}async function Mr(n,e,t){try{return await fetch(n,{headers:e,cache:"no-store",signal:t??null})}catch{throw Or(t)}}function Or(n){return n?.aborted?n.reason:new D("The connection to the server failed or was cut")}function Rr({status:n}){if(n!==206)throw new D(`The server answered ${n} where a part of the file was asked for`,n)}async function Qe(n){await n.body?.cancel().catch(()=>{})}async function Cr(n,e,t){let r=await T1(n,e).catch(()=>{throw Or(t)});if(r.length!==e){let o=r.length>e?"more":r.length;throw new D(`The server sent ${o} bytes where ${e} were asked for`)}return r}async function T1(n,e){let t=[],r=0,o=n.body?.getReader();for(let a=await o?.read();a&&!a.done;a=await o?.read())if(t.push(a.value),r+=a.value.length,r>e){await o?.cancel().catch(()=>{});break}if(t.length===1)return t[0];let s=new Uint8Array(r),i=0;for(let a of t)s.set(a,i),i+=a.length;return s}var A=class extends Error{name="FilmFileError"},Li=["lfold","glb","quilt"],Pr=65536,Fi=4096,Ui=1024,Nr=4096;function Lr(n,e){if(typeof n!="object"||n===null||Array.isArray(n))throw new A(`${e}: an object was expected.`);return n}function Fr(n,e,t){if(typeof n!="string"||n===""||n.length>t)throw new A(`${e}: a text of 1 to ${t} characters was expected.`);return n}function A1(n,e,[t,r]){if(typeof n!="number"||!Number.isInteger(n)||n<t||n>r)throw new A(`${e}: a whole number of ${t} to ${r} was expected.`);return n}function Bi(n,e){let t=Fr(n,"film.json, url",Fi),r=new URL(e);if(!(!/^[a-z][a-z0-9+.-]*:/i.test(t)&&!/^\s|[\\\u0000-\u001f]/.test(t)&&!t.startsWith("//"))||!URL.canParse(t,r))throw new A("film.json, url: a path relative to the page was expected.");let s=new URL(t,r);if(s.origin!==r.origin||s.username!==r.username||s.password!==r.password)throw new A("film.json, url: the film must come from the page's own server.");return s.hash="",s.href}function Di(n){let e=Lr(n,"film.json, quilt"),t=e.aspect;if(typeof t!="number"||!(t>=.01&&t<=100))throw new A("film.json, quilt.aspect: a number of 0.01 to 100 was expected.");return{columns:A1(e.columns,"film.json, quilt.columns",[1,Nr]),rows:A1(e.rows,"film.json, quilt.rows",[1,Nr]),aspect:t}}function Ii(n,e){let t;try{t=JSON.parse(n)}catch{throw new A("film.json: JSON was expected.")}let r=Lr(t,"film.json"),o=Li.find(i=>i===r.kind);if(o===void 0)throw new A("film.json, kind: lfold, glb or quilt was expected.");let s={kind:o,url:Bi(r.url,e),name:Fr(r.name,"film.json, name",Ui),bytes:A1(r.bytes,"film.json, bytes",[0,Number.MAX_SAFE_INTEGER])};return o==="quilt"?{...s,quilt:Di(r.quilt)}:s}async function Ur(n){let e=()=>{throw new A("film.json, which names the film, cannot be reached.")},t=await fetch(n,{cache:"no-store"}).catch(e);if(!t.ok)throw new A(`film.json, which names the film: the server answered ${t.status}.`);let r=await T1(t,Pr).catch(e);if(r.length>Pr)throw new A("film.json is longer than any that names a film.");return Ii(new TextDecoder().decode(r),n)}var Oe={constants:{NONE:4294967295,WORKGROUP:64,DEPTH_BITS_LEFT_OUT:10,SUM_WORKGROUP:256,MAX_GROUPS:65535,NODE_HEADER_WORDS:12,LEVELS:9,BOX_VALUES:0,BOX_CONSTANT:1,BOX_BLOCKS:2,KEYFRAME_SAMPLES:0,KEYFRAME_BLOCKS:1,DOMAIN_LOG:0,DOMAIN_LINEAR:1,DOMAIN_INVERSE:2,CONTEXT_NODE:0,CONTEXT_PLANES:40,CONTEXT_CODED:364,CONTEXT_LAST:460,CONTEXT_LAST_BITS:844,CONTEXT_LEVELS:866,CONTEXT_PALETTE_SIZE:2162,CONTEXT_PALETTE_COLOR:2166,CONTEXT_ROW:2167,CONTEXT_PIXEL:2169,CONTEXT_LATER_FRAME:2185,CONTEXT_LATER_ROW:2187,CONTEXT_LATER_PIXEL:2189,SUM_CLASSES_AT:97,SCAN_AT:109,CLUSTERS_AT:1469,OCTAVE_AT:3674,ROOTS_AT:3690,OFFSETS_AT:3699,SCRATCH_WORDS:4848,PASS_ITERATIONS:5e3,STEP_ITERATIONS:12,SLICE_WORKGROUP:256,SLICE_COLUMNS:1024,RUN_JOINS:65536,RUN_FIRST:131072,RUN_LENGTH_BITS:18,WINNER_AFTER:256,WINNER_BEFORE:512,WINNER_OWN:1024,LIGHT_GLOSS:1,LIGHT_TRACED:2,SHOWN_HOLE:1,SHOWN_OPTICAL:2,SHOWN_GLOSS:3,EROSION_REACH:2,EROSION_TOLERANCE:256,MOVE_BITS:8},structs:[{name:"Unit",members:["picture: u32","width: u32","height: u32","stride: u32","window: u32","domain: u32","base: u32","scale: u32"]},{name:"Chunk",members:["first_record: u32","record_count: u32","weights_at: u32","weight_count: u32"]},{name:"Record",members:["frame: u32","at: u32","first: u32","count: u32","work: u32","coding: u32"]},{name:"BoxRow",members:["x: u32","y: u32","width: u32","height: u32","at: u32","coding: u32","end: u32"]},{name:"Item",members:["unit: u32","chunk: u32","next: u32","frame: u32","key: u32"]},{name:"State",members:["key: u32","frame: u32","weight: u32"]},{name:"Job",members:["unit: u32","end: u32","record: u32","next: u32","weight: u32"]},{name:"Dispatch",members:["x: u32","y: u32","z: u32","part_x: u32","part_y: u32","part_z: u32"]},{name:"DepthJob",members:["picture: u32","stride: u32","left: u32","top: u32","width: u32","table: u32","ray_length: u32","ray_length_pitch: u32","output: u32","pitch: u32","end: u32"]},{name:"PyramidJob",members:["below: u32","below_pitch: u32","below_width: u32","below_height: u32","left: u32","top: u32","width: u32","output: u32","pitch: u32","limit: u32","end: u32"]},{name:"Scene",members:["forward: vec3<f32>","width: u32","right: vec3<f32>","height: u32","down: vec3<f32>","first_row: u32","samples: u32","view_count: u32","distance_count: u32","refine: u32","tolerance: f32","holes: u32","coding: u32","gain: f32","max_bounces: u32","rows: u32","pyramid_rows: u32","longest_segment: u32","first_segment: u32","proxy_count: u32","near_m: f32","far_m: f32","middle: vec2<f32>","log_step: f32","nearest_view: u32","refinements: u32","background: u32","spare: vec2<f32>"]},{name:"DrawnPicture",members:["right: vec3<f32>","scale_x: f32","down: vec3<f32>","shift_x: f32","forward: vec3<f32>","scale_y: f32","eye: vec3<f32>","shift_y: f32","eye_rest: vec3<f32>","nearest_m: f32","near_m: f32","far_m: f32","threshold: f32","spare: u32"]},{name:"View",members:["from_eye: vec3<f32>","near_m: f32","turn_x: vec3<f32>","camera_weight: f32","turn_y: vec3<f32>","greatest_inverse_depth: f32","turn_z: vec3<f32>","reach_m: f32","faces: array<u32, 8>"]},{name:"Face",members:["column: u32","row: u32","layer: u32","has_material: u32","width: u32","height: u32","pyramid_column: u32","pyramid_row: u32","levels: u32","number: u32","scale: vec2<f32>","centre: vec2<f32>","has_alpha: u32","spare: u32"]},{name:"SliceBlock",members:["width: u32","rows: u32","views: u32","spare: u32"]},{name:"SliceRun",members:["column: i32","disparity: i32","first: u32","flags: u32"]},{name:"SlicePlace",members:["place: i32","bias: u32"]},{name:"LineLight",members:["steady_rg: u32","steady_b: u32","own_rg: u32","own_b: u32"]},{name:"LineSplit",members:["light: vec3<f32>","place: f32"]},{name:"PixelRows",members:["width: u32","rows: u32","stride: u32","spare: u32"]}],kernels:[{name:"nodes",about:"Nodes of the quadtree: `DQPN`, `DQTR` and `DB4W`.",entry:"decode_nodes",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/product.wgsl","depth/domain.wgsl","depth/biquadratic.wgsl","depth/platelet.wgsl","depth/bc4w.wgsl","depth/runtime.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","stream: read-only-storage","log2_table: read-only-storage","pictures: storage"]},{name:"boxes-codes",about:"Boxes of depth codes: `DAAB`.",entry:"decode_codes",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","depth/records.wgsl","depth/boxes_of_values.wgsl","depth/texel_codes.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"boxes-material",about:"Boxes of material: `MAAB`.",entry:"decode_material",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","depth/records.wgsl","depth/boxes_of_values.wgsl","depth/texel_material.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"cells-8bit",about:"Cells of 8-bit colour: `CCL8`.",entry:"decode_cells",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","color/samples_8.wgsl","color/cells_of_samples.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"cells-half",about:"Cells of half floats: `CCLH`.",entry:"decode_cells",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","color/halves.wgsl","color/samples_half.wgsl","color/cells_of_samples.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"boxes-bc5",about:"Boxes of depth codes, block tiles in BC5: `DAB5`.",entry:"decode_codes",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","depth/records.wgsl","depth/block_tiles.wgsl","block/bc4.wgsl","block/bc5.wgsl","depth/block_tiles_bc5.wgsl","depth/texel_codes.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"boxes-bc1",about:"Boxes of material, block tiles in BC1: `MAB1`.",entry:"decode_material",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","depth/records.wgsl","depth/block_tiles.wgsl","block/bc1.wgsl","depth/block_tiles_bc1.wgsl","depth/texel_material.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"cells-bc1",about:"Cells of 8-bit colour with keyframes in BC1: `CCB1`.",entry:"decode_blocks",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","block/bc1.wgsl","color/samples_8.wgsl","color/keyframes_bc1.wgsl","color/cells_of_blocks.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"cells-bc7",about:"Cells of 8-bit colour with keyframes in BC7: `CCB7`.",entry:"decode_blocks",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","block/bptc.wgsl","block/bc7.wgsl","color/samples_8.wgsl","color/keyframes_bc7.wgsl","color/cells_of_blocks.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"cells-bc6h",about:"Cells of half floats with keyframes in BC6H: `CCB6`.",entry:"decode_blocks",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","block/bptc.wgsl","block/bc6h.wgsl","color/halves.wgsl","color/samples_half.wgsl","color/keyframes_bc6h.wgsl","color/cells_of_blocks.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"transform-read-8bit",about:"Reads the regions of `CTR8`, an invocation each.",entry:"read_regions",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","color/samples_8.wgsl","color/transform/domain_bytes.wgsl","color/transform/domain.wgsl","color/transform/chunk.wgsl","color/transform/contexts.wgsl","color/transform/coder.wgsl","color/transform/means.wgsl","color/transform/levels.wgsl","color/transform/palette.wgsl","color/transform/region.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","tables: read-only-storage","pictures: storage","scratch: storage"]},{name:"transform-8bit",about:"8-bit colour by a transform in space and time: `CTR8`.",entry:"show_regions",workgroup:64,reader:"transform-read-8bit",files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","color/samples_8.wgsl","color/transform/domain_bytes.wgsl","color/transform/domain.wgsl","color/transform/chunk.wgsl","color/transform/contexts.wgsl","color/transform/reconstruct.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","tables: read-only-storage","pictures: storage","scratch: storage"]},{name:"transform-read-half",about:"Reads the regions of `CTRH`, an invocation each.",entry:"read_regions",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","color/halves.wgsl","color/samples_half.wgsl","color/transform/domain_halves.wgsl","color/transform/domain.wgsl","color/transform/chunk.wgsl","color/transform/contexts.wgsl","color/transform/coder.wgsl","color/transform/means.wgsl","color/transform/levels.wgsl","color/transform/palette.wgsl","color/transform/region.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","tables: read-only-storage","pictures: storage","scratch: storage"]},{name:"transform-half",about:"Half floats by a transform in space and time: `CTRH`.",entry:"show_regions",workgroup:64,reader:"transform-read-half",files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","color/halves.wgsl","color/samples_half.wgsl","color/transform/domain_halves.wgsl","color/transform/domain.wgsl","color/transform/chunk.wgsl","color/transform/contexts.wgsl","color/transform/reconstruct.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","tables: read-only-storage","pictures: storage","scratch: storage"]},{name:"plan-records",about:"Finds the next record of each depth or material unit, and sizes the dispatch that applies them.",entry:"plan_records",workgroup:256,files:["shared/layout.wgsl","shared/sums.wgsl","shared/plan.wgsl","depth/record_table.wgsl"],bindings:["units: read-only-storage","chunks: read-only-storage","records: read-only-storage","items: read-only-storage","states: storage","jobs: storage","dispatch: storage"]},{name:"plan-cells",about:"Finds the two keyframes of each colour cell, and sizes the dispatch that blends them.",entry:"plan_cells",workgroup:256,files:["shared/layout.wgsl","shared/sums.wgsl","shared/plan.wgsl","shared/bytes.wgsl","color/cells.wgsl"],bindings:["chunks: read-only-storage","records: read-only-storage","items: read-only-storage","stream: read-only-storage","states: storage","jobs: storage","dispatch: storage"]},{name:"bc1",about:"All pixels of BC1 blocks.",entry:"decode_bc1",workgroup:64,files:["shared/layout.wgsl","block/bc1.wgsl","block/decode_bc1.wgsl"],bindings:["blocks: read-only-storage","texels: storage"]},{name:"bc4",about:"All pixels of BC4 blocks.",entry:"decode_bc4",workgroup:64,files:["shared/layout.wgsl","block/bc4.wgsl","block/decode_bc4.wgsl"],bindings:["blocks: read-only-storage","texels: storage"]},{name:"bc5",about:"All pixels of BC5 blocks.",entry:"decode_bc5",workgroup:64,files:["shared/layout.wgsl","block/bc4.wgsl","block/bc5.wgsl","block/decode_bc5.wgsl"],bindings:["blocks: read-only-storage","texels: storage"]},{name:"bc6h",about:"All pixels of BC6H blocks.",entry:"decode_bc6h",workgroup:64,files:["shared/layout.wgsl","block/bptc.wgsl","block/bc6h.wgsl","block/decode_bc6h.wgsl"],bindings:["blocks: read-only-storage","texels: storage"]},{name:"bc7",about:"All pixels of BC7 blocks.",entry:"decode_bc7",workgroup:64,files:["shared/layout.wgsl","block/bptc.wgsl","block/bc7.wgsl","block/decode_bc7.wgsl"],bindings:["blocks: read-only-storage","texels: storage"]},{name:"texels",about:"Inverse depths of texels from the depth codes of tiles.",entry:"write_depths",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","march/texels.wgsl"],bindings:["pictures: read-only-storage","tables: read-only-storage","jobs: read-only-storage","planes: storage"]},{name:"squares",about:"One level of the depth pyramids from the level below.",entry:"write_squares",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","march/pyramid.wgsl"],bindings:["jobs: read-only-storage","planes: storage"]},{name:"render",about:"Ray marching that tests every sample along a ray.",entry:"render",workgroup:64,files:["march/layout.wgsl","march/light_field.wgsl","march/marched_views.wgsl","march/active_views.wgsl","march/counters.wgsl","march/ray.wgsl","march/intersect.wgsl","march/interpolate.wgsl","march/shading.wgsl","march/diffuse.wgsl","march/layers.wgsl","march/render.wgsl"],bindings:["scene: read-only-storage","views: read-only-storage","faces: read-only-storage","distances_m: read-only-storage","inverse_depths: uint","colors: unfilterable-float","pixels: storage","counts: storage"]},{name:"render-pyramid",about:"Ray marching that skips segments which depth pyramids prove empty.",entry:"render",workgroup:64,files:["march/layout.wgsl","march/light_field.wgsl","march/marched_views.wgsl","march/active_views.wgsl","march/counters.wgsl","march/ray.wgsl","march/segments.wgsl","march/interpolate.wgsl","march/shading.wgsl","march/diffuse.wgsl","march/layers.wgsl","march/render.wgsl"],bindings:["scene: read-only-storage","views: read-only-storage","faces: read-only-storage","distances_m: read-only-storage","inverse_depths: uint","colors: unfilterable-float","pixels: storage","counts: storage","pyramids: uint"]},{name:"render-effects",about:"Ray marching with reflection and refraction.",entry:"render",workgroup:64,files:["march/layout.wgsl","march/light_field.wgsl","march/marched_views.wgsl","march/active_views.wgsl","march/counters.wgsl","march/ray.wgsl","march/segments.wgsl","march/interpolate.wgsl","march/shading.wgsl","march/material.wgsl","march/normal.wgsl","march/solid.wgsl","march/secondary_rays.wgsl","march/layers.wgsl","march/render.wgsl"],bindings:["scene: read-only-storage","views: read-only-storage","faces: read-only-storage","distances_m: read-only-storage","inverse_depths: uint","colors: unfilterable-float","pixels: storage","counts: storage","pyramids: uint","materials: unfilterable-float"]},{name:"slices",about:"The lines that pixels of output views show, in epipolar slices.",entry:"find_winners",workgroup:256,files:["shared/product.wgsl","epipolar/layout.wgsl","epipolar/lines.wgsl","epipolar/slice.wgsl"],bindings:["block: read-only-storage","starts: read-only-storage","run_starts: read-only-storage","runs: read-only-storage","depths: read-only-storage","places: read-only-storage","winners: storage","fragments: storage"]},{name:"line-light",about:"Light of the lines that pixels of output views show.",entry:"shade",workgroup:64,files:["color/blend.wgsl","color/halves.wgsl","epipolar/layout.wgsl","epipolar/beside.wgsl","epipolar/interpolate.wgsl"],bindings:["block: read-only-storage","starts: read-only-storage","lights: read-only-storage","winners: read-only-storage","pixels: storage","wanted: storage"]},{name:"line-highlights",about:"Highlights of the lines that pixels of output views show.",entry:"add_highlights",workgroup:64,files:["epipolar/layout.wgsl","epipolar/beside.wgsl","epipolar/highlights.wgsl"],bindings:["block: read-only-storage","starts: read-only-storage","winners: read-only-storage","split_starts: read-only-storage","splits: read-only-storage","eyes: read-only-storage","pixels: storage"]},{name:"active-counts",about:"Active pixels of each row of a layer of a source view.",entry:"count_active",workgroup:256,files:["epipolar/layout.wgsl","epipolar/active.wgsl"],bindings:["block: read-only-storage","shown: read-only-storage","counts: storage"]},{name:"compact",about:"Active pixels of a layer of a source view without gaps.",entry:"compact",workgroup:256,files:["epipolar/layout.wgsl","shared/sums.wgsl","epipolar/compact.wgsl"],bindings:["block: read-only-storage","shown: read-only-storage","counts: read-only-storage","active_pixels: storage"]},{name:"erosion-edges",about:"Edges up to each pixel of the scanlines of source views.",entry:"count_edges",workgroup:256,files:["epipolar/layout.wgsl","shared/sums.wgsl","epipolar/edges.wgsl"],bindings:["block: read-only-storage","moves: read-only-storage","edges: storage"]},{name:"erosion",about:"Pixels of source views from which an edge lies on the way to their place in another one.",entry:"count_eroded",workgroup:256,files:["epipolar/layout.wgsl","epipolar/erosion.wgsl"],bindings:["block: read-only-storage","moves: read-only-storage","edges: read-only-storage","eroded: storage"]}],drawings:[{name:"triangles",about:"The nearest triangle at each pixel, behind those of a former pass.",vertex:"place_corner",fragment:"name_triangle",files:["drawing/layout.wgsl","epipolar/triangles.wgsl"],bindings:["picture: read-only-storage","corners: read-only-storage","before: uint"],targets:["triangles: index"]},{name:"quads-painter",about:"Textured triangles blended in their order, and counted.",vertex:"place",fragment:"paint",files:["drawing/layout.wgsl","simplify/place.wgsl","simplify/texels.wgsl","simplify/painter.wgsl"],bindings:["picture: read-only-storage","corners: read-only-storage","light_of_codes: read-only-storage","atlas: uint"],targets:["light: over","counts: add"]},{name:"quads-z-buffer",about:"The nearest of textured triangles whose alpha covers the sample.",vertex:"place",fragment:"cover",files:["drawing/layout.wgsl","simplify/place.wgsl","simplify/texels.wgsl","simplify/z_buffer.wgsl"],bindings:["picture: read-only-storage","corners: read-only-storage","light_of_codes: read-only-storage","atlas: uint"],targets:["light: nearest"]},{name:"quads-overdraw",about:"Counts textured triangles over each sample.",vertex:"place",fragment:"count",files:["drawing/layout.wgsl","simplify/place.wgsl","simplify/overdraw.wgsl"],bindings:["picture: read-only-storage","corners: read-only-storage"],targets:["counts: add"]}]};var Br=`// BC1 (blocks.md 3). Mirrors src/block/bc1.rs.
+var _=class extends Error{name="FormatError"},g=class extends Error{name="UnsupportedError"};var Te=class extends Error{name="FileChangedError"},B=class extends Error{constructor(t,r){super(t);this.status=r}status;name="TransportError"},Rr=16,Ce=class n{constructor(e,t,r,o){this.url=e;this.byteCount=t;this.version=r;this.first=o}url;byteCount;version;first;static async open(e,t){let r=await Mr(e,{Range:`bytes=0-${Rr-1}`},t),{range:o,size:s}=S1(r);if(r.status===416&&s===0)return await Qe(r),new n(e,0,E1(r),new Uint8Array(0));if(r.status===200)throw await Qe(r),new g("The server does not answer requests for ranges of a file, which the player needs: nginx and Apache do, python3 -m http.server does not.");try{if(Tr(r),s===void 0||!o||o[0]!==0||o[1]!==Math.min(Rr,s)-1)throw new B("The server does not tell the size of the file, or answered with another range",206)}catch(a){throw await Qe(r),a}let i=await Cr(r,o[1]+1,t);return new n(e,s,E1(r),i)}async read(e,t,r){let o=e+t-1;if(!(e>=0&&t>=0&&o<this.byteCount))throw new RangeError(`bytes ${e} to ${o} of a file of ${this.byteCount}`);if(o<this.first.length)return this.first.slice(e,e+t);if(t===0)return new Uint8Array(0);let s=Ar(this.version.etag)?{"If-Range":this.version.etag}:void 0,i=await Mr(this.url,{Range:`bytes=${e}-${o}`,...s},r);try{this.checkVersion(i),Tr(i),this.checkRange(i,e,o)}catch(a){throw await Qe(i),a}return Cr(i,t,r)}checkVersion(e){let{status:t}=e;if(t!==200&&t!==206&&t!==412&&t!==416)return;let{etag:r,lastModified:o}=E1(e),{size:s}=S1(e),i=r!==null&&r!==this.version.etag||o!==null&&this.version.lastModified!==null&&o!==this.version.lastModified||s!==void 0&&s!==this.byteCount,a=t===200&&Ar(this.version.etag)&&r!==this.version.etag;if(i||a||(t===412||t===416))throw new Te("The file on the server has changed since it was opened")}checkRange(e,t,r){let{range:o}=S1(e);if(o?.[0]!==t||o[1]!==r){let s=o?`bytes ${o[0]} to ${o[1]}`:"no range";throw new B(`The server answered with ${s} where bytes ${t} to ${r} were asked for`,206)}}};function Ar(n){return n!==null&&n.startsWith('"')}function E1({headers:n}){return{etag:n.get("ETag"),lastModified:n.get("Last-Modified")}}function S1({headers:n}){let e=/^bytes (?:(\d{1,15})-(\d{1,15})|\*)\/(?:(\d{1,15})|\*)$/u.exec(n.get("Content-Range")??"");return{range:e?.[1]===void 0?void 0:[Number(e[1]),Number(e[2])],size:e?.[3]===void 0?void 0:Number(e[3])}}async function Mr(n,e,t){try{return await fetch(n,{headers:e,cache:"no-store",signal:t??null})}catch{throw Or(t)}}function Or(n){return n?.aborted?n.reason:new B("The connection to the server failed or was cut")}function Tr({status:n}){if(n!==206)throw new B(`The server answered ${n} where a part of the file was asked for`,n)}async function Qe(n){await n.body?.cancel().catch(()=>{})}async function Cr(n,e,t){let r=await R1(n,e).catch(()=>{throw Or(t)});if(r.length!==e){let o=r.length>e?"more":r.length;throw new B(`The server sent ${o} bytes where ${e} were asked for`)}return r}async function R1(n,e){let t=[],r=0,o=n.body?.getReader();for(let a=await o?.read();a&&!a.done;a=await o?.read())if(t.push(a.value),r+=a.value.length,r>e){await o?.cancel().catch(()=>{});break}if(t.length===1)return t[0];let s=new Uint8Array(r),i=0;for(let a of t)s.set(a,i),i+=a.length;return s}var A=class extends Error{name="FilmFileError"},Fi=["lfold","glb","quilt"],Pr=65536,Ui=4096,Li=1024,Nr=4096;function Fr(n,e){if(typeof n!="object"||n===null||Array.isArray(n))throw new A(`${e}: an object was expected.`);return n}function Ur(n,e,t){if(typeof n!="string"||n===""||n.length>t)throw new A(`${e}: a text of 1 to ${t} characters was expected.`);return n}function A1(n,e,[t,r]){if(typeof n!="number"||!Number.isInteger(n)||n<t||n>r)throw new A(`${e}: a whole number of ${t} to ${r} was expected.`);return n}function Ii(n,e){let t=Ur(n,"film.json, url",Ui),r=new URL(e);if(!(!/^[a-z][a-z0-9+.-]*:/i.test(t)&&!/^\s|[\\\u0000-\u001f]/.test(t)&&!t.startsWith("//"))||!URL.canParse(t,r))throw new A("film.json, url: a path relative to the page was expected.");let s=new URL(t,r);if(s.origin!==r.origin||s.username!==r.username||s.password!==r.password)throw new A("film.json, url: the film must come from the page's own server.");return s.hash="",s.href}function Bi(n){let e=Fr(n,"film.json, quilt"),t=e.aspect;if(typeof t!="number"||!(t>=.01&&t<=100))throw new A("film.json, quilt.aspect: a number of 0.01 to 100 was expected.");return{columns:A1(e.columns,"film.json, quilt.columns",[1,Nr]),rows:A1(e.rows,"film.json, quilt.rows",[1,Nr]),aspect:t}}function Di(n,e){let t;try{t=JSON.parse(n)}catch{throw new A("film.json: JSON was expected.")}let r=Fr(t,"film.json"),o=Fi.find(i=>i===r.kind);if(o===void 0)throw new A("film.json, kind: lfold, glb or quilt was expected.");let s={kind:o,url:Ii(r.url,e),name:Ur(r.name,"film.json, name",Li),bytes:A1(r.bytes,"film.json, bytes",[0,Number.MAX_SAFE_INTEGER])};return o==="quilt"?{...s,quilt:Bi(r.quilt)}:s}async function Lr(n){let e=()=>{throw new A("film.json, which names the film, cannot be reached.")},t=await fetch(n,{cache:"no-store"}).catch(e);if(!t.ok)throw new A(`film.json, which names the film: the server answered ${t.status}.`);let r=await R1(t,Pr).catch(e);if(r.length>Pr)throw new A("film.json is longer than any that names a film.");return Di(new TextDecoder().decode(r),n)}var Oe={constants:{NONE:4294967295,WORKGROUP:64,DEPTH_BITS_LEFT_OUT:10,SUM_WORKGROUP:256,MAX_GROUPS:65535,NODE_HEADER_WORDS:12,LEVELS:9,BOX_VALUES:0,BOX_CONSTANT:1,BOX_BLOCKS:2,KEYFRAME_SAMPLES:0,KEYFRAME_BLOCKS:1,DOMAIN_LOG:0,DOMAIN_LINEAR:1,DOMAIN_INVERSE:2,CONTEXT_NODE:0,CONTEXT_PLANES:40,CONTEXT_CODED:364,CONTEXT_LAST:460,CONTEXT_LAST_BITS:844,CONTEXT_LEVELS:866,CONTEXT_PALETTE_SIZE:2162,CONTEXT_PALETTE_COLOR:2166,CONTEXT_ROW:2167,CONTEXT_PIXEL:2169,CONTEXT_LATER_FRAME:2185,CONTEXT_LATER_ROW:2187,CONTEXT_LATER_PIXEL:2189,SUM_CLASSES_AT:97,SCAN_AT:109,CLUSTERS_AT:1469,OCTAVE_AT:3674,ROOTS_AT:3690,OFFSETS_AT:3699,SCRATCH_WORDS:4848,PASS_ITERATIONS:5e3,STEP_ITERATIONS:12,SLICE_WORKGROUP:256,SLICE_COLUMNS:1024,RUN_JOINS:65536,RUN_FIRST:131072,RUN_LENGTH_BITS:18,WINNER_AFTER:256,WINNER_BEFORE:512,WINNER_OWN:1024,LIGHT_GLOSS:1,LIGHT_TRACED:2,SHOWN_HOLE:1,SHOWN_OPTICAL:2,SHOWN_GLOSS:3,EROSION_REACH:2,EROSION_TOLERANCE:256,MOVE_BITS:8},structs:[{name:"Unit",members:["picture: u32","width: u32","height: u32","stride: u32","window: u32","domain: u32","base: u32","scale: u32"]},{name:"Chunk",members:["first_record: u32","record_count: u32","weights_at: u32","weight_count: u32"]},{name:"Record",members:["frame: u32","at: u32","first: u32","count: u32","work: u32","coding: u32"]},{name:"BoxRow",members:["x: u32","y: u32","width: u32","height: u32","at: u32","coding: u32","end: u32"]},{name:"Item",members:["unit: u32","chunk: u32","next: u32","frame: u32","key: u32"]},{name:"State",members:["key: u32","frame: u32","weight: u32"]},{name:"Job",members:["unit: u32","end: u32","record: u32","next: u32","weight: u32"]},{name:"Dispatch",members:["x: u32","y: u32","z: u32","part_x: u32","part_y: u32","part_z: u32"]},{name:"DepthJob",members:["picture: u32","stride: u32","left: u32","top: u32","width: u32","table: u32","ray_length: u32","ray_length_pitch: u32","output: u32","pitch: u32","end: u32"]},{name:"PyramidJob",members:["below: u32","below_pitch: u32","below_width: u32","below_height: u32","left: u32","top: u32","width: u32","output: u32","pitch: u32","limit: u32","end: u32"]},{name:"Scene",members:["forward: vec3<f32>","width: u32","right: vec3<f32>","height: u32","down: vec3<f32>","first_row: u32","samples: u32","view_count: u32","distance_count: u32","refine: u32","tolerance: f32","holes: u32","coding: u32","gain: f32","max_bounces: u32","rows: u32","pyramid_rows: u32","longest_segment: u32","first_segment: u32","proxy_count: u32","near_m: f32","far_m: f32","middle: vec2<f32>","log_step: f32","nearest_view: u32","refinements: u32","background: u32","spare: vec2<f32>"]},{name:"DrawnPicture",members:["right: vec3<f32>","scale_x: f32","down: vec3<f32>","shift_x: f32","forward: vec3<f32>","scale_y: f32","eye: vec3<f32>","shift_y: f32","eye_rest: vec3<f32>","nearest_m: f32","near_m: f32","far_m: f32","threshold: f32","spare: u32"]},{name:"View",members:["from_eye: vec3<f32>","near_m: f32","turn_x: vec3<f32>","camera_weight: f32","turn_y: vec3<f32>","greatest_inverse_depth: f32","turn_z: vec3<f32>","reach_m: f32","faces: array<u32, 8>"]},{name:"Face",members:["column: u32","row: u32","layer: u32","has_material: u32","width: u32","height: u32","pyramid_column: u32","pyramid_row: u32","levels: u32","number: u32","scale: vec2<f32>","centre: vec2<f32>","has_alpha: u32","spare: u32"]},{name:"SliceBlock",members:["width: u32","rows: u32","views: u32","spare: u32"]},{name:"SliceRun",members:["column: i32","disparity: i32","first: u32","flags: u32"]},{name:"SlicePlace",members:["place: i32","bias: u32"]},{name:"LineLight",members:["steady_rg: u32","steady_b: u32","own_rg: u32","own_b: u32"]},{name:"LineSplit",members:["light: vec3<f32>","place: f32"]},{name:"PixelRows",members:["width: u32","rows: u32","stride: u32","spare: u32"]}],kernels:[{name:"nodes",about:"Nodes of the quadtree: `DQPN`, `DQTR` and `DB4W`.",entry:"decode_nodes",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/product.wgsl","depth/domain.wgsl","depth/biquadratic.wgsl","depth/platelet.wgsl","depth/bc4w.wgsl","depth/runtime.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","stream: read-only-storage","log2_table: read-only-storage","pictures: storage"]},{name:"boxes-codes",about:"Boxes of depth codes: `DAAB`.",entry:"decode_codes",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","depth/records.wgsl","depth/boxes_of_values.wgsl","depth/texel_codes.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"boxes-material",about:"Boxes of material: `MAAB`.",entry:"decode_material",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","depth/records.wgsl","depth/boxes_of_values.wgsl","depth/texel_material.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"cells-8bit",about:"Cells of 8-bit colour: `CCL8`.",entry:"decode_cells",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","color/samples_8.wgsl","color/cells_of_samples.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"cells-half",about:"Cells of half floats: `CCLH`.",entry:"decode_cells",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","color/halves.wgsl","color/samples_half.wgsl","color/cells_of_samples.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"boxes-bc5",about:"Boxes of depth codes, block tiles in BC5: `DAB5`.",entry:"decode_codes",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","depth/records.wgsl","depth/block_tiles.wgsl","block/bc4.wgsl","block/bc5.wgsl","depth/block_tiles_bc5.wgsl","depth/texel_codes.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"boxes-bc1",about:"Boxes of material, block tiles in BC1: `MAB1`.",entry:"decode_material",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","depth/records.wgsl","depth/block_tiles.wgsl","block/bc1.wgsl","depth/block_tiles_bc1.wgsl","depth/texel_material.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"cells-bc1",about:"Cells of 8-bit colour with keyframes in BC1: `CCB1`.",entry:"decode_blocks",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","block/bc1.wgsl","color/samples_8.wgsl","color/keyframes_bc1.wgsl","color/cells_of_blocks.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"cells-bc7",about:"Cells of 8-bit colour with keyframes in BC7: `CCB7`.",entry:"decode_blocks",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","block/bptc.wgsl","block/bc7.wgsl","color/samples_8.wgsl","color/keyframes_bc7.wgsl","color/cells_of_blocks.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"cells-bc6h",about:"Cells of half floats with keyframes in BC6H: `CCB6`.",entry:"decode_blocks",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","block/bptc.wgsl","block/bc6h.wgsl","color/halves.wgsl","color/samples_half.wgsl","color/keyframes_bc6h.wgsl","color/cells_of_blocks.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","stream: read-only-storage","pictures: storage"]},{name:"transform-read-8bit",about:"Reads the regions of `CTR8`, an invocation each.",entry:"read_regions",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","color/samples_8.wgsl","color/transform/domain_bytes.wgsl","color/transform/domain.wgsl","color/transform/chunk.wgsl","color/transform/contexts.wgsl","color/transform/coder.wgsl","color/transform/means.wgsl","color/transform/levels.wgsl","color/transform/palette.wgsl","color/transform/region.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","tables: read-only-storage","pictures: storage","scratch: storage"]},{name:"transform-8bit",about:"8-bit colour by a transform in space and time: `CTR8`.",entry:"show_regions",workgroup:64,reader:"transform-read-8bit",files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","color/samples_8.wgsl","color/transform/domain_bytes.wgsl","color/transform/domain.wgsl","color/transform/chunk.wgsl","color/transform/contexts.wgsl","color/transform/reconstruct.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","tables: read-only-storage","pictures: storage","scratch: storage"]},{name:"transform-read-half",about:"Reads the regions of `CTRH`, an invocation each.",entry:"read_regions",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","color/halves.wgsl","color/samples_half.wgsl","color/transform/domain_halves.wgsl","color/transform/domain.wgsl","color/transform/chunk.wgsl","color/transform/contexts.wgsl","color/transform/coder.wgsl","color/transform/means.wgsl","color/transform/levels.wgsl","color/transform/palette.wgsl","color/transform/region.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","tables: read-only-storage","pictures: storage","scratch: storage"]},{name:"transform-half",about:"Half floats by a transform in space and time: `CTRH`.",entry:"show_regions",workgroup:64,reader:"transform-read-half",files:["shared/layout.wgsl","shared/jobs.wgsl","shared/bytes.wgsl","color/blend.wgsl","color/halves.wgsl","color/samples_half.wgsl","color/transform/domain_halves.wgsl","color/transform/domain.wgsl","color/transform/chunk.wgsl","color/transform/contexts.wgsl","color/transform/reconstruct.wgsl"],bindings:["units: read-only-storage","records: read-only-storage","jobs: read-only-storage","boxes: read-only-storage","stream: read-only-storage","tables: read-only-storage","pictures: storage","scratch: storage"]},{name:"plan-records",about:"Finds the next record of each depth or material unit, and sizes the dispatch that applies them.",entry:"plan_records",workgroup:256,files:["shared/layout.wgsl","shared/sums.wgsl","shared/plan.wgsl","depth/record_table.wgsl"],bindings:["units: read-only-storage","chunks: read-only-storage","records: read-only-storage","items: read-only-storage","states: storage","jobs: storage","dispatch: storage"]},{name:"plan-cells",about:"Finds the two keyframes of each colour cell, and sizes the dispatch that blends them.",entry:"plan_cells",workgroup:256,files:["shared/layout.wgsl","shared/sums.wgsl","shared/plan.wgsl","shared/bytes.wgsl","color/cells.wgsl"],bindings:["chunks: read-only-storage","records: read-only-storage","items: read-only-storage","stream: read-only-storage","states: storage","jobs: storage","dispatch: storage"]},{name:"bc1",about:"All pixels of BC1 blocks.",entry:"decode_bc1",workgroup:64,files:["shared/layout.wgsl","block/bc1.wgsl","block/decode_bc1.wgsl"],bindings:["blocks: read-only-storage","texels: storage"]},{name:"bc4",about:"All pixels of BC4 blocks.",entry:"decode_bc4",workgroup:64,files:["shared/layout.wgsl","block/bc4.wgsl","block/decode_bc4.wgsl"],bindings:["blocks: read-only-storage","texels: storage"]},{name:"bc5",about:"All pixels of BC5 blocks.",entry:"decode_bc5",workgroup:64,files:["shared/layout.wgsl","block/bc4.wgsl","block/bc5.wgsl","block/decode_bc5.wgsl"],bindings:["blocks: read-only-storage","texels: storage"]},{name:"bc6h",about:"All pixels of BC6H blocks.",entry:"decode_bc6h",workgroup:64,files:["shared/layout.wgsl","block/bptc.wgsl","block/bc6h.wgsl","block/decode_bc6h.wgsl"],bindings:["blocks: read-only-storage","texels: storage"]},{name:"bc7",about:"All pixels of BC7 blocks.",entry:"decode_bc7",workgroup:64,files:["shared/layout.wgsl","block/bptc.wgsl","block/bc7.wgsl","block/decode_bc7.wgsl"],bindings:["blocks: read-only-storage","texels: storage"]},{name:"texels",about:"Inverse depths of texels from the depth codes of tiles.",entry:"write_depths",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","march/texels.wgsl"],bindings:["pictures: read-only-storage","tables: read-only-storage","jobs: read-only-storage","planes: storage"]},{name:"squares",about:"One level of the depth pyramids from the level below.",entry:"write_squares",workgroup:64,files:["shared/layout.wgsl","shared/jobs.wgsl","march/pyramid.wgsl"],bindings:["jobs: read-only-storage","planes: storage"]},{name:"render",about:"Ray marching that tests every sample along a ray.",entry:"render",workgroup:64,files:["march/layout.wgsl","march/light_field.wgsl","march/marched_views.wgsl","march/active_views.wgsl","march/counters.wgsl","march/ray.wgsl","march/intersect.wgsl","march/interpolate.wgsl","march/shading.wgsl","march/diffuse.wgsl","march/layers.wgsl","march/render.wgsl"],bindings:["scene: read-only-storage","views: read-only-storage","faces: read-only-storage","distances_m: read-only-storage","inverse_depths: uint","colors: unfilterable-float","pixels: storage","counts: storage"]},{name:"render-pyramid",about:"Ray marching that skips segments which depth pyramids prove empty.",entry:"render",workgroup:64,files:["march/layout.wgsl","march/light_field.wgsl","march/marched_views.wgsl","march/active_views.wgsl","march/counters.wgsl","march/ray.wgsl","march/segments.wgsl","march/interpolate.wgsl","march/shading.wgsl","march/diffuse.wgsl","march/layers.wgsl","march/render.wgsl"],bindings:["scene: read-only-storage","views: read-only-storage","faces: read-only-storage","distances_m: read-only-storage","inverse_depths: uint","colors: unfilterable-float","pixels: storage","counts: storage","pyramids: uint"]},{name:"render-effects",about:"Ray marching with reflection and refraction.",entry:"render",workgroup:64,files:["march/layout.wgsl","march/light_field.wgsl","march/marched_views.wgsl","march/active_views.wgsl","march/counters.wgsl","march/ray.wgsl","march/segments.wgsl","march/interpolate.wgsl","march/shading.wgsl","march/material.wgsl","march/normal.wgsl","march/solid.wgsl","march/secondary_rays.wgsl","march/layers.wgsl","march/render.wgsl"],bindings:["scene: read-only-storage","views: read-only-storage","faces: read-only-storage","distances_m: read-only-storage","inverse_depths: uint","colors: unfilterable-float","pixels: storage","counts: storage","pyramids: uint","materials: unfilterable-float"]},{name:"slices",about:"The lines that pixels of output views show, in epipolar slices.",entry:"find_winners",workgroup:256,files:["shared/product.wgsl","epipolar/layout.wgsl","epipolar/lines.wgsl","epipolar/slice.wgsl"],bindings:["block: read-only-storage","starts: read-only-storage","run_starts: read-only-storage","runs: read-only-storage","depths: read-only-storage","places: read-only-storage","winners: storage","fragments: storage"]},{name:"line-light",about:"Light of the lines that pixels of output views show.",entry:"shade",workgroup:64,files:["color/blend.wgsl","color/halves.wgsl","epipolar/layout.wgsl","epipolar/beside.wgsl","epipolar/interpolate.wgsl"],bindings:["block: read-only-storage","starts: read-only-storage","lights: read-only-storage","winners: read-only-storage","pixels: storage","wanted: storage"]},{name:"line-highlights",about:"Highlights of the lines that pixels of output views show.",entry:"add_highlights",workgroup:64,files:["epipolar/layout.wgsl","epipolar/beside.wgsl","epipolar/highlights.wgsl"],bindings:["block: read-only-storage","starts: read-only-storage","winners: read-only-storage","split_starts: read-only-storage","splits: read-only-storage","eyes: read-only-storage","pixels: storage"]},{name:"active-counts",about:"Active pixels of each row of a layer of a source view.",entry:"count_active",workgroup:256,files:["epipolar/layout.wgsl","epipolar/active.wgsl"],bindings:["block: read-only-storage","shown: read-only-storage","counts: storage"]},{name:"compact",about:"Active pixels of a layer of a source view without gaps.",entry:"compact",workgroup:256,files:["epipolar/layout.wgsl","shared/sums.wgsl","epipolar/compact.wgsl"],bindings:["block: read-only-storage","shown: read-only-storage","counts: read-only-storage","active_pixels: storage"]},{name:"erosion-edges",about:"Edges up to each pixel of the scanlines of source views.",entry:"count_edges",workgroup:256,files:["epipolar/layout.wgsl","shared/sums.wgsl","epipolar/edges.wgsl"],bindings:["block: read-only-storage","moves: read-only-storage","edges: storage"]},{name:"erosion",about:"Pixels of source views from which an edge lies on the way to their place in another one.",entry:"count_eroded",workgroup:256,files:["epipolar/layout.wgsl","epipolar/erosion.wgsl"],bindings:["block: read-only-storage","moves: read-only-storage","edges: read-only-storage","eroded: storage"]}],drawings:[{name:"triangles",about:"The nearest triangle at each pixel, behind those of a former pass.",vertex:"place_corner",fragment:"name_triangle",files:["drawing/layout.wgsl","epipolar/triangles.wgsl"],bindings:["picture: read-only-storage","corners: read-only-storage","before: uint"],targets:["triangles: index"]},{name:"quads-painter",about:"Textured triangles blended in their order, and counted.",vertex:"place",fragment:"paint",files:["drawing/layout.wgsl","simplify/place.wgsl","simplify/texels.wgsl","simplify/painter.wgsl"],bindings:["picture: read-only-storage","corners: read-only-storage","light_of_codes: read-only-storage","atlas: uint"],targets:["light: over","counts: add"]},{name:"quads-z-buffer",about:"The nearest of textured triangles whose alpha covers the sample.",vertex:"place",fragment:"cover",files:["drawing/layout.wgsl","simplify/place.wgsl","simplify/texels.wgsl","simplify/z_buffer.wgsl"],bindings:["picture: read-only-storage","corners: read-only-storage","light_of_codes: read-only-storage","atlas: uint"],targets:["light: nearest"]},{name:"quads-overdraw",about:"Counts textured triangles over each sample.",vertex:"place",fragment:"count",files:["drawing/layout.wgsl","simplify/place.wgsl","simplify/overdraw.wgsl"],bindings:["picture: read-only-storage","corners: read-only-storage"],targets:["counts: add"]}]};var Ir=`// BC1 (blocks.md 3). Mirrors src/block/bc1.rs.
 
-// 5, 6 and 5 bits brought to 8 each, the high bits repeated below.
+// Expands a 5:6:5 colour to 8 bits per channel by replicating the high bits.
 fn bc1_expand(color: u32) -> vec3u {
     let r = color >> 11u;
     let g = (color >> 5u) & 63u;
@@ -8,7 +8,7 @@ fn bc1_expand(color: u32) -> vec3u {
     return vec3u((r << 3u) | (r >> 2u), (g << 2u) | (g >> 4u), (b << 3u) | (b >> 2u));
 }
 
-// A pixel of a block: r | g << 8 | b << 16.
+// Decodes one pixel: r | g << 8 | b << 16.
 fn bc1_texel(words: vec2u, texel: u32) -> u32 {
     let first = words.x & 0xffffu;
     let second = words.x >> 16u;
@@ -30,15 +30,15 @@ fn bc1_texel(words: vec2u, texel: u32) -> u32 {
     return color.x | (color.y << 8u) | (color.z << 16u);
 }
 
-// All pixels of a block.
+// Decodes all 16 pixels of a block.
 fn bc1_texels(words: vec2u, out: ptr<function, array<u32, 16>>) {
     for (var texel = 0u; texel < 16u; texel++) {
         (*out)[texel] = bc1_texel(words, texel);
     }
 }
-`;var Dr=`// BC4 (blocks.md 4). Mirrors src/block/bc4.rs.
+`;var Br=`// BC4 (blocks.md 4). Mirrors src/block/bc4.rs.
 
-// The value of a pixel of a block.
+// Decodes the value of one pixel.
 fn bc4_texel(words: vec2u, texel: u32) -> u32 {
     let at = 16u + 3u * texel;
     let shift = at & 31u;
@@ -67,20 +67,20 @@ fn bc4_texel(words: vec2u, texel: u32) -> u32 {
     return ((6u - i) * a + (i - 1u) * b + 2u) / 5u;
 }
 
-// All values of a block.
+// Decodes all 16 values of a block.
 fn bc4_texels(words: vec2u, out: ptr<function, array<u32, 16>>) {
     for (var texel = 0u; texel < 16u; texel++) {
         (*out)[texel] = bc4_texel(words, texel);
     }
 }
-`;var Ir=`// BC5 (blocks.md 5). Mirrors src/block/bc5.rs. Needs \`bc4_texel\`.
+`;var Dr=`// BC5 (blocks.md 5). Mirrors src/block/bc5.rs. Needs \`bc4_texel\`.
 
-// A pixel of a block: r | g << 8.
+// Decodes one pixel: r | g << 8.
 fn bc5_texel(words: vec4u, texel: u32) -> u32 {
     return bc4_texel(words.xy, texel) | (bc4_texel(words.zw, texel) << 8u);
 }
 
-// All pixels of a block.
+// Decodes all 16 pixels of a block.
 fn bc5_texels(words: vec4u, out: ptr<function, array<u32, 16>>) {
     for (var texel = 0u; texel < 16u; texel++) {
         (*out)[texel] = bc5_texel(words, texel);
@@ -88,12 +88,12 @@ fn bc5_texels(words: vec4u, out: ptr<function, array<u32, 16>>) {
 }
 `;var Hr=`// BC6H UF16 (blocks.md 7). Mirrors src/block/bc6h.rs. Needs bptc.wgsl.
 
-// What the bits in front of the indices say.
+// Fields of a block before the indices.
 struct Bc6hValues {
-    // 0 where the mode is reserved.
+    // 0 if the mode is reserved.
     subsets: u32,
     endpoint_bits: u32,
-    // Bits of differences of red, green and blue; 0 where endpoints are stored as they are.
+    // Bits of the endpoint deltas of red, green and blue; 0 if the endpoints are not delta-coded.
     delta: vec3u,
     partition_number: u32,
     w: vec3u,
@@ -102,12 +102,12 @@ struct Bc6hValues {
     z: vec3u,
 }
 
-// \`count\` bits in the other order.
+// Reverses the order of \`count\` bits.
 fn bc6h_reversed(bits: u32, count: u32) -> u32 {
     return reverseBits(bits) >> (32u - count);
 }
 
-// The values of a block, by the layout of its mode, which stands above each case.
+// Reads the fields of a block. The comment in each case is the bit layout of that mode, from the first bit after the mode.
 fn bc6h_values(words: vec4u) -> Bc6hValues {
     var code = words.x & 3u;
     if (code > 1u) {
@@ -490,7 +490,7 @@ fn bc6h_values(words: vec4u) -> Bc6hValues {
     return block;
 }
 
-// An endpoint as numbers of 16 bits; \`value\` is stored as its difference from the first where there are difference bits.
+// Unquantises an endpoint to 16 bits. In delta-coded modes \`value\` is a signed difference from endpoint \`w\`.
 fn bc6h_endpoint(block: Bc6hValues, value: vec3u) -> vec3u {
     var whole = value;
     if (block.delta.x > 0u) {
@@ -501,7 +501,7 @@ fn bc6h_endpoint(block: Bc6hValues, value: vec3u) -> vec3u {
     return bc6h_widen(whole, block.endpoint_bits);
 }
 
-// Numbers of \`endpoint_bits\` bits spread over 16.
+// Unquantises values of \`endpoint_bits\` bits to 16 bits.
 fn bc6h_widen(value: vec3u, endpoint_bits: u32) -> vec3u {
     if (endpoint_bits >= 15u) {
         return value;
@@ -511,7 +511,7 @@ fn bc6h_widen(value: vec3u, endpoint_bits: u32) -> vec3u {
     return select(select(spread, vec3u(0xffffu), value == last), vec3u(0u), value == vec3u(0u));
 }
 
-// A block whose endpoints are ready: a and b of subset 0, c and d of subset 1.
+// A block with unquantised endpoints: a and b of subset 0, c and d of subset 1.
 struct Bc6h {
     words: vec4u,
     subsets: u32,
@@ -535,7 +535,7 @@ fn bc6h_open(words: vec4u) -> Bc6h {
     );
 }
 
-// A pixel of a block: r | g << 16, then b.
+// Decodes one pixel: r | g << 16 in the first word, b in the second.
 fn bc6h_pixel(block: Bc6h, texel: u32) -> vec2u {
     if (block.subsets == 0u) {
         return vec2u(0u);
@@ -546,12 +546,12 @@ fn bc6h_pixel(block: Bc6h, texel: u32) -> vec2u {
     let index_bits = 5u - block.subsets;
     let indices_at = select(65u, 82u, block.subsets == 2u);
     let index = bptc_index(block.words, indices_at, index_bits, block.parts, texel);
-    // From 0 to 65535 to the patterns of finite half floats.
+    // Scales 0 to 65535 to the bit patterns of finite half floats.
     let halves = (bptc_mix(a, b, index, index_bits) * 31u) >> vec3u(6u);
     return vec2u(halves.x | (halves.y << 16u), halves.z);
 }
 
-// All pixels of a block.
+// Decodes all 16 pixels of a block.
 fn bc6h_texels(words: vec4u, out: ptr<function, array<vec2u, 16>>) {
     let block = bc6h_open(words);
     for (var texel = 0u; texel < 16u; texel++) {
@@ -560,7 +560,7 @@ fn bc6h_texels(words: vec4u, out: ptr<function, array<vec2u, 16>>) {
 }
 `;var Gr=`// BC7 (blocks.md 8). Mirrors src/block/bc7.rs. Needs bptc.wgsl.
 
-// How the bits of a block are dealt out.
+// Bit allocation of a mode.
 struct Bc7Mode {
     subsets: u32,
     partition_bits: u32,
@@ -568,13 +568,13 @@ struct Bc7Mode {
     selection_bits: u32,
     color_bits: u32,
     alpha_bits: u32,
-    // Endpoints that share a lowest bit: 0 none, 1 each has its own, 2 those of a subset.
+    // P-bits: 0 none, 1 one per endpoint, 2 one per subset.
     low_bits: u32,
     index_bits: u32,
     second_index_bits: u32,
 }
 
-// A row of the document's table; without subsets where the mode is reserved.
+// Returns a row of the mode table in blocks.md 8; subsets is 0 if the mode is reserved.
 fn bc7_mode(number: u32) -> Bc7Mode {
     switch (number) {
         case 0u: {
@@ -607,7 +607,7 @@ fn bc7_mode(number: u32) -> Bc7Mode {
     }
 }
 
-// What the bits before the endpoints say, and where the others are.
+// Fields of a block before the endpoints, and the bit offsets of the endpoints and indices.
 struct Bc7 {
     words: vec4u,
     mode: Bc7Mode,
@@ -641,7 +641,7 @@ fn bc7_open(words: vec4u) -> Bc7 {
     );
 }
 
-// Endpoint \`number\` of a block, 8 bits a channel.
+// Decodes endpoint \`number\` to 8 bits per channel.
 fn bc7_endpoint(block: Bc7, number: u32) -> vec4u {
     let words = block.words;
     let mode = block.mode;
@@ -667,7 +667,7 @@ fn bc7_endpoint(block: Bc7, number: u32) -> vec4u {
     return (value << (8u - count)) | (value >> (2u * count - 8u));
 }
 
-// A pixel of a block: r | g << 8 | b << 16 | a << 24.
+// Decodes one pixel: r | g << 8 | b << 16 | a << 24.
 fn bc7_pixel(block: Bc7, texel: u32) -> u32 {
     let mode = block.mode;
     if (mode.subsets == 0u) {
@@ -676,7 +676,7 @@ fn bc7_pixel(block: Bc7, texel: u32) -> u32 {
     let pair = 2u * bptc_subset(block.parts, texel);
     let a = bc7_endpoint(block, pair);
     let b = bc7_endpoint(block, pair + 1u);
-    // An index and how many bits it has.
+    // An index and its number of bits.
     let first = vec2u(bptc_index(block.words, block.indices_at, mode.index_bits, block.parts, texel), mode.index_bits);
     var of_color = first;
     var of_alpha = first;
@@ -707,16 +707,16 @@ fn bc7_pixel(block: Bc7, texel: u32) -> u32 {
     return pixel.x | (pixel.y << 8u) | (pixel.z << 16u) | (pixel.w << 24u);
 }
 
-// All pixels of a block.
+// Decodes all 16 pixels of a block.
 fn bc7_texels(words: vec4u, out: ptr<function, array<u32, 16>>) {
     let block = bc7_open(words);
     for (var texel = 0u; texel < 16u; texel++) {
         (*out)[texel] = bc7_pixel(block, texel);
     }
 }
-`;var Wr=`// What BC6H and BC7 share (blocks.md 6). Mirrors src/block/bptc.rs.
+`;var zr=`// Functions and tables shared by BC6H and BC7 (blocks.md 6). Mirrors src/block/bptc.rs.
 
-// Partitions in two subsets: bit t is the subset of pixel t; bits 16 to 19 are the anchor of subset 1.
+// Partitions into two subsets: bit t is the subset of pixel t; bits 16 to 19 are the anchor of subset 1.
 const BPTC_TWO = array<u32, 64>(
     0xfccccu, 0xf8888u, 0xfeeeeu, 0xfecc8u, 0xfc880u, 0xffeecu, 0xffec8u, 0xfec80u,
     0xfc800u, 0xfffecu, 0xffe80u, 0xfe800u, 0xfffe8u, 0xfff00u, 0xffff0u, 0xff000u,
@@ -728,7 +728,7 @@ const BPTC_TWO = array<u32, 64>(
     0xf9336u, 0xf9cc6u, 0xf817eu, 0xfe718u, 0xfccf0u, 0x20fccu, 0x27744u, 0xfee22u,
 );
 
-// Partitions in three subsets: bits 2t and 2t + 1 are the subset of pixel t.
+// Partitions into three subsets: bits 2t and 2t + 1 are the subset of pixel t.
 const BPTC_THREE = array<u32, 64>(
     0xaa685050u, 0x6a5a5040u, 0x5a5a4200u, 0x5450a0a8u, 0xa5a50000u, 0xa0a05050u, 0x5555a0a0u, 0x5a5a5050u,
     0xaa550000u, 0xaa555500u, 0xaaaa5500u, 0x90909090u, 0x94949494u, 0xa4a4a4a4u, 0xa9a59450u, 0x2a0a4250u,
@@ -740,13 +740,13 @@ const BPTC_THREE = array<u32, 64>(
     0xaaaa1414u, 0xa05050a0u, 0xa0a5a5a0u, 0x96000000u, 0x40804080u, 0xa9a8a9a8u, 0xaaaaaa44u, 0x2a4a5254u,
 );
 
-// The anchors of subsets 1 and 2 in three subsets, four bits each: four partitions in a word.
+// Anchors of subsets 1 and 2 of the partitions into three subsets: four bits each, four partitions per word.
 const BPTC_ANCHORS_OF_THREE = array<u32, 16>(
     0x3f8f83f3u, 0x8f3ff3f8u, 0xf6f6f8f8u, 0x83f3f5f6u, 0x3ff883f3u, 0x8af683f3u, 0xa668f835u, 0x8faff5f8u,
     0xa5f33ff8u, 0xaf988aa6u, 0xf58ff36fu, 0x8f6f6f3fu, 0xf5f53ff3u, 0xfaf5f8f5u, 0xfdf8faf5u, 0x83f3fc3fu,
 );
 
-// \`count\` bits of a block from bit \`at\` on, at most 32.
+// Returns \`count\` bits of a block, at most 32, starting at bit \`at\`.
 fn bptc_bits(words: vec4u, at: u32, count: u32) -> u32 {
     let shift = at & 31u;
     var bits = words[at >> 5u] >> shift;
@@ -763,7 +763,7 @@ struct BptcPartition {
     anchors: u32,
 }
 
-// Partition \`number\` in \`subsets\` (1, 2 or 3) subsets.
+// Returns partition \`number\` into \`subsets\` (1, 2 or 3) subsets.
 fn bptc_partition(subsets: u32, number: u32) -> BptcPartition {
     if (subsets == 2u) {
         let row = BPTC_TWO[number];
@@ -785,30 +785,30 @@ fn bptc_subset(parts: BptcPartition, texel: u32) -> u32 {
     return (parts.map >> (2u * texel)) & 3u;
 }
 
-// The index of a pixel among indices of \`count\` bits, one less for anchors, that start at bit \`at\`.
+// Returns the index of a pixel. The indices start at bit \`at\` and have \`count\` bits each, those of anchor pixels one bit less.
 fn bptc_index(words: vec4u, at: u32, count: u32, parts: BptcPartition, texel: u32) -> u32 {
     let anchors_before = countOneBits(parts.anchors & ((1u << texel) - 1u));
     return bptc_bits(words, at + texel * count - anchors_before, count - ((parts.anchors >> texel) & 1u));
 }
 
-// The weight of an index of 2, 3 or 4 bits, in 64ths: the rows of the document's table, computed.
+// Returns the weight of an index of 2, 3 or 4 bits, in 64ths. The formula yields the rows of the table in blocks.md 6.
 fn bptc_weight(index: u32, count: u32) -> u32 {
     let last = (1u << count) - 1u;
     return (64u * index + last / 2u) / last;
 }
 
-// The mix of two endpoints by an index of \`count\` bits.
+// Interpolates between two endpoints by an index of \`count\` bits.
 fn bptc_mix(a: vec3u, b: vec3u, index: u32, count: u32) -> vec3u {
     let weight = bptc_weight(index, count);
     return (a * (64u - weight) + b * weight + 32u) >> vec3u(6u);
 }
-`;var zr=`// The interpolation between two keyframes (arithmetic.md 3, 4). Mirrors src/color/blend.rs.
+`;var $r=`// Interpolation between two keyframes (arithmetic.md 3, 4). Mirrors src/color/blend.rs.
 
 fn lerp(a: vec3u, b: vec3u, weight: u32) -> vec3u {
     return (a * (255u - weight) + b * weight + 127u) / 255u;
 }
 
-// Bit patterns of half floats as integers that grow with the value.
+// Maps bit patterns of half floats to integer keys that increase with the value.
 fn keys_of(bits: vec3u) -> vec3u {
     return bits ^ select(vec3u(0x8000u), vec3u(0xffffu), bits >= vec3u(0x8000u));
 }
@@ -816,7 +816,8 @@ fn keys_of(bits: vec3u) -> vec3u {
 fn bits_of(keys: vec3u) -> vec3u {
     return keys ^ select(vec3u(0xffffu), vec3u(0x8000u), keys >= vec3u(0x8000u));
 }
-`;var $r=`// Which keyframes each listed cell is blended of, and with which weight (color.md 4). Mirrors src/color/cells.rs.
+`;var Vr=`// Plans colour cells: the two keyframes that each listed cell blends, and their weight (color.md 4). Mirrors
+// src/color/cells.rs.
 
 @group(0) @binding(0) var<storage, read> chunks: array<Chunk>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;
@@ -826,7 +827,7 @@ fn bits_of(keys: vec3u) -> vec3u {
 @group(0) @binding(5) var<storage, read_write> jobs: Jobs;
 @group(0) @binding(6) var<storage, read_write> dispatch: Dispatch;
 
-// The last keyframe of a chunk at or before a frame, counted from the chunk's first.
+// Returns the index in the chunk of the last keyframe at or before a frame.
 fn keyframe_of(chunk: Chunk, frame: u32) -> u32 {
     var low = 0u;
     var high = chunk.record_count;
@@ -841,7 +842,7 @@ fn keyframe_of(chunk: Chunk, frame: u32) -> u32 {
     return low - 1u;
 }
 
-// The blend that shows an item's frame; nothing to do where the cell shows it already.
+// Returns the job that blends an item's frame; an empty job if the cell already shows that frame.
 fn blend_of(item: Item) -> Job {
     let chunk = chunks[item.chunk];
     let keyframe = keyframe_of(chunk, item.frame);
@@ -889,8 +890,8 @@ fn plan_cells(@builtin(local_invocation_index) local: u32) {
         finish_plan(before);
     }
 }
-`;var Vr=`// Cells whose keyframes may be in blocks (color.md 4): \`CellState\` of src/decode/decoder.rs. An invocation writes the 4x4
-// pixels of a block. Needs \`keyframe_block\`, \`empty_block\`, \`unpack\`, \`sample_pixel\`, \`between\` and \`put_pixel\`.
+`;var Wr=`// Decodes cells whose keyframes may be block-compressed (color.md 4): \`CellState\` of src/decode/decoder.rs. An invocation
+// writes the 4x4 pixels of a block. Needs \`keyframe_block\`, \`empty_block\`, \`unpack\`, \`sample_pixel\`, \`between\` and \`put_pixel\`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;
@@ -945,8 +946,8 @@ fn decode_blocks(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
         put_pixel(unit, pixel, color);
     }
 }
-`;var jr=`// Cells whose keyframes are samples (color.md 4): \`CellState\` of src/decode/decoder.rs. An invocation writes a pixel. Needs
-// \`sample_pixel\`, \`between\` and \`put_pixel\`.
+`;var jr=`// Decodes cells whose keyframes are raw samples (color.md 4): \`CellState\` of src/decode/decoder.rs. An invocation writes a
+// pixel. Needs \`sample_pixel\`, \`between\` and \`put_pixel\`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;
@@ -969,9 +970,9 @@ fn decode_cells(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
     }
     put_pixel(units[job.unit], pixel, color);
 }
-`;var Kr=`// Pixels of half floats, and what lies between two of them: \`impl Sample for HalfKey\` of src/color/blend.rs. Needs \`lerp\`.
+`;var qr=`// Packing and interpolation of half-float pixels: \`impl Sample for HalfKey\` of src/color/blend.rs. Needs \`lerp\`.
 
-// A pixel as it lies in pictures: r | g << 16, then b.
+// Unpacks a pixel from the layout of \`pictures\`: r | g << 16 in the first word, b in the second.
 fn unpack(pixel: vec2u) -> vec3u {
     return vec3u(pixel.x & 0xffffu, pixel.x >> 16u, pixel.y & 0xffffu);
 }
@@ -983,27 +984,27 @@ fn pack(color: vec3u) -> vec2u {
 fn between(a: vec3u, b: vec3u, weight: u32) -> vec3u {
     return bits_of(lerp(keys_of(a), keys_of(b), weight));
 }
-`;var qr=`// Keyframes in blocks of BC1 (color.md 4). Mirrors src/color/keyframe_blocks.rs. Needs \`word_at\` and \`bc1_texels\`.
+`;var Kr=`// Keyframes in BC1 blocks (color.md 4). Mirrors src/color/keyframe_blocks.rs. Needs \`word_at\` and \`bc1_texels\`.
 
 fn keyframe_block(keyframe: Record, block: u32, out: ptr<function, array<u32, 16>>) {
     let at = keyframe.at + 8u * block;
     bc1_texels(vec2u(word_at(at), word_at(at + 4u)), out);
 }
-`;var Xr=`// Keyframes in blocks of BC6H (color.md 4). Mirrors src/color/keyframe_blocks.rs. Needs \`word_at\` and \`bc6h_texels\`.
+`;var Xr=`// Keyframes in BC6H blocks (color.md 4). Mirrors src/color/keyframe_blocks.rs. Needs \`word_at\` and \`bc6h_texels\`.
 
 fn keyframe_block(keyframe: Record, block: u32, out: ptr<function, array<vec2u, 16>>) {
     let at = keyframe.at + 16u * block;
     bc6h_texels(vec4u(word_at(at), word_at(at + 4u), word_at(at + 8u), word_at(at + 12u)), out);
 }
-`;var Yr=`// Keyframes in blocks of BC7 (color.md 4). Mirrors src/color/keyframe_blocks.rs. Needs \`word_at\` and \`bc7_texels\`.
+`;var Yr=`// Keyframes in BC7 blocks (color.md 4). Mirrors src/color/keyframe_blocks.rs. Needs \`word_at\` and \`bc7_texels\`.
 
 fn keyframe_block(keyframe: Record, block: u32, out: ptr<function, array<u32, 16>>) {
     let at = keyframe.at + 16u * block;
     bc7_texels(vec4u(word_at(at), word_at(at + 4u), word_at(at + 8u), word_at(at + 12u)), out);
 }
-`;var Qr=`// Cells of bytes (color.md 3, 4): \`impl Sample for u8\` of src/color/blend.rs. Needs \`word_at\`, \`lerp\` and \`pictures\`.
+`;var Qr=`// Cells of 8-bit samples (color.md 3, 4): \`impl Sample for u8\` of src/color/blend.rs. Needs \`word_at\`, \`lerp\` and \`pictures\`.
 
-// A pixel as it lies in pictures: r | g << 8 | b << 16.
+// Unpacks a pixel from the layout of \`pictures\`: r | g << 8 | b << 16.
 fn unpack(pixel: u32) -> vec3u {
     return vec3u(pixel & 255u, (pixel >> 8u) & 255u, (pixel >> 16u) & 255u);
 }
@@ -1016,7 +1017,7 @@ fn empty_block() -> array<u32, 16> {
     return array<u32, 16>();
 }
 
-// A pixel of a keyframe that is stored as it is, three bytes each.
+// Reads a pixel of a raw keyframe: three bytes per pixel.
 fn sample_pixel(keyframe: Record, pixel: u32) -> vec3u {
     return unpack(word_at(keyframe.at + 3u * pixel));
 }
@@ -1026,16 +1027,16 @@ fn between(a: vec3u, b: vec3u, weight: u32) -> vec3u {
 }
 
 fn put_pixel(unit: Unit, pixel: u32, color: vec3u) {
-    // Rows may be longer than their pixels.
+    // The row stride may exceed the width.
     pictures[unit.picture + pixel + pixel / unit.width * (unit.stride - unit.width)] = pack(color);
 }
-`;var Jr=`// Cells of half floats (color.md 3, 4). Needs \`word_at\`, \`half_at\`, \`pack\` and \`pictures\`.
+`;var Jr=`// Cells of half-float samples (color.md 3, 4). Needs \`word_at\`, \`half_at\`, \`pack\` and \`pictures\`.
 
 fn empty_block() -> array<vec2u, 16> {
     return array<vec2u, 16>();
 }
 
-// A pixel of a keyframe that is stored as it is, three halves each.
+// Reads a pixel of a raw keyframe: three half floats per pixel.
 fn sample_pixel(keyframe: Record, pixel: u32) -> vec3u {
     let at = keyframe.at + 6u * pixel;
     return unpack(vec2u(word_at(at), half_at(at + 4u)));
@@ -1047,10 +1048,10 @@ fn put_pixel(unit: Unit, pixel: u32, color: vec3u) {
     pictures[at] = words.x;
     pictures[at + 1u] = words.y;
 }
-`;var Zr=`// Declarations of both kernels of the transform codec: the words of a chunk, and the scratch memory of a region, in which
-// \`transform-read-…\` leaves the blocks that \`transform-…\` shows. A chunk is words: its table set, from the first of its stream's
-// sets; slopes of chroma; number of colours; number of frames; set of frequency offsets; the colours, two words each. A region is
-// the step indices of its channels and its substream. Needs \`put_pixel\`.
+`;var Zr=`// Declarations of both kernels of the transform codec: the words of a chunk, and the scratch memory of a region, through which
+// \`transform-read-…\` passes the decoded blocks to \`transform-…\`. A chunk is a list of words: offset of its table set from the
+// first set of the stream; two chroma slopes; number of colours; number of frames; index of the set of frequency offsets; the
+// colours, two words each. A region is the step indices of its three channels, then its substream. Needs \`put_pixel\`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;
@@ -1061,7 +1062,7 @@ fn put_pixel(unit: Unit, pixel: u32, color: vec3u) {
 @group(0) @binding(6) var<storage, read_write> pictures: array<u32>;
 @group(0) @binding(7) var<storage, read_write> scratch: array<Scratch>;
 
-// A node: place in squares of 4x4 pixels, size 4*2^level pixels, frames of the chunk.
+// A node of the tree: position in units of 4x4 pixels, size of 4*2^level pixels, first frame in the chunk, number of frames.
 struct Block {
     x: u32,
     y: u32,
@@ -1070,81 +1071,84 @@ struct Block {
     frames: u32,
 }
 
-// State of reading.
+// State of the substream reader.
 struct Reader {
-    // Next thing to read: one of NEXT_….
+    // Next element to read: one of NEXT_….
     next: u32,
-    // State of the rANS decoder, and the next 16 bits of the stream.
+    // State of the rANS decoder, and the position of the next 16 bits in the stream.
     state: u32,
     next_half: u32,
     node_count: u32,
-    // Pixels that are still to show.
+    // Pixels of the region that no block of the wanted frame has covered yet.
     pixels_left: u32,
     block: Block,
-    // Channel of the block; its planes, and the next one.
+    // Channel of the block that is being read, its number of planes, and its next plane.
     channel: u32,
     plane_count: u32,
     plane: u32,
-    // 1 if the plane before has levels; class of its last position, 0 without levels.
+    // 1 if the previous plane has levels; class of its last position, 0 if it has none.
     coded: u32,
     class_before: u32,
-    // Level of the channel's mean, and sum of the constant coefficients in the block's last frame.
+    // Level of the channel's mean, and sum of the DC coefficients in the block's last frame.
     mean_level: i32,
     last_sum: i32,
-    // Columns and rows of the channel's coefficients; those of the channels before, as in \`Leaf\`.
+    // Columns and rows of the channel's coefficients; extents of the block's previous channels, packed as in \`Leaf\`.
     extent: vec2u,
     extents: u32,
-    // Planes so far, of all blocks; number of the first one of this block.
+    // Number of planes read so far, over all blocks; number of this block's first plane.
     plane_number: u32,
     first_plane_number: u32,
-    // Number of planes of the last channel that had some, at most 2.
+    // Number of planes of the last channel with any, at most 2.
     planes_before: u32,
-    // Greatest class of the last position in the first planes of this block's channels before.
+    // Maximum class of the last position, over the first planes of this block's previous channels.
     first_class: u32,
-    // Colours of the block's palette, next frame, in which half of the bytes the indices of the frame before are, and whether that
-    // repeated the one before it.
+    // Number of colours of the block's palette; next frame; which half of each byte of \`indices\` holds the previous frame; 1 if
+    // the previous frame repeated the one before it.
     color_count: u32,
     next_frame: u32,
     slot: u32,
     frame_repeats: u32,
-    // Colours in the cache.
+    // Number of colours in the cache.
     cached: u32,
-    // Iterations of loops in this pass, about.
+    // Approximate number of loop iterations in this pass.
     iterations: u32,
 }
 
-// A transformed block that shows the frame.
+// A transformed block that shows the wanted frame.
 struct Leaf {
     // x | y << 3 | level << 6.
     place: u32,
-    // Extents of the channels, each from bit 10 * channel: columns of coefficients less 1 | rows less 1 << 5.
+    // Extents of the three channels, each from bit 10 * channel: columns of coefficients minus 1 | (rows minus 1) << 5.
     extents: u32,
 }
 
-// State of a region between passes and kernels. \`reader\`, \`leaf_count\`, \`magnitudes\` and \`coefficients\` are 0 before the first pass,
-// and \`transform-…\` sets them to 0 again; all else is written before it is read.
+// State of a region that is kept between passes and kernels. \`reader\`, \`leaf_count\`, \`magnitudes\` and \`coefficients\` are 0
+// before the first pass, and \`transform-…\` resets them to 0. Everything else is written before it is read.
 struct Scratch {
-    // Colours are two words: keys of red and green, key of blue.
+    // A colour is two words: keys of red and green, key of blue.
     cache: array<vec2u, 15>,
     palette: array<vec2u, 16>,
     reader: Reader,
-    // Nodes to read, the next one last: three quarters of each of three sizes, a half of each of five lengths, and three frames.
+    // Stack of nodes to read. Its maximum depth is three quarters of each of three sizes, a half of each of five lengths, and
+    // three frames.
     nodes: array<u32, 17>,
     leaf_count: u32,
     leaves: array<Leaf, 64>,
-    // Indices of a palette, a byte for each pixel: two frames in turns in the low and the high half.
+    // Palette indices, a byte per pixel: two frames alternate between the low and the high 4 bits.
     indices: array<u32, 256>,
-    // Means of squares of 4x4 pixels, by channel, then row by row.
+    // Means of the 4x4 squares, by channel, then row by row.
     means: array<i32, 192>,
-    // For each position, of the plane that was the last to read it: the plane's number, the greatest magnitude in the first planes of
-    // this block's channels (4 bits), and the magnitude (4 bits). Two more rows, as neighbours lie below; those on the right of
-    // the last column are on the left of a row, where this plane has not been yet.
+    // One word per position, written by the last plane that read it: the plane's number (from bit 8), the maximum magnitude in
+    // the first planes of this block's channels (4 bits), and the magnitude (4 bits). There are two extra rows because contexts
+    // use neighbours up to two rows below. A neighbour to the right of the last column wraps to the left of a lower row, at a
+    // position that this plane has not written yet.
     magnitudes: array<u32, 1088>,
-    // Spatial coefficients in units of 2^-(8 + fraction), by channel, then row by row, those of a block from its first pixel on.
+    // Spatial coefficients in units of 2^-(8 + fraction), by channel, then row by row. Those of a block start at its first
+    // pixel.
     coefficients: array<i32, 3072>,
 }
 
-// Words of a \`Scratch\`.
+// Size of a \`Scratch\` in words.
 const SCRATCH_WORDS: u32 = 4848u;
 
 const NEXT_OPEN: u32 = 0u;
@@ -1157,13 +1161,13 @@ const NEXT_END: u32 = 5u;
 const OFFSET_SET: u32 = 5u;
 const COLORS: u32 = 6u;
 
-// Number of this region in \`scratch\`, and first word of its chunk.
+// Index of this region in \`scratch\`, and first word of its chunk.
 var<private> region_slot: u32;
 var<private> chunk: u32;
 var<private> unit: Unit;
 var<private> region: BoxRow;
 
-// Finds the work of a region, and returns its record.
+// Sets the variables above for a region, and returns its record.
 fn find_region(number: u32) -> Record {
     region_slot = number;
     let place = job_of(number);
@@ -1179,30 +1183,30 @@ fn slope_of(channel: u32) -> i32 {
     return i32(stream[chunk + channel]);
 }
 
-// Bits of the fraction of the channels of pixels.
+// Returns the number of fraction bits of a pixel's channels (e in color.md 6).
 fn pixel_fraction() -> u32 {
     return select(0u, FINE_BITS, stream[chunk + OFFSET_SET] > 0u);
 }
 
-// Index of the first coefficient of a channel of a block.
+// Returns the index of the first coefficient of a block's channel.
 fn coefficients_at(channel: u32, x: u32, y: u32) -> u32 {
     return 1024u * channel + 128u * y + 4u * x;
 }
 
-// Writes pixel (x, y) of the region, unless it lies outside.
+// Writes pixel (x, y) of the region; ignores pixels outside the region.
 fn put(x: u32, y: u32, keys: vec3i) {
     if (x < region.width && y < region.height) {
         put_pixel(unit, (region.y + y) * unit.width + region.x + x, sample_of(keys));
     }
 }
-`;var en=`// Symbols and raw bits of a region's substream (color.md 6.6, 7). Mirrors src/color/transform/coder.rs and src/entropy/rans.rs.
-// The host has checked that the substream holds all that is read. Needs \`reader\`, \`stream\` and
-// \`tables\`.
+`;var en=`// Reads symbols and raw bits of a region's substream (color.md 6.6, 7). Mirrors src/color/transform/coder.rs and
+// src/entropy/rans.rs. The host has checked that the substream is long enough for everything that is read. Needs \`reader\`,
+// \`stream\` and \`tables\`.
 
-// First word of the distributions.
+// Index in \`tables\` of the first word of the chunk's distributions.
 var<private> distributions: u32;
 
-// A substream is words: its first state, then pairs of 16 bits.
+// A substream is a list of words: its initial state, then pairs of 16-bit words.
 fn open_substream(word: u32) {
     reader.state = stream[word];
     reader.next_half = 2u * word + 2u;
@@ -1216,7 +1220,7 @@ fn renormalise() {
     }
 }
 
-// First slot of a symbol.
+// Returns the first slot of a symbol.
 fn start_at(symbol: u32) -> u32 {
     return tables[symbol] & 0xffffu;
 }
@@ -1224,7 +1228,7 @@ fn start_at(symbol: u32) -> u32 {
 fn symbol(context: u32) -> u32 {
     let first = distributions + tables[CLUSTERS_AT + context];
     let slot = reader.state & 4095u;
-    // The last symbol that starts at or before the slot: those without slots start where the next one does.
+    // Finds the last symbol whose start is at or before the slot. A symbol without slots has the same start as the next one.
     var at = first + select(0u, 8u, start_at(first + 8u) <= slot);
     at += select(0u, 4u, start_at(at + 4u) <= slot);
     at += select(0u, 2u, start_at(at + 2u) <= slot);
@@ -1240,7 +1244,7 @@ fn flag(context: u32) -> bool {
     return symbol(context) == 1u;
 }
 
-// At most 12 raw bits.
+// Reads at most 12 raw bits.
 fn few_bits(count: u32) -> u32 {
     let value = reader.state & ((1u << count) - 1u);
     reader.state >>= count;
@@ -1248,7 +1252,7 @@ fn few_bits(count: u32) -> u32 {
     return value;
 }
 
-// At most 24 raw bits.
+// Reads at most 24 raw bits.
 fn bits(count: u32) -> u32 {
     var high = 0u;
     if (count > 12u) {
@@ -1271,10 +1275,10 @@ fn number(context: u32) -> u32 {
     }
     return (1u << count) + base + bits(count);
 }
-`;var tn=`// Contexts of symbols (color.md 6.6), and where the tables of the format are (src/gpu/transform_tables.rs). Mirrors
+`;var tn=`// Contexts of symbols (color.md 6.6), and offsets of the format's tables in \`tables\` (src/gpu/transform_tables.rs). Mirrors
 // src/color/transform/contexts.rs. Needs \`tables\`.
 
-// First contexts of the kinds of symbols.
+// First context of each symbol family.
 const CONTEXT_NODE: u32 = 0u;
 const CONTEXT_PLANES: u32 = 40u;
 const CONTEXT_CODED: u32 = 364u;
@@ -1289,30 +1293,31 @@ const CONTEXT_LATER_FRAME: u32 = 2185u;
 const CONTEXT_LATER_ROW: u32 = 2187u;
 const CONTEXT_LATER_PIXEL: u32 = 2189u;
 
-// First words of tables. Word n, for a basis of n points: the index of the length in 8 bits, and from bit 8 the first word of its
-// functions. Classes of sums of magnitudes start here.
+// First word of each table. Words 0 to 96 are an index of the bases: word n, for a basis of n points, holds the length index in
+// 8 bits, and the first word of the basis from bit 8. The classes of sums of magnitudes follow.
 const SUM_CLASSES_AT: u32 = 97u;
-// Positions of each size of blocks in the order of coding, and from bit 16 their classes.
+// Scan order of each block size: the position, and its class from bit 16.
 const SCAN_AT: u32 = 109u;
-// First word of each context's distribution in a set.
+// First word of each context's distribution, within a table set.
 const CLUSTERS_AT: u32 = 1469u;
-// Of steps (color.md 6.3): an octave, and the inverse roots of lengths; offsets by frequency of each set, for luma and chroma.
+// Tables for steps (color.md 6.3): one octave; the inverse roots of the lengths; the frequency offsets of each set, luma then
+// chroma.
 const OCTAVE_AT: u32 = 3674u;
 const ROOTS_AT: u32 = 3690u;
 const OFFSETS_AT: u32 = 3699u;
 
-// Index of a number of frames among the lengths of transforms; of others, the number of lengths.
+// Returns the index of a number of frames among the transform lengths; the number of lengths if it is none of them.
 fn length_index(frames: u32) -> u32 {
     return tables[frames] & 255u;
 }
 
-// First word of a basis, whose functions are rows.
+// Returns the first word of a basis. Each row is one basis function.
 fn basis_at(points: u32) -> u32 {
     return tables[points] >> 8u;
 }
 
 fn scan_at(level: u32) -> u32 {
-    // Blocks of 4, 8, 16 and 32 pixels square.
+    // Blocks of 4, 8, 16 and 32 pixels on a side.
     return SCAN_AT + ((16u << (2u * level)) - 16u) / 3u;
 }
 
@@ -1336,16 +1341,18 @@ fn last_bits_context(channel: u32, logarithm: u32) -> u32 {
     return CONTEXT_LAST_BITS + 11u * u32(channel > 0u) + logarithm;
 }
 
-// Contexts of a plane's last level, by class of its position and the magnitude in the plane before.
+// Returns the first context of a plane's last level; the offset depends on the class of its position and the magnitude in the
+// previous plane.
 fn last_level_contexts(channel: u32, temporal: u32) -> u32 {
     return CONTEXT_LEVELS + 18u * (4u * u32(channel > 0u) + temporal);
 }
 
-// Contexts of a plane's other levels, by class of the position, class of the sum around it and the magnitude before.
+// Returns the first context of a plane's other levels; the offset depends on the class of the position, the class of the sum of
+// neighbours, and the magnitude in the previous plane.
 fn level_contexts(channel: u32, temporal: u32) -> u32 {
     return CONTEXT_LEVELS + 144u + 144u * (4u * u32(channel > 0u) + temporal);
 }
-`;var rn=`// From keys to channels and back (color.md 6.2). Mirrors src/color/transform/domain.rs. Needs \`slope_of\` and \`MIDDLE\`.
+`;var rn=`// Conversion between keys and channels (color.md 6.2). Mirrors src/color/transform/domain.rs. Needs \`slope_of\` and \`MIDDLE\`.
 
 fn predicted_chroma(slope: i32, luma: i32) -> i32 {
     return (slope * luma + 8) >> 4u;
@@ -1359,7 +1366,7 @@ fn channels_of(keys: vec3i) -> vec3i {
     return vec3i(luma, green - predicted_chroma(slope_of(1u), luma), orange - predicted_chroma(slope_of(2u), luma));
 }
 
-// Channels and keys in units of 2^-fraction.
+// Both the channels and the keys are in units of 2^-fraction.
 fn keys_of_channels(channels: vec3i, fraction: u32) -> vec3i {
     let chroma_green = channels.y + predicted_chroma(slope_of(1u), channels.x);
     let orange = channels.z + predicted_chroma(slope_of(2u), channels.x);
@@ -1367,33 +1374,33 @@ fn keys_of_channels(channels: vec3i, fraction: u32) -> vec3i {
     let blue = middle - (orange >> 1u);
     return vec3i(blue + orange, chroma_green + middle, blue);
 }
-`;var nn=`// Samples of 8 bits in the transform codec: \`Domain::BYTES\` of src/color/transform/domain.rs.
+`;var nn=`// 8-bit samples in the transform codec: \`Domain::BYTES\` of src/color/transform/domain.rs.
 
 const FRACTION_BITS: u32 = 6u;
-// Fraction bits of the channels of pixels where steps follow the eye.
+// Fraction bits of a pixel's channels in chunks with frequency-dependent steps (offset_set 1).
 const FINE_BITS: u32 = 4u;
 const KEY_BITS: u32 = 8u;
 const MIDDLE: i32 = 128;
-const LEAST_KEY: i32 = 0;
-const MOST_KEY: i32 = 255;
+const MIN_KEY: i32 = 0;
+const MAX_KEY: i32 = 255;
 
 fn sample_of(keys: vec3i) -> vec3u {
     return vec3u(keys);
 }
-`;var on=`// Half floats in the transform codec: \`Domain::HALVES\` of src/color/transform/domain.rs. Needs \`bits_of\`.
+`;var on=`// Half-float samples in the transform codec: \`Domain::HALVES\` of src/color/transform/domain.rs. Needs \`bits_of\`.
 
 const FRACTION_BITS: u32 = 0u;
 const FINE_BITS: u32 = 0u;
 const KEY_BITS: u32 = 16u;
 const MIDDLE: i32 = 0xbc00;
-const LEAST_KEY: i32 = 0x0400;
-const MOST_KEY: i32 = 0xfbff;
+const MIN_KEY: i32 = 0x0400;
+const MAX_KEY: i32 = 0xfbff;
 
 fn sample_of(keys: vec3i) -> vec3u {
     return bits_of(vec3u(keys));
 }
-`;var sn=`// Levels of a transformed block (color.md 6.6), summed up to the spatial coefficients of one frame while they are read. Mirrors
-// src/color/transform/levels.rs and \`FrameLevels\` of src/color/transform/reconstruct.rs.
+`;var sn=`// Reads the levels of a transformed block (color.md 6.6), and accumulates the spatial coefficients of one frame while reading.
+// Mirrors src/color/transform/levels.rs and \`FrameLevels\` of src/color/transform/reconstruct.rs.
 
 fn open_block() {
     reader.first_plane_number = reader.plane_number + 1u;
@@ -1404,13 +1411,13 @@ fn open_block() {
     reader.next = NEXT_CHANNEL;
 }
 
-// Magnitude of a neighbour in this plane.
+// Returns the magnitude of a neighbour in this plane; 0 if it is not read yet.
 fn magnitude_at(position: u32) -> u32 {
     let held = scratch[region_slot].magnitudes[position];
     return select(0u, held & 15u, held >> 8u == reader.plane_number);
 }
 
-// Index in the scan of a plane's last level, with the class of that in the plane before.
+// Reads the scan index of a plane's last nonzero level; the context depends on the class of that index in the previous plane.
 fn last_position(channel: u32, temporal: u32, level: u32, class_before: u32) -> u32 {
     let logarithm = symbol(last_context(channel, temporal, level, class_before));
     if (logarithm == 0u) {
@@ -1423,7 +1430,7 @@ fn last_position(channel: u32, temporal: u32, level: u32, class_before: u32) -> 
     return min(index - 1u, (16u << (2u * level)) - 1u);
 }
 
-// Reads the number of planes of a channel, and predicts its mean.
+// Reads the number of planes of a channel, and predicts the level of its mean.
 fn open_channel() {
     let block = reader.block;
     let channel = reader.channel;
@@ -1445,7 +1452,8 @@ fn open_channel() {
     }
 }
 
-// Reads the levels of a plane, and adds the coefficients of the wanted frame if the block shows it.
+// Reads the levels of a plane. If the block contains the wanted frame, adds their contribution to the coefficients of that
+// frame.
 fn read_plane() {
     let block = reader.block;
     let channel = reader.channel;
@@ -1528,7 +1536,7 @@ fn read_plane() {
     }
 }
 
-// Notes the mean of a channel, and the block once all its channels are read.
+// Records the mean of a channel; after the third channel, finishes the block.
 fn close_channel() {
     let block = reader.block;
     let channel = reader.channel;
@@ -1553,10 +1561,10 @@ fn close_channel() {
         count_shown(block);
     }
 }
-`;var an=`// Steps (color.md 6.3), means of squares of 4x4 pixels, and the levels predicted from them (6.5). Mirrors
+`;var an=`// Steps (color.md 6.3), means of 4x4 squares, and the levels predicted from them (color.md 6.5). Mirrors
 // src/color/transform/steps.rs and src/color/transform/means.rs.
 
-// The step of a sum of spatial frequencies of blocks of a size and length.
+// Returns the step of a level; \`frequency\` is the sum of its horizontal and vertical frequencies.
 fn step_of(channel: u32, length: u32, level: u32, frequency: u32) -> i32 {
     let table = 2u * stream[chunk + OFFSET_SET] + min(channel, 1u);
     let offset = tables[OFFSETS_AT + 64u * table + (((2u * frequency + 1u) << (3u - level)) >> 1u)];
@@ -1574,7 +1582,7 @@ fn first_square(block: Block, channel: u32) -> u32 {
     return 64u * channel + 8u * block.y + block.x;
 }
 
-// The predicted level of a block's mean.
+// Returns the predicted level of a block's mean.
 fn predicted_level(block: Block, channel: u32, step: i32) -> i32 {
     let first = first_square(block, channel);
     let squares = 1u << block.level;
@@ -1598,7 +1606,7 @@ fn predicted_level(block: Block, channel: u32, step: i32) -> i32 {
         sum += scratch[region_slot].means[square];
     }
     let scaled = (sum >> shift) * i32(32u << block.level) + (step >> 1u);
-    // Rounded down.
+    // Division that rounds down.
     let quotient = scaled / step;
     return quotient - i32(scaled - quotient * step < 0);
 }
@@ -1609,7 +1617,7 @@ fn note_square(square: u32, channels: vec3i) {
     scratch[region_slot].means[128u + square] = channels.z;
 }
 
-// Notes the mean of a block from the sum of its constant coefficients in its last frame.
+// Records the mean of a block, computed from the sum of its DC coefficients in its last frame.
 fn note_block(block: Block, channel: u32, sum: i32) {
     let mean = ((sum + 128) >> 8u) >> (2u + block.level);
     let first = first_square(block, channel);
@@ -1617,7 +1625,7 @@ fn note_block(block: Block, channel: u32, sum: i32) {
         scratch[region_slot].means[first + 8u * (at >> block.level) + (at & ((1u << block.level) - 1u))] = mean;
     }
 }
-`;var cn=`// Blocks of few colours (color.md 6.8). Mirrors src/color/transform/palette.rs.
+`;var cn=`// Palette blocks (color.md 6.8). Mirrors src/color/transform/palette.rs.
 
 fn index_in(position: u32, of_slot: u32) -> u32 {
     return (scratch[region_slot].indices[position >> 2u] >> (8u * (position & 3u) + 4u * of_slot)) & 15u;
@@ -1629,7 +1637,7 @@ fn put_index(position: u32, index: u32) {
     scratch[region_slot].indices[position >> 2u] = (held & ~(15u << shift)) | (index << shift);
 }
 
-// Fills the cache with the chunk's colours, and with 0 behind them.
+// Initialises the cache with the chunk's colours and fills the remaining entries with 0.
 fn open_cache() {
     reader.cached = stream[chunk + 3u];
     for (var at = 0u; at < 15u; at++) {
@@ -1642,7 +1650,7 @@ fn open_cache() {
     }
 }
 
-// Moves a colour to the front of the cache; the last one is dropped where it is new and the cache is full.
+// Moves a colour to the front of the cache. If the colour is new and the cache is full, drops the last entry.
 fn touch(color: vec2u) {
     var moved = color;
     var at = 0u;
@@ -1680,7 +1688,8 @@ fn open_palette(level: u32) {
     reader.next = NEXT_FRAME;
 }
 
-// Reads an index: that of the first, second or third of the different ones among a, b and c, or another one.
+// Reads a palette index. A symbol below the number of distinct values among a, b and c selects one of these values; otherwise
+// the index follows as raw bits.
 fn read_index(context: u32, a: u32, b: u32, c: u32) -> u32 {
     let place = symbol(context);
     var second = b;
@@ -1698,7 +1707,7 @@ fn read_index(context: u32, a: u32, b: u32, c: u32) -> u32 {
     return select(select(third, second, place == 1u), a, place == 0u);
 }
 
-// Reads indices of a frame, row by row. Those of the frame before are in the other slot; none are before the first frame.
+// Reads the indices of a frame, row by row. Those of the previous frame, if any, are in the other slot.
 fn read_indices(side: u32, is_first: bool) {
     let before = reader.slot ^ 1u;
     var repeats = false;
@@ -1750,7 +1759,7 @@ fn read_indices(side: u32, is_first: bool) {
     }
 }
 
-// Reads the indices of the next frame.
+// Reads the indices of the next frame, or that it repeats the previous one.
 fn read_next_indices(side: u32) {
     let is_first = reader.next_frame == 0u;
     reader.next_frame++;
@@ -1768,7 +1777,8 @@ fn read_next_indices(side: u32) {
     read_indices(side, is_first);
 }
 
-// Reads the next frame of the palette's block, and writes its pixels if it is the wanted one; behind the last frame notes means.
+// Reads the next frame of a palette block, and writes its pixels if it is the wanted frame. After the last frame, records the
+// means.
 fn read_frame() {
     let block = reader.block;
     let side = 4u << block.level;
@@ -1793,7 +1803,7 @@ fn keys_of_color(color: vec2u) -> vec3i {
     return vec3i(vec3u(color.x & 0xffffu, color.x >> 16u, color.y));
 }
 
-// Keys of a pixel of the palette's block.
+// Returns the keys of a pixel of the palette block.
 fn palette_keys(x: u32, y: u32) -> vec3i {
     var index = 0u;
     if (reader.color_count > 1u) {
@@ -1802,7 +1812,7 @@ fn palette_keys(x: u32, y: u32) -> vec3i {
     return keys_of_color(scratch[region_slot].palette[index]);
 }
 
-// Notes the means of the palette's block (color.md 6.5).
+// Records the means of the palette block (color.md 6.5).
 fn note_palette(block: Block) {
     let squares = 1u << block.level;
     reader.iterations += 18u * squares * squares;
@@ -1817,10 +1827,10 @@ fn note_palette(block: Block) {
         note_square(first_square(block, 0u) + 8u * y + x, channels);
     }
 }
-`;var un=`// One frame of a region (color.md 6.3), a workgroup each: all its invocations transform a block. Mirrors
-// src/color/transform/reconstruct.rs.
+`;var un=`// Inverse transform of one frame of a region (color.md 6.3), one workgroup per region: all invocations transform one block at a
+// time. Mirrors src/color/transform/reconstruct.rs.
 
-// Columns transformed of the coefficients, 32 a row.
+// Coefficients after the column transform, 32 per row.
 var<workgroup> columns: array<i32, 1024>;
 var<workgroup> leaf_count: u32;
 var<workgroup> next: u32;
@@ -1830,7 +1840,7 @@ var<workgroup> leaves: array<Leaf, 64>;
 var<private> luma: array<i32, 16>;
 var<private> green: array<i32, 16>;
 
-// Columns and rows of the coefficients of a channel.
+// Returns the number of columns and rows of a channel's coefficients.
 fn extent_of(leaf: Leaf, channel: u32) -> vec2u {
     return ((vec2u(leaf.extents) >> vec2u(10u * channel, 10u * channel + 5u)) & vec2u(31u)) + 1u;
 }
@@ -1872,7 +1882,7 @@ fn transform_rows(local: u32, place: vec2u, level: u32, channel: u32, column_cou
         } else {
             let fine = keys_of_channels(vec3i(luma[turn], green[turn], value), fraction);
             let keys = (fine + ((1 << fraction) >> 1u)) >> vec3u(fraction);
-            put(4u * place.x + x, 4u * place.y + y, clamp(keys, vec3i(LEAST_KEY), vec3i(MOST_KEY)));
+            put(4u * place.x + x, 4u * place.y + y, clamp(keys, vec3i(MIN_KEY), vec3i(MAX_KEY)));
         }
     }
 }
@@ -1884,7 +1894,7 @@ fn clear_coefficients(local: u32, first: u32, extent: vec2u) {
     }
 }
 
-// Sets to 0 what the next frame expects to be 0.
+// Resets the fields that must be 0 before the next frame.
 fn clear_scratch(local: u32) {
     for (var at = local; at < 1088u; at += WORKGROUP) {
         scratch[region_slot].magnitudes[at] = 0u;
@@ -1927,24 +1937,25 @@ fn show_regions(
         }
     }
     if (workgroupUniformLoad(&next) != NEXT_END) {
-        // Reading did not end: the block that was being read has coefficients and is no leaf.
+        // Reading stopped early: the block that was being read has coefficients but is not in \`leaves\`.
         for (var at = local; at < 3072u; at += WORKGROUP) {
             scratch[region_slot].coefficients[at] = 0;
         }
     }
     clear_scratch(local);
 }
-`;var ln=`// The tree of blocks of a region (color.md 6.4), an invocation each. Mirrors src/color/transform/region.rs and
-// src/color/transform/blocks.rs. Reading takes several passes where it is long, and ends when all pixels of the frame are known.
+`;var ln=`// Reads the block tree of a region (color.md 6.4), one region per invocation. Mirrors src/color/transform/region.rs and
+// src/color/transform/blocks.rs. A long region takes several passes; reading ends when all pixels of the wanted frame are
+// known.
 
 const NODE_QUARTERS: u32 = 1u;
 const NODE_PARTS: u32 = 2u;
 const NODE_PALETTE: u32 = 3u;
 
-// Iterations after which a pass ends. Mesa's software Vulkan ends all loops of 8 invocations after 65535 iterations in all, a loop
-// that none of them enters counting one. A step counts its iterations and STEP_ITERATIONS, the number of loops in \`read_regions\`; the
-// longest, a frame of a palette, counts 2060. So 8 invocations take at most 8 * (4999 + 2060). The host counts passes by the same
-// numbers.
+// Iterations after which a pass ends. Mesa's software Vulkan terminates all loops of 8 invocations after 65535 iterations in
+// total, and a loop that none of them enters counts as one. A step counts its own iterations plus STEP_ITERATIONS, the number
+// of loops in \`read_regions\`; the longest step, a frame of a palette, counts 2060. So 8 invocations take at most 8 * (4999 +
+// 2060) iterations. The host counts passes with the same numbers.
 const PASS_ITERATIONS: u32 = 5000u;
 const STEP_ITERATIONS: u32 = 12u;
 
@@ -2006,7 +2017,7 @@ fn read_node() {
     }
 }
 
-// Counts the pixels of a block that shows the frame.
+// Subtracts the pixels of a block that shows the wanted frame; ends reading when none remain.
 fn count_shown(block: Block) {
     reader.pixels_left -= 16u << (2u * block.level);
     if (reader.pixels_left == 0u) {
@@ -2014,7 +2025,7 @@ fn count_shown(block: Block) {
     }
 }
 
-// Number of the wanted frame in a block; NONE if it shows others.
+// Returns the index of the wanted frame in a block; NONE if the block does not contain it.
 fn frame_in(block: Block) -> u32 {
     let frame = wanted_frame - block.frame;
     return select(NONE, frame, frame < block.frames);
@@ -2056,10 +2067,10 @@ fn read_regions(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
 `;var dn=`// BC4w blocks (depth.md 8). Mirrors src/depth/bc4w.rs. Needs \`stream\`.
 
 struct Bc4w {
-    // Endpoints of the sides A and B.
+    // 13-bit endpoints of sides A and B.
     a: vec2u,
     b: vec2u,
-    // x0, y0, x1, y1.
+    // Endpoints of the line: x0, y0, x1, y1.
     line: vec4i,
 }
 
@@ -2072,7 +2083,7 @@ fn bc4w_at(at: u32) -> Bc4w {
     return Bc4w(a, b, vec4i(line));
 }
 
-// The code of an index between two endpoints of 13 bits.
+// Returns the 16-bit code of a 3-bit index between two 13-bit endpoints.
 fn palette_code(endpoints: vec2u, index: u32) -> u32 {
     let d = (endpoints << vec2u(3u)) | (endpoints >> vec2u(10u));
     if (index == 0u) {
@@ -2093,7 +2104,7 @@ fn palette_code(endpoints: vec2u, index: u32) -> u32 {
     return ((6u - index) * d.x + (index - 1u) * d.y + 2u) / 5u;
 }
 
-// The code of pixel (x, y), both 0 to 7, of the block whose first word is at \`at\`.
+// Returns the code of pixel (x, y), both 0 to 7, of the block whose first word is at \`at\`.
 fn bc4w_code(block: Bc4w, at: u32, x: u32, y: u32) -> u32 {
     let bit = 24u * y + 3u * x;
     let shift = bit & 31u;
@@ -2127,21 +2138,21 @@ fn biquadratic_at(at: u32) -> Biquadratic {
     );
 }
 
-// The function at a pixel in Q14, wrapping.
+// Evaluates the function at a pixel, in Q14 with wrapping arithmetic.
 fn biquadratic_value(f: Biquadratic, x: i32, y: i32) -> i32 {
     let u = f.a0 + ((f.a2 * y + f.a3 * x + 128) >> 8u);
     let v = f.a1 + ((f.a4 * y + 128) >> 8u);
     return f.a5 + u * x + v * y;
 }
-`;var hn=`// Block tiles of boxes in blocks (depth.md 14): which block holds a pixel. Mirrors src/depth/block_tiles.rs; the table of boxes has
-// a row for each piece.
+`;var hn=`// Block tiles of block-compressed boxes (depth.md 14): finds the block that holds a pixel. Mirrors src/depth/block_tiles.rs;
+// the table of boxes has one row per piece.
 
-// Number of the block that holds a pixel of a piece, and of the pixel in it.
+// Returns the index of the block that holds a pixel of a piece, and the index of the pixel in that block.
 fn piece_block(row: BoxRow, x: u32, y: u32) -> vec2u {
     let columns = (row.width + 3u) / 4u;
     return vec2u(y / 4u * columns + x / 4u, y % 4u * 4u + x % 4u);
 }
-`;var mn=`// Block tiles in blocks of BC1 or as values (depth.md 14): \`impl Texel for [u8; 3]\` of src/depth/texel.rs. Needs
+`;var mn=`// Block tiles in BC1 blocks or as raw values (depth.md 14): \`impl Texel for [u8; 3]\` of src/depth/texel.rs. Needs
 // \`piece_block\`, \`word_at\`, \`stored_value\` and \`bc1_texel\`.
 
 fn box_value(row: BoxRow, x: u32, y: u32) -> u32 {
@@ -2152,7 +2163,7 @@ fn box_value(row: BoxRow, x: u32, y: u32) -> u32 {
     let at = row.at + 8u * place.x;
     return bc1_texel(vec2u(word_at(at), word_at(at + 4u)), place.y);
 }
-`;var pn=`// Block tiles in blocks of BC5 or as values (depth.md 14): \`impl Texel for u16\` of src/depth/texel.rs. Needs \`piece_block\`,
+`;var pn=`// Block tiles in BC5 blocks or as raw values (depth.md 14): \`impl Texel for u16\` of src/depth/texel.rs. Needs \`piece_block\`,
 // \`word_at\`, \`stored_value\` and \`bc5_texel\`.
 
 fn box_value(row: BoxRow, x: u32, y: u32) -> u32 {
@@ -2165,12 +2176,12 @@ fn box_value(row: BoxRow, x: u32, y: u32) -> u32 {
     // Red is the high byte.
     return ((texel & 255u) << 8u) | (texel >> 8u);
 }
-`;var bn=`// Boxes of values alone (depth.md 4). Needs \`stored_value\`.
+`;var bn=`// Boxes without block compression (depth.md 4). Needs \`stored_value\`.
 
 fn box_value(row: BoxRow, x: u32, y: u32) -> u32 {
     return stored_value(row, x, y);
 }
-`;var wn=`// From the value of a function to a code (arithmetic.md 6, 7). Mirrors src/depth/domain.rs. Needs \`log2_table\`.
+`;var wn=`// Converts the value of a modelling function to a code (arithmetic.md 6, 7). Mirrors src/depth/domain.rs. Needs \`log2_table\`.
 
 const BACKGROUND_CODE: u32 = 65535u;
 const FAR_CODE: u32 = 65534u;
@@ -2211,12 +2222,12 @@ fn inverse_code(unit: Unit, r: i32) -> u32 {
     return scaled(unit.base - min(unit.base, log), unit.scale);
 }
 
-// Q14 to Q8, to nearest.
+// Converts Q14 to Q8, rounding to nearest.
 fn q8(r: i32) -> i32 {
     return (r + 32) >> 6u;
 }
 
-// log2 in Q24.
+// Returns log2 in Q24.
 fn integer_log2(value: u32) -> u32 {
     let exponent = firstLeadingBit(value);
     let fraction = ((value << (31u - exponent)) << 1u) >> 9u;
@@ -2227,13 +2238,13 @@ fn integer_log2(value: u32) -> u32 {
     return (exponent << 24u) + low + (((high - low) * rest + 0x4000u) >> 15u);
 }
 
-// (log · scale + 2³¹) >> 32.
+// Returns (log · scale + 2³¹) >> 32, at most FAR_CODE.
 fn scaled(log: u32, scale: u32) -> u32 {
     let found = product(log, scale);
-    // Half of 2³² carries where the highest bit below is set.
+    // Adding 2³¹ carries into the high word if bit 31 of the low word is set.
     return min(found.y + (found.x >> 31u), FAR_CODE);
 }
-`;var gn=`// Platelets: two planes and a line (arithmetic.md 6). Mirrors src/depth/platelet.rs. Needs \`stream\`.
+`;var gn=`// Platelets: two planes divided by a line (arithmetic.md 6). Mirrors src/depth/platelet.rs. Needs \`stream\`.
 
 struct Plane {
     a0: i32,
@@ -2241,7 +2252,7 @@ struct Plane {
     a5: i32,
 }
 
-// The line's side test: B where the value is positive.
+// Side test of the line: a pixel is on side B if the value is positive.
 struct SideTest {
     start: i32,
     across: i32,
@@ -2275,7 +2286,7 @@ fn platelet_at(at: u32, level: u32) -> Platelet {
     return Platelet(plane_at(at), plane_at(at + 3u), side_test(stream[at + 6u], level));
 }
 
-// The function at a pixel in Q14, wrapping.
+// Evaluates the function at a pixel, in Q14 with wrapping arithmetic.
 fn platelet_value(f: Platelet, x: i32, y: i32) -> i32 {
     var side = f.a;
     if (f.test.start + f.test.across * x + f.test.down * y > 0) {
@@ -2283,8 +2294,8 @@ fn platelet_value(f: Platelet, x: i32, y: i32) -> i32 {
     }
     return side.a5 + side.a0 * x + side.a1 * y;
 }
-`;var yn=`// Which record each listed unit applies next, and how much work that is (depth.md 4). Mirrors
-// src/depth/record_table.rs, one step a dispatch.
+`;var yn=`// Plans depth units: the record that each listed unit applies next, and its amount of work (depth.md 4). A dispatch plans one
+// step per unit. Mirrors src/depth/record_table.rs.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> chunks: array<Chunk>;
@@ -2294,13 +2305,13 @@ fn platelet_value(f: Platelet, x: i32, y: i32) -> i32 {
 @group(0) @binding(5) var<storage, read_write> jobs: Jobs;
 @group(0) @binding(6) var<storage, read_write> dispatch: Dispatch;
 
-// Where a step ends, and the record there, if there is one.
+// Frame on which a step ends, and the record of that frame; NONE if it has no record.
 struct Landing {
     frame: u32,
     record: u32,
 }
 
-// The first record of a chunk whose frame is not below \`frame\`, counted from the chunk's first.
+// Returns the index in the chunk of the first record whose frame is at or after \`frame\`.
 fn records_below(chunk: Chunk, frame: u32) -> u32 {
     var low = 0u;
     var high = chunk.record_count;
@@ -2315,14 +2326,14 @@ fn records_below(chunk: Chunk, frame: u32) -> u32 {
     return low;
 }
 
-// Steps of at most \`window\` frames until one lands on a record, or on the target. A window of 0 leads there at once.
+// Steps by at most \`window\` frames until a step ends on a record or on the target. A window of 0 goes directly to the target.
 fn land(chunk: Chunk, start: u32, target_frame: u32, window: u32) -> Landing {
     var frame = start;
     while (frame < target_frame) {
         if (window == 0u) {
             frame = target_frame;
         } else {
-            // Steps that land on no record do nothing and are taken at once.
+            // Skips all steps that end on no record at once: they change nothing.
             let next = records_below(chunk, frame + 1u);
             var stop = target_frame;
             if (next < chunk.record_count) {
@@ -2351,7 +2362,7 @@ fn next_record(item: Item) -> u32 {
     } else {
         landing = Landing(0u, chunk.first_record);
     }
-    // Where nothing more is to come, the target is reached.
+    // If no further record follows, the target frame is reached.
     let more = land(chunk, landing.frame, item.frame, window);
     let frame = select(landing.frame, item.frame, more.record == NONE);
     states[item.unit] = State(item.key, frame, 0u);
@@ -2383,11 +2394,11 @@ fn plan_records(@builtin(local_invocation_index) local: u32) {
 }
 `;var _n=`// Records of boxes (depth.md 4). Mirrors src/depth/records.rs. Needs \`units\`, \`records\`, \`jobs\` and \`boxes\`.
 
-// The part of a box that an invocation writes.
+// The part of a box that one invocation writes.
 struct BoxPart {
     unit: u32,
     row: u32,
-    // Number of the part in its box.
+    // Index of the part in its box.
     part: u32,
 }
 
@@ -2412,10 +2423,10 @@ fn box_part(invocation: u32) -> BoxPart {
     }
     return BoxPart(job.unit, low, part - begin);
 }
-`;var vn=`// Nodes in the runtime form (depth.md 10; GDC 4, 5). Mirrors src/depth/runtime.rs and src/depth/nodes.rs.
+`;var vn=`// Decodes nodes in the runtime form (depth.md 10; GDC 4, 5). Mirrors src/depth/runtime.rs and src/depth/nodes.rs.
 //
-// An invocation decodes a part of 4x4 pixels. The parts of a record are numbered by level, node and, inside a node, row
-// by row; the counts of the header lead from the number to the node.
+// An invocation decodes a part of 4x4 pixels. The parts of a record are numbered by level, then by node, then row by row inside
+// a node. The node of a part follows from the node counts in the header.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;
@@ -2424,7 +2435,7 @@ fn box_part(invocation: u32) -> BoxPart {
 @group(0) @binding(4) var<storage, read> log2_table: array<u32>;
 @group(0) @binding(5) var<storage, read_write> pictures: array<u32>;
 
-// Writes four codes of a row, of which those that lie in the picture count.
+// Writes four codes of a row; skips those outside the picture.
 fn write_row(unit: Unit, x: u32, y: u32, codes: vec4u) {
     if (y >= unit.height) {
         return;
@@ -2439,7 +2450,7 @@ fn write_row(unit: Unit, x: u32, y: u32, codes: vec4u) {
     }
 }
 
-// Decodes the 4x4 pixels at \`corner\` of a node whose coefficients start at word \`at\` and whose first pixel is \`origin\`.
+// Decodes the 4x4 pixels at \`corner\` of the node whose first pixel is \`origin\` and whose coefficients start at word \`at\`.
 fn decode_part(unit: Unit, level: u32, at: u32, origin: vec2u, corner: vec2u) {
     let p = origin + corner;
     if (level == 0u) {
@@ -2508,7 +2519,7 @@ fn decode_nodes(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
     part &= (1u << (2u * level)) - 1u;
     let places_at = header + NODE_HEADER_WORDS;
     let place = stream[places_at + node / 2u] >> (16u * (node & 1u));
-    // Places take two bytes each, and what they take is a multiple of 16 bytes.
+    // Positions take two bytes each and are padded to a multiple of 16 bytes.
     let coefficients_at = places_at + (2u * stream[header] + 15u) / 16u * 4u + 8u * node;
     let origin = vec2u(place & 255u, (place >> 8u) & 255u) << vec2u(level + 2u);
     let corner = vec2u(part & ((1u << level) - 1u), part >> level) * 4u;
@@ -2516,8 +2527,8 @@ fn decode_nodes(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
 }
 `;var xn=`// Boxes of depth codes (depth.md 4). Mirrors \`impl Texel for u16\` of src/depth/texel.rs.
 //
-// An invocation writes a word: two codes, or the one of them that lies in the box. Another box of the record may hold the
-// other half of the word, so halves are written by operations that leave the rest alone. Needs \`box_value\`.
+// An invocation writes a word: two codes, or only the one inside the box. Another box of the record may write the other half of
+// the same word, so a single half is written with atomic bit operations. Needs \`box_value\`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;
@@ -2526,7 +2537,7 @@ fn decode_nodes(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
 @group(0) @binding(4) var<storage, read> stream: array<u32>;
 @group(0) @binding(5) var<storage, read_write> pictures: array<atomic<u32>>;
 
-// The code at column x and row y of a box of values.
+// Reads the code at column x and row y of a box that is not block-compressed.
 fn stored_value(row: BoxRow, x: u32, y: u32) -> u32 {
     if (row.coding == BOX_CONSTANT) {
         return half_at(row.at);
@@ -2567,8 +2578,8 @@ fn decode_codes(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
         atomicOr(&pictures[at], codes);
     }
 }
-`;var kn=`// Boxes of material (depth.md 4, 5). Mirrors \`impl Texel for [u8; 3]\` of src/depth/texel.rs. An invocation writes a
-// pixel. Needs \`box_value\`.
+`;var kn=`// Boxes of material (depth.md 4, 5). Mirrors \`impl Texel for [u8; 3]\` of src/depth/texel.rs. An invocation writes a pixel.
+// Needs \`box_value\`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;
@@ -2577,7 +2588,7 @@ fn decode_codes(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
 @group(0) @binding(4) var<storage, read> stream: array<u32>;
 @group(0) @binding(5) var<storage, read_write> pictures: array<u32>;
 
-// The pixel at column x and row y of a box of values, r | g << 8 | b << 16.
+// Reads the pixel at column x and row y of a box that is not block-compressed: r | g << 8 | b << 16.
 fn stored_value(row: BoxRow, x: u32, y: u32) -> u32 {
     var at = row.at;
     if (row.coding != BOX_CONSTANT) {
@@ -2599,19 +2610,19 @@ fn decode_material(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgr
     let y = found.part / row.width;
     pictures[unit.picture + (row.y + y) * unit.stride + row.x + x] = box_value(row, x, y);
 }
-`;var En=`// Occupancy of points: BetweenViewpointAndGeometry of algorithm 4 (CALF 6). Mirrors src/march/active_views.rs.
-// Needs \`project\`, \`inverse_depth_bits\` and what marched_views.wgsl has.
+`;var En=`// Occupancy of points: BetweenViewpointAndGeometry of algorithm 4 (CALF 6). Mirrors src/march/active_views.rs. Needs \`project\`,
+// \`inverse_depth_bits\` and the declarations of marched_views.wgsl.
 
-// How far texels that decide about a point reach beyond the one that contains it, in texels.
+// Reach in texels of the footprint around a point: all texels that contain a point within this distance decide its occupancy.
 const AROUND_REACH: f32 = 0.5 - 1.0 / 64.0;
 
 const EMPTY = 0u;
 const OCCUPIED = 1u;
 const NOT_KNOWN = 2u;
-// The smallest normal number.
+// Smallest positive normal float.
 const MIN_POSITIVE: f32 = 1.17549435e-38;
 
-// The last view that found a point empty is tested first.
+// The last view that found a point empty; it is tested first.
 var<private> empty_view: u32;
 
 fn to_probe(view: u32, direction: vec3<f32>) -> vec3<f32> {
@@ -2627,7 +2638,7 @@ fn nearest_inverse_depth(at: Projected) -> u32 {
     return inverse_depth_bits(at.face, min(vec2<u32>(max(at.at, vec2(0.0))), last));
 }
 
-// The greatest inverse depth of the texels that decide about a point.
+// Returns the maximum inverse depth of the texels in a point's footprint.
 fn footprint_inverse_depth(at: Projected) -> u32 {
     if (!is_around) {
         return nearest_inverse_depth(at);
@@ -2654,10 +2665,10 @@ fn occupancy(view: u32, point: vec3<f32>) -> u32 {
     let near = squared < views[view].near_m * views[view].near_m;
     let at = project(view, local);
     if (at.face == NO_FACE) {
-        // The centre itself has no direction.
+        // The centre of projection itself has no direction.
         return select(NOT_KNOWN, EMPTY, near && squared <= MIN_POSITIVE);
     }
-    // Within near, whatever the texels say.
+    // Points within near are empty regardless of the texels.
     if (near) {
         return EMPTY;
     }
@@ -2668,7 +2679,7 @@ fn occupancy(view: u32, point: vec3<f32>) -> u32 {
     return select(OCCUPIED, EMPTY, bitcast<f32>(surface) < at.inverse_depth);
 }
 
-// The view of this turn: \`empty_view\` has changed places with the first.
+// Returns the view to test in this turn: \`empty_view\` is swapped with the first view.
 fn view_of_turn(turn: u32) -> u32 {
     return view_at(select(select(turn, 0u, turn == empty_view), empty_view, turn == 0u));
 }
@@ -2698,15 +2709,14 @@ const HOLE_RAYS = 6u;
 const BACKGROUND_RAYS = 7u;
 const COUNTERS = 8u;
 
-// Of this invocation.
+// Counts of this invocation.
 var<private> counted: array<u32, COUNTERS>;
-`;var Tn=`// The light of a surface without secondary rays.
-// Needs \`light_of\`.
+`;var Rn=`// Radiance of a surface without secondary rays. Needs \`light_of\`.
 
 fn surface_light(ray: Ray, distance_m: f32, seen: Seen) -> vec3<f32> {
     return light_of(seen.color);
 }
-`;var An=`// What colour a point has: CalculateColor of algorithm 4 (CALF 6). Mirrors src/march/interpolate.rs. Needs \`project\`
+`;var An=`// Interpolates the colour of a point: CalculateColor of algorithm 4 (CALF 6). Mirrors src/march/interpolate.rs. Needs \`project\`
 // and \`local_of\`.
 
 const DEPTH_EPSILON: f32 = 0.02;
@@ -2719,17 +2729,17 @@ const NEARER: f32 = 1.105171;
 const DEPTH_CUT: f32 = 0.2;
 const CUT_WEIGHT: f32 = 0.001;
 
-// What views saw. \`difference\` is meant only where something was found.
+// Result of an interpolation over views. \`difference\` is only defined if \`found\`.
 struct Seen {
     found: bool,
-    // As it is coded: codes over 255, or light.
+    // As coded: codes over 255, or linear RGB.
     color: vec3<f32>,
     difference: f32,
     coverage: f32,
     alpha: f32,
 }
 
-// Four texels around a place, the first two above the others, with their weights.
+// The four texels around a position with their bilinear weights, the upper two first.
 struct Taps {
     texels: array<vec2<u32>, 4>,
     weights: vec4<f32>,
@@ -2738,7 +2748,7 @@ struct Taps {
 struct Sum {
     color: vec3<f32>,
     weight: f32,
-    // The weights of colours: times alpha.
+    // Sum of the weights times alpha: the weights of the colours.
     shown: f32,
     difference: f32,
 }
@@ -2766,7 +2776,7 @@ fn seen_of(sum: Sum) -> Seen {
     return Seen(sum.weight > 0.0, vec3(0.0), sum.difference, 1.0, 0.0);
 }
 
-// A sum with a texel by its weight.
+// Adds a texel to a sum.
 fn with_texel(before: Sum, color: vec4<f32>, weight: f32, difference: f32) -> Sum {
     let shown = weight * color.a;
     return Sum(
@@ -2777,7 +2787,7 @@ fn with_texel(before: Sum, color: vec4<f32>, weight: f32, difference: f32) -> Su
     );
 }
 
-// A sum with the texels of surfaces around a point in a view, by the share of the view.
+// Adds the surface texels around a point in a view to a sum, weighted by the view's share.
 fn with_view(before: Sum, view: u32, at: Projected, share: f32) -> Sum {
     var sum = before;
     var taps = taps_around(at.at, at.face);
@@ -2805,7 +2815,8 @@ fn surface_color(point: vec3<f32>) -> Seen {
     return seen_of(sum);
 }
 
-// The weight of a view for a point that the eye sees, by the angle between their rays and by resolution.
+// Returns the weight of a view for a point on a primary ray, from the angle between the eye ray and the view ray, and from
+// resolution.
 fn angle_weight(view: u32, point: vec3<f32>) -> f32 {
     let from_view = point - views[view].from_eye;
     let from_eye_m = length(point);
@@ -2816,7 +2827,7 @@ fn angle_weight(view: u32, point: vec3<f32>) -> f32 {
     return 1.0 / (angle + blur + ANGLE_EPSILON);
 }
 
-// The part of the weight of a view that its texels beside a nearer surface have; \`epsilon\` is that of the weight.
+// Returns the factor on the weight of a view's texels that are next to a nearer surface; \`epsilon\` is the ε used in \`weight\`.
 fn edge_part_of(view: u32, weight: f32, epsilon: f32, penalty: f32) -> f32 {
     if (!is_around || all(views[view].from_eye == vec3(0.0))) {
         return 1.0;
@@ -2829,7 +2840,7 @@ fn is_nearer(face: u32, texel: vec2<u32>, inverse_depth: f32) -> bool {
     return surface != UNKNOWN && bitcast<f32>(surface) > inverse_depth;
 }
 
-// Whether a surface with a greater inverse depth lies in a texel above, below, left or right of one.
+// True if one of the four adjacent texels shows a surface with a greater inverse depth.
 fn is_beside_nearer(face: u32, texel: vec2<u32>, inverse_depth: f32) -> bool {
     return (texel.x > 0u && is_nearer(face, texel - vec2(1u, 0u), inverse_depth))
         || (texel.x + 1u < faces[face].width && is_nearer(face, texel + vec2(1u, 0u), inverse_depth))
@@ -2845,7 +2856,7 @@ fn fit_weight(difference: f32) -> f32 {
     return max(weight - 1.0 / (DEPTH_CUT + DEPTH_EPSILON), CUT_WEIGHT * weight);
 }
 
-// The colour and coverage of a surface point that the eye sees.
+// Returns the colour, coverage and alpha of a surface point on a primary ray.
 fn seen_from_eye(point: vec3<f32>) -> Seen {
     var sum = EMPTY_SUM;
     var opaque = 0.0;
@@ -2919,10 +2930,10 @@ fn background_color(direction: vec3<f32>) -> Seen {
     }
     return seen_of(sum);
 }
-`;var Mn=`// Where a ray meets a surface: RayIntersection of algorithm 4 (CALF 6), testing every point. Mirrors
+`;var Mn=`// Intersection of a ray with a surface: RayIntersection of algorithm 4 (CALF 6), testing every point. Mirrors
 // src/march/intersect.rs. Needs \`is_surface\`.
 
-// The first step at which marching ends, or all of them.
+// Returns the first step at or after \`first\` that is on a surface; \`scene.distance_count\` if there is none.
 fn first_step(ray: Ray, first: u32) -> u32 {
     var at = first;
     while (at < scene.distance_count) {
@@ -2934,33 +2945,33 @@ fn first_step(ray: Ray, first: u32) -> u32 {
     }
     return at;
 }
-`;var Rn=`// What a primary ray shows: surfaces, one behind the other, each with its share, and the background. Mirrors src/march/layers.rs. Needs
-// \`first_step\`, \`refined\`, \`seen_from_eye\`, \`background_color\`, \`surface_light\` and \`light_of\`.
+`;var Tn=`// Follows a primary ray through successive surfaces, each with its share of the ray, to the background. Mirrors
+// src/march/layers.rs. Needs \`first_step\`, \`refined\`, \`seen_from_eye\`, \`background_color\`, \`surface_light\` and \`light_of\`.
 
-const LEAST_LAYER: f32 = 1.0 / 64.0;
+const MIN_LAYER: f32 = 1.0 / 64.0;
 const MAX_LAYERS = 8u;
 const MAX_EXITS = 64u;
 
-// What a ray shows. Mirrors src/march/samples.rs.
+// Result of a primary ray. Mirrors src/march/samples.rs.
 struct RaySample {
-    // Linear light, times \`share\`.
+    // Linear RGB times \`share\`.
     light: vec3<f32>,
-    // The part of the ray that has a colour.
+    // Fraction of the ray that has a colour.
     share: f32,
-    // Whether it first meets a surface that no view saw, or ends in nothing.
+    // True if the first surface is disoccluded in all views, or the ray ends without a colour.
     is_hole: bool,
 }
 
-// A ray on its way.
+// State of a ray on its way through layers.
 struct Rest {
     light: vec3<f32>,
     left: f32,
     layers: u32,
-    // Nearer surfaces do not show.
+    // Surfaces nearer than this are skipped.
     least_m: f32,
-    // Whether it is within a surface with alpha, which has shown.
+    // True while the ray is inside a surface with alpha that has been blended.
     is_within: bool,
-    // Whether a surface with alpha has shown.
+    // True if the ray has passed a surface with alpha.
     lets_through: bool,
 }
 
@@ -2986,7 +2997,7 @@ fn first_hits(ray: Ray) -> FirstHits {
     return hits;
 }
 
-// Shows a surface by its coverage and alpha.
+// Blends a surface by its coverage and alpha.
 fn show(before: Rest, ray: Ray, distance_m: f32, seen: Seen) -> Rest {
     var coverage = 1.0;
     if ((scene.refinements & REFINE_EDGES) != 0u) {
@@ -2994,14 +3005,14 @@ fn show(before: Rest, ray: Ray, distance_m: f32, seen: Seen) -> Rest {
     }
     let opacity = coverage * seen.alpha;
     var rest = before;
-    let has_alpha = seen.alpha <= 1.0 - LEAST_LAYER;
+    let has_alpha = seen.alpha <= 1.0 - MIN_LAYER;
     rest.lets_through = rest.lets_through || has_alpha;
-    rest.is_within = rest.is_within || (has_alpha && coverage > 1.0 - LEAST_LAYER);
-    if (opacity < LEAST_LAYER) {
+    rest.is_within = rest.is_within || (has_alpha && coverage > 1.0 - MIN_LAYER);
+    if (opacity < MIN_LAYER) {
         return rest;
     }
     var left = before.left * (1.0 - opacity);
-    if (before.layers + 1u == MAX_LAYERS || opacity > 1.0 - LEAST_LAYER || left < LEAST_LAYER) {
+    if (before.layers + 1u == MAX_LAYERS || opacity > 1.0 - MIN_LAYER || left < MIN_LAYER) {
         left = 0.0;
     }
     is_around = false;
@@ -3014,7 +3025,7 @@ fn show(before: Rest, ray: Ray, distance_m: f32, seen: Seen) -> Rest {
     return rest;
 }
 
-// What is left of a ray ends in nothing known.
+// Ends a ray whose remaining share has no colour.
 fn end_in_hole(rest: Rest, unseen: Seen) -> RaySample {
     if (rest.layers == 0u) {
         let share = select(0.0, 1.0, unseen.found);
@@ -3046,10 +3057,10 @@ fn follow(ray: Ray) -> RaySample {
         var at_m = hit.distance_m;
         var within = scene.tolerance;
         var is_inside = false;
-        // A surface before the near plane is cut away, and what is inside it.
+        // A surface that begins before the near plane is clipped, including its inside.
         let is_cut = at_m < near_m;
         rest.is_within = rest.is_within && at_m < rest.least_m;
-        // The first step behind the hit.
+        // Finds the first step behind the hit.
         var next = 0u;
         var above = scene.distance_count;
         while (next < above) {
@@ -3112,100 +3123,100 @@ fn follow(ray: Ray) -> RaySample {
     let ended = end_in_hole(rest, unseen);
     return RaySample(ended.light, ended.share, ended.is_hole || is_hole);
 }
-`;var Cn=`// Input of a picture, as src/gpu/render/scene.rs writes it; a test compares the two.
+`;var Cn=`// Input of a picture, written by src/gpu/render/scene.rs; a test compares the two.
 
 struct Scene {
-    // Forward, and right and down to the edges of the picture at distance 1.
+    // Camera axes: forward has length 1; right and down reach the edges of the picture at distance 1.
     forward: vec3<f32>,
     width: u32,
     right: vec3<f32>,
     height: u32,
     down: vec3<f32>,
-    // The first row of this dispatch.
+    // First row of this dispatch.
     first_row: u32,
-    // Rays in each row and column of a pixel.
+    // Number of rays in each row and column of a pixel.
     samples: u32,
     view_count: u32,
     distance_count: u32,
     refine: u32,
-    // A hit that differs more is disoccluded.
+    // A hit with a greater depth difference is disoccluded.
     tolerance: f32,
-    // What is shown of surfaces that no view saw: HOLES_BLANK, HOLES_NEAREST or HOLES_BEHIND.
+    // Rendering of disoccluded surfaces: HOLES_BLANK, HOLES_NEAREST or HOLES_BEHIND.
     holes: u32,
     coding: u32,
-    // Light of the brightest code.
+    // Linear value of the brightest code.
     gain: f32,
     max_bounces: u32,
-    // Rows of this dispatch.
+    // Number of rows of this dispatch.
     rows: u32,
-    // Rows of texels of the pyramid of an image: the power of two that its rows fit into.
+    // Height of an image's pyramid in texels: the image height rounded up to a power of two.
     pyramid_rows: u32,
-    // Points of a segment at most, a power of two; 1 where every point is tested.
+    // Maximum number of points in a segment, a power of two; 1 if every point is tested.
     longest_segment: u32,
-    // Points of the first segment.
+    // Number of points in the first segment.
     first_segment: u32,
-    // Proxies; their environment maps follow the active views.
+    // Number of proxies; their environment maps follow the active views in \`views\`.
     proxy_count: u32,
     // Clip planes of the camera: metres along its axis.
     near_m: f32,
     far_m: f32,
-    // The middle of the picture, in parts of \`right\` and \`down\`: 0 unless its window is off-axis.
+    // Centre of the picture in multiples of \`right\` and \`down\`; 0 unless the window is off-axis.
     middle: vec2<f32>,
     // Logarithm of the ratio of adjacent distances.
     log_step: f32,
-    // The view nearest to the eye.
+    // Index of the view nearest to the eye.
     nearest_view: u32,
-    // REFINE_ANGLES, REFINE_EDGES and REFINE_THIN.
+    // Set of REFINE_ANGLES, REFINE_EDGES and REFINE_THIN.
     refinements: u32,
-    // Whether a background is shown: BACKGROUND_OPAQUE or BACKGROUND_TRANSPARENT.
+    // Rendering of the background: BACKGROUND_OPAQUE or BACKGROUND_TRANSPARENT.
     background: u32,
     spare: vec2<f32>,
 }
 
 struct View {
-    // Metres, along the axes of the world.
+    // Vector from the eye to the view in metres, in world axes.
     from_eye: vec3<f32>,
-    // Of an environment map, the radius of the proxy.
+    // Near distance in metres; for an environment map, the radius of the proxy.
     near_m: f32,
-    // The columns of the matrix that turns directions of the world into those of the probe.
+    // Columns of the matrix that rotates world directions to probe axes.
     turn_x: vec3<f32>,
     camera_weight: f32,
     turn_y: vec3<f32>,
-    // Of all texels, or more than that.
+    // Upper bound of the inverse depths of all texels.
     greatest_inverse_depth: f32,
     turn_z: vec3<f32>,
-    // Of an environment map, how far from the surface of the proxy its points are, in metres.
+    // Environment maps only: maximum distance of a point from the proxy's surface, in metres.
     reach_m: f32,
     // Rows of \`faces\`, or NO_FACE.
     faces: array<u32, 8>,
 }
 
 struct Face {
-    // Where its texels begin in the textures, and the layer.
+    // Position of its first texel in the textures, and the layer.
     column: u32,
     row: u32,
     layer: u32,
     has_material: u32,
     width: u32,
     height: u32,
-    // Where its pyramid begins, in the same layer of other textures, and how many levels it has; 0: it proves nothing.
+    // Position of its pyramid, in the same layer of the pyramid texture, and the number of levels; 0 if it has no pyramid.
     pyramid_column: u32,
     pyramid_row: u32,
     levels: u32,
-    // Number of its face.
+    // Index of the cube face, or VIEW_FACE.
     number: u32,
     scale: vec2<f32>,
     centre: vec2<f32>,
-    // Whether the fourth component of its colours is alpha; else it is opaque.
+    // 1 if the fourth component of its colours is alpha; 0 if it is opaque.
     has_alpha: u32,
     spare: u32,
 }
 
-// No image of a view.
+// The view has no such image.
 const NO_FACE = 0xffffffffu;
-// The number of the image of a perspective probe.
+// Index of the image of a perspective probe.
 const VIEW_FACE = 6u;
-// Colours are linear light, codes of sRGB, or codes of light.
+// Coding of colours: linear RGB, sRGB codes, or linear codes.
 const CODING_LIGHT = 0u;
 const CODING_SRGB = 1u;
 const CODING_LINEAR = 2u;
@@ -3215,7 +3226,7 @@ const HOLES_NEAREST = 1u;
 const HOLES_BEHIND = 2u;
 const BACKGROUND_OPAQUE = 0u;
 const BACKGROUND_TRANSPARENT = 1u;
-// Bits.
+// Bit flags of \`refinements\`.
 const REFINE_ANGLES = 1u;
 const REFINE_EDGES = 2u;
 const REFINE_THIN = 4u;
@@ -3223,28 +3234,27 @@ const REFINE_THIN = 4u;
 @group(0) @binding(0) var<storage, read> scene: Scene;
 @group(0) @binding(1) var<storage, read> views: array<View>;
 @group(0) @binding(2) var<storage, read> faces: array<Face>;
-`;var On=`// Texels, and the projection of points into the images of a view (CALF 6). Mirrors \`View::project\` of
-// src/views/light_field.rs over src/image/texel_map.rs; tests/gpu/projection.rs compares the two.
+`;var On=`// Texels, and the projection of points into the images of a view (CALF 6). Mirrors \`View::project\` of src/views/light_field.rs
+// over src/image/texel_map.rs; tests/gpu/projection.rs compares the two.
 //
-// Inverse depths are read as the bits of their floats, so that what is unknown, +inf, is told without a float that is not
-// finite: shaders may take it that there is none.
+// Inverse depths are read as the bits of floats: +inf marks unknown texels, and shaders may assume that no float is infinite.
 
 @group(0) @binding(4) var inverse_depths: texture_2d_array<u32>;
 @group(0) @binding(5) var colors: texture_2d_array<f32>;
 
 const BACKGROUND = 0u;
 const UNKNOWN = 0x7f800000u;
-// Lengths below have no inverse that every device holds.
-const LEAST_INVERTIBLE_M: f32 = 1e-37;
+// The inverse of a smaller length is not representable on every device.
+const MIN_INVERTIBLE_M: f32 = 1e-37;
 
-// Where a point lies in an image; \`face\` is a row of \`faces\`, or NO_FACE.
+// Position of a point in an image; \`face\` is a row of \`faces\`, or NO_FACE.
 struct Projected {
     face: u32,
     at: vec2<f32>,
     inverse_depth: f32,
 }
 
-// Number of the face, u, v and planar depth of a point.
+// Index of the cube face, (u, v) at distance 1 before the division by depth, and planar depth of a point.
 struct CubePlace {
     face: u32,
     plane: vec2<f32>,
@@ -3268,7 +3278,7 @@ fn cube_face(x: vec3<f32>) -> CubePlace {
 const NOWHERE = Projected(NO_FACE, vec2(0.0), 0.0);
 
 fn project_to_view(from_probe: vec3<f32>, face: u32) -> Projected {
-    if (-from_probe.z < LEAST_INVERTIBLE_M) {
+    if (-from_probe.z < MIN_INVERTIBLE_M) {
         return NOWHERE;
     }
     let inverse_depth = 1.0 / -from_probe.z;
@@ -3288,7 +3298,7 @@ fn project(view: u32, from_probe: vec3<f32>) -> Projected {
     }
     let place = cube_face(from_probe);
     let face = views[view].faces[place.face];
-    if (face == NO_FACE || place.planar_m < LEAST_INVERTIBLE_M) {
+    if (face == NO_FACE || place.planar_m < MIN_INVERTIBLE_M) {
         return NOWHERE;
     }
     let scale = 1.0 / place.planar_m;
@@ -3296,27 +3306,27 @@ fn project(view: u32, from_probe: vec3<f32>) -> Projected {
     return Projected(face, at, scale);
 }
 
-// The bits of the inverse planar depth of a texel.
+// Returns the bits of a texel's inverse planar depth.
 fn inverse_depth_bits(face: u32, texel: vec2<u32>) -> u32 {
     let place = vec2(faces[face].column, faces[face].row) + texel;
     return textureLoad(inverse_depths, place, faces[face].layer, 0).r;
 }
 
-// The colour of a texel, codes over 255 or light, and its alpha.
+// Returns the colour of a texel, as codes over 255 or linear RGB, and its alpha.
 fn texel_color(face: u32, texel: vec2<u32>) -> vec4<f32> {
     let place = vec2(faces[face].column, faces[face].row) + texel;
     let color = textureLoad(colors, place, faces[face].layer, 0);
     return vec4(color.rgb, select(1.0, color.a, faces[face].has_alpha != 0u));
 }
-`;var Pn=`// The views that are marched: all active ones, or one alone: the nearest, or the environment map of a proxy.
+`;var Pn=`// Selects the views that are marched: all active views, or a single one (the nearest, or the environment map of a proxy).
 
 const ALL_VIEWS = 0xffffffffu;
 
-// The single view, or ALL_VIEWS.
+// Index of the single view, or ALL_VIEWS.
 var<private> alone: u32 = ALL_VIEWS;
-// Whether the texels around a point decide whether a view sees past it, in place of the one that contains it: of primary rays.
+// True for primary rays: a point's occupancy is decided by the texels around it rather than the one that contains it.
 var<private> is_around: bool = false;
-// Whether marching also ends where no view sees past a point, though none knows a surface there.
+// True if marching also ends at a point that is empty in no view but occupied in none either.
 var<private> until_unknown: bool = false;
 
 fn view_count() -> u32 {
@@ -3330,15 +3340,15 @@ fn view_at(number: u32) -> u32 {
 fn remember_empty(view: u32) {
     empty_view = select(empty_view, view, alone == ALL_VIEWS);
 }
-`;var Nn=`// The material of a surface point: SampleMaterial of algorithm 4 (CALF 6.1). Mirrors src/march/specular/material.rs.
-// Needs \`project\`, \`local_of\`, \`taps_around\` and \`DEPTH_EPSILON\`.
+`;var Nn=`// Interpolates the material of a surface point: SampleMaterial of algorithm 4 (CALF 6.1). Mirrors
+// src/march/specular/material.rs. Needs \`project\`, \`local_of\`, \`taps_around\` and \`DEPTH_EPSILON\`.
 
 @group(0) @binding(9) var materials: texture_2d_array<f32>;
 
-const LEAST_WEIGHT: f32 = 0.5 / 255.0;
+const MIN_WEIGHT: f32 = 0.5 / 255.0;
 const CLEAR: f32 = 0.95;
-// Indices of refraction that 8 bits reach.
-const LEAST_IOR: f32 = 1.0;
+// Range of refractive indices that an 8-bit code represents.
+const MIN_IOR: f32 = 1.0;
 const GREATEST_IOR: f32 = 3.0;
 
 struct Material {
@@ -3348,16 +3358,16 @@ struct Material {
     ior: f32,
 }
 
-const NO_MATERIAL = Material(false, 0.0, 0.0, LEAST_IOR);
+const NO_MATERIAL = Material(false, 0.0, 0.0, MIN_IOR);
 
-// Weights of reflection and refraction and the index of refraction, as they are coded, over 255.
+// Returns the weights of reflection and refraction and the refractive index, as codes over 255.
 fn texel_material(face: u32, texel: vec2<u32>) -> vec3<f32> {
     let place = vec2(faces[face].column, faces[face].row) + texel;
     return textureLoad(materials, place, faces[face].layer, 0).rgb;
 }
 
 fn surface_material(point: vec3<f32>) -> Material {
-    // Reflection, refraction, index times refraction, and the weight of all.
+    // Weighted sums of reflection, refraction, index times refraction, and the sum of the weights.
     var sum = vec4(0.0);
     for (var view = 0u; view < scene.view_count; view++) {
         let at = project(view, local_of(view, point));
@@ -3376,12 +3386,12 @@ fn surface_material(point: vec3<f32>) -> Material {
             sum += weight * vec4(coded.x, coded.y, coded.y * coded.z, 1.0);
         }
     }
-    if (!(sum.x + sum.y > LEAST_WEIGHT * sum.w)) {
+    if (!(sum.x + sum.y > MIN_WEIGHT * sum.w)) {
         return NO_MATERIAL;
     }
-    var ior = LEAST_IOR;
+    var ior = MIN_IOR;
     if (sum.y > 0.0) {
-        ior += sum.z / sum.y * (GREATEST_IOR - LEAST_IOR);
+        ior += sum.z / sum.y * (GREATEST_IOR - MIN_IOR);
     }
     let whole = max(sum.w, sum.x + sum.y);
     return Material(true, sum.x / whole, sum.y / whole, ior);
@@ -3391,7 +3401,7 @@ fn fresnel(direct: f32, ior: f32) -> f32 {
     let cosine = clamp(direct, 0.0, 1.0);
     let inside = sqrt(max(1.0 - (1.0 - cosine * cosine) / (ior * ior), 0.0));
     let sums = vec2(cosine + ior * inside, ior * cosine + inside);
-    // A grazing angle to an index of 1 reflects nothing.
+    // At grazing incidence with an index of 1 nothing is reflected.
     if (min(sums.x, sums.y) <= 0.0) {
         return 0.0;
     }
@@ -3407,20 +3417,20 @@ fn at_angle(material: Material, cosine: f32) -> Material {
     let reflected = whole * fresnel(cosine, material.ior);
     return Material(true, reflected, whole - reflected, material.ior);
 }
-`;var Ln=`// Normal and curvature of a surface point, from the depths around it (CALF 6.1). Mirrors src/march/specular/normal.rs. Needs \`project\`,
-// \`local_of\`, \`texel_material\` and \`DEPTH_EPSILON\`.
+`;var Fn=`// Estimates the normal and curvature of a surface point from the depths around it (CALF 6.1). Mirrors
+// src/march/specular/normal.rs. Needs \`project\`, \`local_of\`, \`texel_material\` and \`DEPTH_EPSILON\`.
 
 const SAME_SURFACE: f32 = 0.02;
-const MOST_REACH: i32 = 2;
+const MAX_REACH: i32 = 2;
 const FIT: f32 = 0.01;
 const SAME_PATCH: f32 = 0.03;
 const SAME_MATERIAL: i32 = 64;
-// No inverse depth of the surface.
+// The texel has no inverse depth on this surface.
 const NO_TEXEL: f32 = -1.0;
-// Lengths below have no direction.
-const LEAST_LENGTH: f32 = 1e-30;
+// A shorter vector has no direction.
+const MIN_LENGTH: f32 = 1e-30;
 
-// \`curvature\` is meant only where \`bends\` says so.
+// \`curvature\` is only defined if \`bends\`.
 struct Patch {
     found: bool,
     bends: bool,
@@ -3444,14 +3454,14 @@ struct Fit {
     c: array<f32, 6>,
 }
 
-// The texels around one; \`solid\` is -1 where there is no material.
+// Neighbourhood of a texel; \`solid\` is -1 if there is no material.
 struct Around {
     face: u32,
     texel: vec2<u32>,
     solid: i32,
 }
 
-// The surface in one view, in its own axes.
+// Surface patch in one view, in the view's axes.
 struct LocalPatch {
     found: bool,
     bends: bool,
@@ -3496,7 +3506,7 @@ fn solid_of(face: u32, texel: vec2<u32>) -> i32 {
     return i32(weights.x) + i32(weights.y);
 }
 
-// Inverse depth of a neighbour that may belong to the same surface, or NO_TEXEL.
+// Returns the inverse depth of a neighbour that may belong to the same surface, or NO_TEXEL.
 fn texel_around(around: Around, x: i32, y: i32) -> f32 {
     let place = vec2<i32>(around.texel) + vec2(x, y);
     if (any(place < vec2(0)) || place.x >= i32(faces[around.face].width) || place.y >= i32(faces[around.face].height)) {
@@ -3525,7 +3535,7 @@ fn fit_slope(fit: Fit, at: vec2<f32>) -> vec2<f32> {
 
 const NO_FIT = Fit(false, false, array(0.0, 0.0, 0.0, 0.0, 0.0, 0.0));
 
-// Least squares of the second degree over a whole square of texels.
+// Fits a quadratic polynomial by least squares to a complete square of texels.
 fn bent(around: Around, reach: i32) -> Fit {
     let side = f32(2 * reach + 1);
     // Sums of x² and of (x² − mean)² over a row.
@@ -3578,7 +3588,7 @@ fn bent(around: Around, reach: i32) -> Fit {
     return fit;
 }
 
-// A plane through the middle of 3 x 3 texels, fitted to those that are near enough to it.
+// Fits a plane through the centre of 3 x 3 texels to those with a similar inverse depth.
 fn flat_fit(around: Around) -> Fit {
     let middle = texel_around(around, 0, 0);
     var squares = vec3(0.0);
@@ -3609,7 +3619,7 @@ fn fit_around(face: u32, texel: vec2<u32>) -> Fit {
     if (texel_around(around, 0, 0) < 0.0) {
         return NO_FIT;
     }
-    for (var reach = MOST_REACH; reach >= 1; reach--) {
+    for (var reach = MAX_REACH; reach >= 1; reach--) {
         let fit = bent(around, reach);
         if (fit.found) {
             return fit;
@@ -3618,12 +3628,12 @@ fn fit_around(face: u32, texel: vec2<u32>) -> Fit {
     return flat_fit(around);
 }
 
-// Coordinates at distance 1 of a place in texels from the centre of a texel.
+// Returns the coordinates at distance 1 of an offset in texels from the centre of a texel.
 fn plane_at(face: u32, texel: vec2<u32>, offset: vec2<f32>) -> vec2<f32> {
     return (vec2<f32>(texel) + 0.5 + offset - faces[face].centre) / faces[face].scale;
 }
 
-// The normal of a fit, of length 1, or 0.
+// Returns the unit normal of a fit; 0 if it is degenerate.
 fn fit_normal(fit: Fit, face: u32, texel: vec2<u32>, offset: vec2<f32>) -> vec3<f32> {
     let plane = plane_at(face, texel, offset);
     let by = fit_slope(fit, offset) * faces[face].scale;
@@ -3631,14 +3641,14 @@ fn fit_normal(fit: Fit, face: u32, texel: vec2<u32>, offset: vec2<f32>) -> vec3<
     let axes = face_axes(faces[face].number);
     let normal = -(by.x * axes.right + by.y * axes.down + ahead * axes.forward);
     let size = length(normal);
-    return select(vec3(0.0), normal / max(size, LEAST_LENGTH), size > LEAST_LENGTH);
+    return select(vec3(0.0), normal / max(size, MIN_LENGTH), size > MIN_LENGTH);
 }
 
 fn fit_point(fit: Fit, face: u32, texel: vec2<u32>, offset: vec2<f32>) -> vec3<f32> {
     let plane = plane_at(face, texel, offset);
     let axes = face_axes(faces[face].number);
     let value = fit_value(fit, offset);
-    return (axes.forward + plane.x * axes.right + plane.y * axes.down) / select(value, LEAST_LENGTH, abs(value) < LEAST_LENGTH);
+    return (axes.forward + plane.x * axes.right + plane.y * axes.down) / select(value, MIN_LENGTH, abs(value) < MIN_LENGTH);
 }
 
 fn patch_of_view(view: u32, local: vec3<f32>) -> LocalPatch {
@@ -3655,13 +3665,13 @@ fn patch_of_view(view: u32, local: vec3<f32>) -> LocalPatch {
         return none;
     }
     let value = fit_value(fit, offset);
-    // A fit may fall below 0 beside its texels.
-    let difference = select(1e30, abs(log(max(value, LEAST_LENGTH) / at.inverse_depth)), value > 0.0);
+    // A fit may be negative away from the texel centre.
+    let difference = select(1e30, abs(log(max(value, MIN_LENGTH) / at.inverse_depth)), value > 0.0);
     if (!(difference <= SAME_SURFACE)) {
         return none;
     }
     let normal = fit_normal(fit, at.face, texel, offset);
-    let facing = -dot(normal, local / max(length(local), LEAST_LENGTH));
+    let facing = -dot(normal, local / max(length(local), MIN_LENGTH));
     if (!(facing > 0.0)) {
         return none;
     }
@@ -3677,12 +3687,12 @@ fn patch_of_view(view: u32, local: vec3<f32>) -> LocalPatch {
         turned += dot(along, b - a);
         moved += dot(along, along);
     }
-    bends = bends && moved > LEAST_LENGTH;
+    bends = bends && moved > MIN_LENGTH;
     let texel_m = 1.0 / (at.inverse_depth * min(abs(faces[at.face].scale.x), abs(faces[at.face].scale.y)));
-    return LocalPatch(true, bends, normal, turned / max(moved, LEAST_LENGTH), texel_m, difference, facing);
+    return LocalPatch(true, bends, normal, turned / max(moved, MIN_LENGTH), texel_m, difference, facing);
 }
 
-// From the axes of a probe to those of the world.
+// Rotates a direction from probe axes to world axes.
 fn from_probe(view: u32, direction: vec3<f32>) -> vec3<f32> {
     return vec3(
         dot(views[view].turn_x, direction),
@@ -3714,14 +3724,15 @@ fn patch_at(point: vec3<f32>) -> Patch {
         }
     }
     let size = length(normal);
-    if (size <= LEAST_LENGTH) {
+    if (size <= MIN_LENGTH) {
         return NO_PATCH;
     }
     let bends = bent_weight > 0.0;
     return Patch(true, bends, normal / size, curvature / select(1.0, bent_weight, bends), texel_m);
 }
-`;var Fn=`// The greatest inverse depths of squares of texels, level by level: \`DepthPyramid::update\` of src/march/pyramid.rs. An
-// invocation writes a square; inverse depths are compared as bits, as none is below 0. Needs \`job_of\`.
+`;var Un=`// Computes the maximum inverse depths of squares of texels, one pyramid level per dispatch: \`DepthPyramid::update\` of
+// src/march/pyramid.rs. An invocation writes one square. Inverse depths are never negative, so their bits compare as integers.
+// Needs \`job_of\`.
 
 @group(0) @binding(0) var<storage, read> jobs: PyramidJobs;
 @group(0) @binding(1) var<storage, read_write> planes: array<u32>;
@@ -3744,17 +3755,17 @@ fn write_squares(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
     }
     planes[job.output + at.y * job.pitch + at.x] = min(greatest, job.limit);
 }
-`;var Un=`// A ray in metres from the eye, and the distances of its samples. Mirrors src/march/ray.rs.
+`;var Ln=`// Rays, in metres from the eye, and the distances of their samples. Mirrors src/march/ray.rs.
 
 @group(0) @binding(3) var<storage, read> distances_m: array<f32>;
 
 struct Ray {
     origin: vec3<f32>,
-    // Of length 1.
+    // Unit vector.
     direction: vec3<f32>,
 }
 
-// Where a ray meets a surface, if it does.
+// First intersection of a ray with a surface, if any.
 struct Hit {
     found: bool,
     distance_m: f32,
@@ -3765,35 +3776,35 @@ fn point_at(ray: Ray, distance_m: f32) -> vec3<f32> {
 }
 
 const GROWTH: f32 = 0.125;
-const MOST_BEFORE_STEPS = 64u;
+const MAX_BEFORE_STEPS = 64u;
 
-// The next distance of a ray that starts in a surface, and of a step its number.
+// Next distance of a ray that starts on a surface; if it is a step, its index follows from \`step\`.
 struct FromSurface {
     distance_m: f32,
-    // Of the next step.
+    // Index of the next step.
     step: u32,
     is_step: bool,
-    // Distances before the steps.
+    // Number of distances before the first step.
     before: u32,
 }
 
 const IN_SURFACE = FromSurface(0.0, 0u, false, 0u);
 
-// \`Steps::off_surface\`: texels before the first step, then the steps. There must be another one.
+// \`Steps::off_surface\`: texel-sized intervals before the first step, then the steps. Requires that a step remains.
 fn next_from_surface(last: FromSurface, texel_m: f32) -> FromSurface {
     let next_m = last.distance_m + max(texel_m, GROWTH * last.distance_m);
-    if (!last.is_step && last.before < MOST_BEFORE_STEPS && next_m < distances_m[0]) {
+    if (!last.is_step && last.before < MAX_BEFORE_STEPS && next_m < distances_m[0]) {
         return FromSurface(next_m, 0u, false, last.before + 1u);
     }
     return FromSurface(distances_m[last.step], last.step + 1u, true, last.before);
 }
 
-// Where a ray meets a surface, from the step \`first\` on: nearer points count as empty. Needs \`first_step\`.
+// Returns the first hit of a ray at or after step \`first\`; nearer points count as empty. Needs \`first_step\`.
 fn intersect_from(ray: Ray, first: u32) -> Hit {
     return refined(ray, first_step(ray, first));
 }
 
-// The hit in the interval that ends at a step, if it is one.
+// Returns the refined hit in the interval that ends at a step; none if \`step\` is past the last one.
 fn refined(ray: Ray, step: u32) -> Hit {
     if (step >= scene.distance_count) {
         return Hit(false, 0.0);
@@ -3802,7 +3813,7 @@ fn refined(ray: Ray, step: u32) -> Hit {
     return Hit(true, refine(ray, before_m, distances_m[step], scene.refine));
 }
 
-// Bisects the interval in which a surface begins; returns its end that is in the surface. Needs \`is_surface\`.
+// Bisects the interval in which a surface begins; returns the end of the interval that is on the surface. Needs \`is_surface\`.
 fn refine(ray: Ray, from_m: f32, to_m: f32, times: u32) -> f32 {
     var empty_m = from_m;
     var surface_m = to_m;
@@ -3817,25 +3828,25 @@ fn refine(ray: Ray, from_m: f32, to_m: f32, times: u32) -> f32 {
     }
     return surface_m;
 }
-`;var Bn=`// Rendering from any eye: Main of algorithm 4 (CALF 6). Mirrors src/march/render.rs.
+`;var In=`// Renders from any eye: Main of algorithm 4 (CALF 6). Mirrors src/march/render.rs.
 //
-// An invocation makes a pixel. Counts are summed over a workgroup. Needs \`follow\`.
+// An invocation renders a pixel. Counters are summed over a workgroup. Needs \`follow\`.
 
 @group(0) @binding(6) var<storage, read_write> pixels: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> counts: array<u32>;
 
-// Rows and columns of pixels of a workgroup.
+// Width and height of a workgroup in pixels.
 const TILE = 8u;
 
 var<workgroup> group_counts: array<atomic<u32>, COUNTERS>;
 
-// The alpha of a pixel whose loops the device ended.
+// Alpha of a pixel whose loops were terminated by the device.
 const GIVEN_UP: f32 = -1.0;
 const EDGE_CONTRAST: f32 = 0.1;
 const EDGE_BLACK: f32 = 0.02;
 
-// Whether a ray of a pixel is one of the first: those of the corners of the grid and of its middle, or of up to two rows all. Mirrors
-// src/march/samples.rs.
+// True if a ray of a pixel belongs to the first pass: the corners and the centre of the grid; all rays of a grid of at most two
+// rows. Mirrors src/march/samples.rs.
 fn is_first(place: vec2<u32>) -> bool {
     let last = scene.samples - 1u;
     let is_corner = (place.x == 0u || place.x == last) && (place.y == 0u || place.y == last);
@@ -3843,7 +3854,7 @@ fn is_first(place: vec2<u32>) -> bool {
 }
 
 fn render_pixel(x: u32, y: u32) -> vec4<f32> {
-    // Light and alpha, and their least and greatest.
+    // Sum, minimum and maximum of RGB and alpha.
     var sum = vec4(0.0);
     var least = vec4(1e30);
     var greatest = vec4(-1e30);
@@ -3892,7 +3903,7 @@ fn render(
     let y = scene.first_row + id.y;
     if (id.x < scene.width && id.y < scene.rows) {
         let pixel = render_pixel(id.x, y);
-        // Devices that end loops which take long, as software ones do, end this one too.
+        // Detects devices that terminate long loops, as software devices do: they terminate this loop too.
         var turns = 0u;
         while (turns < scene.samples) {
             turns++;
@@ -3908,21 +3919,22 @@ fn render(
         counts[(row * groups.x + group.x) * COUNTERS + local] = atomicLoad(&group_counts[local]);
     }
 }
-`;var Dn=`// Secondary rays of reflective and refractive surfaces: CalculateColor_RR of algorithm 4 (CALF 6.1). Mirrors src/march/specular/secondary_rays.rs.
+`;var Bn=`// Secondary rays of reflective and refractive surfaces: CalculateColor_RR of algorithm 4 (CALF 6.1). Mirrors
+// src/march/specular/secondary_rays.rs.
 //
-// In place of diffuse.wgsl. WGSL has no recursion: surfaces whose light is not divided yet wait on a stack. Needs
-// \`surface_material\`, \`patch_at\`, \`pass_through\`, \`intersect_from\`, \`surface_color\`, \`with_view\`, \`background_color\`, \`light_of\`, and what
-// active_views.wgsl has.
+// Replaces diffuse.wgsl. WGSL has no recursion, so surfaces that are still to be shaded are kept on a stack. Needs
+// \`surface_material\`, \`patch_at\`, \`pass_through\`, \`intersect_from\`, \`surface_color\`, \`with_view\`, \`background_color\`,
+// \`light_of\`, and the declarations of active_views.wgsl.
 
-const LEAST_SHARE: f32 = 1.0 / 256.0;
+const MIN_SHARE: f32 = 1.0 / 256.0;
 const LIFT_TEXELS: f32 = 1.0;
 const HIDDEN_TEXELS: f32 = 12.0;
 const RECORDED_SINE: f32 = 0.05;
 const SETTLE_TIMES = 8u;
-// Pending surfaces. One has at most four secondary rays, so eight bounces take no more than 25.
-const MOST_PENDING = 32u;
+// Capacity of the stack. A surface has at most four secondary rays, so eight bounces need at most 25 entries.
+const MAX_PENDING = 32u;
 
-// A surface hit, in linear light, whose share of a pixel is not divided yet.
+// A surface hit that is still to be shaded; \`light\` is linear RGB.
 struct Pending {
     point: vec3<f32>,
     direction: vec3<f32>,
@@ -3937,7 +3949,7 @@ struct Recorded {
 }
 
 const FOUND_NOTHING = 0u;
-// Light without further rays.
+// Radiance that needs no further rays.
 const FOUND_LIGHT = 1u;
 const FOUND_SURFACE = 2u;
 
@@ -3947,10 +3959,10 @@ struct Found {
     light: vec3<f32>,
 }
 
-var<private> pending: array<Pending, MOST_PENDING>;
+var<private> pending: array<Pending, MAX_PENDING>;
 var<private> pending_count: u32;
 
-// How a ray leaves the surface where it starts: it meets another one, or is in empty space at the step \`first\`.
+// Result of leaving the surface at a ray's origin: a hit on another surface, or empty space at step \`first\`.
 struct Departure {
     found: bool,
     hit: Hit,
@@ -3979,7 +3991,7 @@ fn leave_surface(ray: Ray, texel_m: f32) -> Departure {
     return Departure(false, Hit(false, 0.0), 0u);
 }
 
-// The proxy whose environment map is \`around\`; none of ALL_VIEWS.
+// Returns the proxy whose environment map is \`around\`; none for ALL_VIEWS.
 fn proxy_of(around: u32) -> Sphere {
     if (around == ALL_VIEWS) {
         return Sphere(false, vec3(0.0), 0.0);
@@ -3987,7 +3999,7 @@ fn proxy_of(around: u32) -> Sphere {
     return Sphere(true, views[around].from_eye, views[around].near_m);
 }
 
-// The environment map of the proxy whose surface contains a point, or ALL_VIEWS.
+// Returns the environment map of the proxy whose surface contains a point, or ALL_VIEWS.
 fn around_of(point: vec3<f32>) -> u32 {
     for (var at = 0u; at < scene.proxy_count; at++) {
         let sphere = proxy_of(scene.view_count + at);
@@ -3998,7 +4010,7 @@ fn around_of(point: vec3<f32>) -> u32 {
     return ALL_VIEWS;
 }
 
-// The surface at a hit, and the environment map of its proxy.
+// The surface at a hit, and the environment map of its proxy or ALL_VIEWS.
 struct Front {
     surface: Patch,
     point: vec3<f32>,
@@ -4012,14 +4024,14 @@ fn front_of(met: Ray, is_glass: bool) -> Front {
         let entry = entry_of(sphere, met);
         let outwards = entry.point - sphere.centre;
         let size = length(outwards);
-        if (entry.found && size > LEAST_LENGTH) {
+        if (entry.found && size > MIN_LENGTH) {
             return Front(Patch(true, true, outwards / size, 1.0 / sphere.radius_m, 0.0), entry.point, around);
         }
     }
     return Front(patch_at(met.origin), met.origin, ALL_VIEWS);
 }
 
-// \`around\` is the environment map of the proxy that the ray leaves, or ALL_VIEWS.
+// Traces a secondary ray. \`around\` is the environment map of the proxy that the ray leaves, or ALL_VIEWS.
 fn trace(ray: Ray, texel_m: f32, around: u32) -> Found {
     let nothing = Found(FOUND_NOTHING, vec3(0.0), vec3(0.0));
     counted[SECONDARY_RAYS]++;
@@ -4048,7 +4060,7 @@ fn trace(ray: Ray, texel_m: f32, around: u32) -> Found {
     if (seen.found && seen.difference <= scene.tolerance) {
         return Found(FOUND_SURFACE, point, light_of(seen.color));
     }
-    // Hidden from all views, but seen through the solid.
+    // No view sees the point directly, but one may see it through the solid.
     if (around != ALL_VIEWS) {
         alone = around;
         let through = surface_color(point);
@@ -4060,9 +4072,9 @@ fn trace(ray: Ray, texel_m: f32, around: u32) -> Found {
     return nothing;
 }
 
-// The light that a ray found; that of a surface stays pending.
+// Returns the radiance of a traced ray times its share; pushes a surface onto the stack and returns 0 for it.
 fn take(found: Found, direction: vec3<f32>, share: f32, bounces: u32) -> vec3<f32> {
-    if (found.kind == FOUND_SURFACE && pending_count < MOST_PENDING) {
+    if (found.kind == FOUND_SURFACE && pending_count < MAX_PENDING) {
         pending[pending_count] = Pending(found.point, direction, found.light, share, bounces - 1u);
         pending_count++;
         return vec3(0.0);
@@ -4070,8 +4082,8 @@ fn take(found: Found, direction: vec3<f32>, share: f32, bounces: u32) -> vec3<f3
     return share * found.light;
 }
 
-// What views recorded of a point that look in nearly the eye's direction, and its share of the light: 1 where one looks in that
-// direction, 0 where all differ by RECORDED_SINE or more.
+// Returns the radiance recorded by views whose direction to a point is close to the eye's, and its share: 1 for a view in the
+// same direction, 0 if the sine of the angle is RECORDED_SINE or more for all views.
 fn recorded_of(point: vec3<f32>) -> Recorded {
     var greatest = 0.0;
     var sum = EMPTY_SUM;
@@ -4103,7 +4115,7 @@ fn recorded_of(point: vec3<f32>) -> Recorded {
     return Recorded(greatest * greatest * (3.0 - 2.0 * greatest), light_of(seen.color));
 }
 
-// A point that the eye sees, moved on along its ray to where the texels that contain it say that the surface is.
+// Moves a hit of a primary ray along the ray to the surface of the texels that contain it.
 fn on_texels(point: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
     let from_m = length(point);
     let behind_m = from_m * exp(HOLE_DIFFERENCE);
@@ -4115,7 +4127,7 @@ fn on_texels(point: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
     return point_at(ray, refine(ray, from_m, behind_m, SETTLE_TIMES));
 }
 
-// Divides the share of a surface among its secondary rays.
+// Splits the share of a surface among its secondary rays.
 fn divide(next: Pending) -> vec3<f32> {
     let whole = next.share * next.light;
     if (next.bounces == 0u) {
@@ -4126,7 +4138,7 @@ fn divide(next: Pending) -> vec3<f32> {
     if (!seen.found) {
         return whole;
     }
-    // The eye's own rays; what others meet is seen from elsewhere.
+    // Only hits of eye rays use recorded radiance; secondary rays arrive from other directions.
     var seen_there = Recorded(0.0, vec3(0.0));
     var point = next.point;
     if (next.bounces == scene.max_bounces) {
@@ -4138,7 +4150,7 @@ fn divide(next: Pending) -> vec3<f32> {
     let recorded = next.share * seen_there.share * seen_there.light;
     let share = next.share - next.share * seen_there.share;
     let rest = recorded + share * next.light;
-    if (share < LEAST_SHARE) {
+    if (share < MIN_SHARE) {
         return rest;
     }
     counted[NORMAL_EVALS]++;
@@ -4150,10 +4162,10 @@ fn divide(next: Pending) -> vec3<f32> {
     }
     let material = at_angle(seen, cosine);
     var exits: array<Exit, MAX_INSIDE>;
-    if (share * material.refract >= LEAST_SHARE) {
+    if (share * material.refract >= MIN_SHARE) {
         exits = pass_through(Ray(at_point.point, next.direction), front, material.ior, proxy_of(at_point.around));
     }
-    // Refracted rays, then the reflected one, in one loop: drivers inline functions at each call.
+    // One loop for the refracted rays and the reflected one, because drivers inline functions at each call.
     var light = vec3(0.0);
     var left = share;
     for (var at = 0u; at <= MAX_INSIDE; at++) {
@@ -4164,7 +4176,7 @@ fn divide(next: Pending) -> vec3<f32> {
             ray = exits[at].ray;
             part = share * material.refract * exits[at].part;
         }
-        if (part < LEAST_SHARE) {
+        if (part < MIN_SHARE) {
             continue;
         }
         let found = trace(ray, front.texel_m, at_point.around);
@@ -4186,24 +4198,24 @@ fn surface_light(ray: Ray, distance_m: f32, seen: Seen) -> vec3<f32> {
     }
     return light;
 }
-`;var In=`// Marching over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4). Mirrors
-// src/march/segments.rs. Needs \`occupancy\` and \`refine\`.
+`;var Dn=`// Marches over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4). Mirrors src/march/segments.rs.
+// Needs \`occupancy\` and \`refine\`.
 
 @group(0) @binding(8) var pyramids: texture_2d_array<u32>;
 
 const ROUNDING: f32 = 1.0 / 1048576.0;
 const SURELY_BELOW_ONE: f32 = 1.0 - ROUNDING;
-const LEAST_M: f32 = 1e-18;
+const MIN_M: f32 = 1e-18;
 
-// A point in the plane at depth 1 of a face; \`face\` is its number, or NO_FACE behind a perspective view.
+// A point in the plane at depth 1 of a face; \`face\` is its index, or NO_FACE behind a perspective view.
 struct PlanePlace {
     face: u32,
-    // Before the division by the planar depth.
+    // Before the division by \`planar_m\`.
     plane: vec2<f32>,
     planar_m: f32,
 }
 
-// The bits of the greatest inverse depth of the texels from one to another, or of somewhat more of them.
+// Returns the bits of an upper bound of the inverse depths in a rectangle of texels, corners included.
 fn greatest_between(face: u32, low: vec2<u32>, high: vec2<u32>) -> u32 {
     let extent = max(high.x - low.x, high.y - low.y);
     let level = select(firstLeadingBit(extent), 0u, extent == 0u);
@@ -4213,7 +4225,7 @@ fn greatest_between(face: u32, low: vec2<u32>, high: vec2<u32>) -> u32 {
     var greatest = 0u;
     let first = low >> vec2(level);
     let last = high >> vec2(level);
-    // Levels lie below each other: half of the rows, a quarter, and so on.
+    // Levels are stored below each other: half of the rows, a quarter, and so on.
     let rows = scene.pyramid_rows;
     let above = vec2(faces[face].pyramid_column, faces[face].pyramid_row + rows - (rows >> (max(level, 1u) - 1u)));
     for (var row = first.y; row <= last.y; row++) {
@@ -4242,7 +4254,7 @@ fn greatest_coordinate(x: vec3<f32>) -> f32 {
 }
 
 fn is_segment_empty(view: u32, from_point: vec3<f32>, to_point: vec3<f32>, reach_m: f32) -> bool {
-    let error_m = ROUNDING * (reach_m + greatest_coordinate(views[view].from_eye)) + LEAST_M;
+    let error_m = ROUNDING * (reach_m + greatest_coordinate(views[view].from_eye)) + MIN_M;
     let a_local = local_of(view, from_point);
     let b_local = local_of(view, to_point);
     let all_m = max(greatest_coordinate(a_local), greatest_coordinate(b_local)) + 2.0 * error_m;
@@ -4285,22 +4297,22 @@ fn is_segment_empty(view: u32, from_point: vec3<f32>, to_point: vec3<f32>, reach
     return greatest != UNKNOWN && bitcast<f32>(greatest) * farthest_m < SURELY_BELOW_ONE;
 }
 
-// The first step at which marching ends, or all of them. Mirrors src/march/segments.rs.
+// Returns the step at which marching ends; \`scene.distance_count\` if the ray hits nothing. Mirrors src/march/segments.rs.
 fn first_step(ray: Ray, first: u32) -> u32 {
     let count = scene.distance_count;
     let origin = greatest_coordinate(ray.origin);
     let direction = greatest_coordinate(ray.direction);
     var at = first;
-    // As long as one may be that begins here.
+    // Length of the first segment: the largest that is aligned at \`first\`, at most \`scene.first_segment\`.
     var length = select(min(first & (~first + 1u), scene.first_segment), scene.first_segment, first == 0u);
-    // The last point that is empty in no view, and whether it is occupied in one.
+    // The last point that is empty in no view, and whether a view finds it occupied.
     var blocked = count;
     var is_surface_there = false;
     while (at < count) {
         let last = min(at + length, count) - 1u;
         var passed = false;
         if (blocked == last) {
-            // A segment that ends there is not empty: it is halved.
+            // A segment that ends at this point cannot be empty: halve it.
             if (last == at && is_surface_there) {
                 return at;
             }
@@ -4348,7 +4360,7 @@ fn first_step(ray: Ray, first: u32) -> u32 {
     }
     return count;
 }
-`;var Hn=`// Linear light of coded colours. Mirrors \`light_of\` of src/march/shading.rs.
+`;var Hn=`// Converts coded colours to linear RGB. Mirrors \`light_of\` of src/march/shading.rs.
 
 fn decoded(code: f32) -> f32 {
     if (scene.coding == CODING_LINEAR) {
@@ -4367,41 +4379,41 @@ fn light_of(color: vec3<f32>) -> vec3<f32> {
     }
     return vec3(decoded(color.r), decoded(color.g), decoded(color.b)) * scene.gain;
 }
-`;var Gn=`// Refraction through a solid (CALF 6.1). Mirrors src/march/specular/solid.rs. Needs \`patch_at\`, \`surface_material\`,
-// \`fresnel\`, \`is_surface\` and \`refine\`.
+`;var Gn=`// Refraction through a solid (CALF 6.1). Mirrors src/march/specular/solid.rs. Needs \`patch_at\`, \`surface_material\`, \`fresnel\`,
+// \`is_surface\` and \`refine\`.
 
 const FLAT: f32 = 2e-3;
 const BEHIND_TEXELS: f32 = 3.0;
 const MAX_INSIDE = 3u;
 const NO_LIMIT_M: f32 = 1e30;
 
-// A ray that leaves a solid, and its part of the light that entered; 0: it stays inside.
+// A ray that leaves a solid, and its fraction of the entered radiance; 0 if nothing leaves.
 struct Exit {
     ray: Ray,
     part: f32,
 }
 
-// A direction, if any.
+// A refracted direction; not found in total internal reflection.
 struct Bent {
     found: bool,
     direction: vec3<f32>,
 }
 
-// Where a ray inside a solid meets its back, with the outward normal.
+// Point where a ray inside a solid meets its back, and the outward normal.
 struct Back {
     found: bool,
     point: vec3<f32>,
     normal: vec3<f32>,
 }
 
-// A sphere, if any. Mirrors src/march/specular/sphere.rs.
+// A sphere, or none. Mirrors src/march/specular/sphere.rs.
 struct Sphere {
     found: bool,
     centre: vec3<f32>,
     radius_m: f32,
 }
 
-// The distance of the first point that is empty in a view.
+// Distance of the first point that is empty in a view.
 struct FirstEmpty {
     found: bool,
     distance_m: f32,
@@ -4415,7 +4427,7 @@ fn refracted(direction: vec3<f32>, normal: vec3<f32>, ratio: f32) -> Bent {
     }
     let bent = ratio * direction + (ratio * cosine - sqrt(behind_squared)) * normal;
     let size = length(bent);
-    return Bent(size > LEAST_LENGTH, bent / max(size, LEAST_LENGTH));
+    return Bent(size > MIN_LENGTH, bent / max(size, MIN_LENGTH));
 }
 
 fn first_empty(ray: Ray, texel_m: f32, limit_m: f32) -> FirstEmpty {
@@ -4429,7 +4441,7 @@ fn first_empty(ray: Ray, texel_m: f32, limit_m: f32) -> FirstEmpty {
         }
         counted[MARCH_STEPS]++;
         if (!is_surface(point_at(ray, distance_m))) {
-            // The surface end is the nearer one here.
+            // The surface is at the near end of this interval.
             return FirstEmpty(true, refine(ray, distance_m, before_m, scene.refine));
         }
         before_m = distance_m;
@@ -4437,7 +4449,7 @@ fn first_empty(ray: Ray, texel_m: f32, limit_m: f32) -> FirstEmpty {
     return FirstEmpty(false, 0.0);
 }
 
-// Where the line of a ray enters a sphere.
+// Point where the line of a ray enters a sphere.
 struct Entry {
     found: bool,
     point: vec3<f32>,
@@ -4450,7 +4462,7 @@ fn entry_of(sphere: Sphere, ray: Ray) -> Entry {
     return Entry(squared > 0.0, point_at(ray, -along - sqrt(max(squared, 0.0))));
 }
 
-// Distance at which a ray leaves a sphere; 0: it passes by.
+// Returns the distance at which a ray leaves a sphere; 0 if it misses.
 fn exit_of(sphere: Sphere, ray: Ray) -> f32 {
     let from_centre = ray.origin - sphere.centre;
     let along = dot(ray.direction, from_centre);
@@ -4484,10 +4496,10 @@ fn back_of(inside: Ray, sphere: Sphere, is_whole: bool, texel_m: f32) -> Back {
     let end = point_at(inside, select(chord_m, min(chord_m, open.distance_m), open.found));
     let outwards = end - sphere.centre;
     let size = length(outwards);
-    return Back(size > LEAST_LENGTH, end, outwards / max(size, LEAST_LENGTH));
+    return Back(size > MIN_LENGTH, end, outwards / max(size, MIN_LENGTH));
 }
 
-// \`whole\` is the proxy of the solid, if it has one.
+// Returns the rays that leave a solid. \`whole\` is the proxy of the solid, if it has one.
 fn pass_through(ray: Ray, front: Patch, ior: f32, whole: Sphere) -> array<Exit, MAX_INSIDE> {
     var exits: array<Exit, MAX_INSIDE>;
     if (!front.bends) {
@@ -4496,7 +4508,7 @@ fn pass_through(ray: Ray, front: Patch, ior: f32, whole: Sphere) -> array<Exit, 
     let bend = front.curvature;
     let behind = ray.origin + ray.direction * (BEHIND_TEXELS * front.texel_m);
     if (!whole.found && !is_surface(behind) && bend * front.texel_m < -FLAT) {
-        // A hollow with open space behind it: the ray was inside, and leaves.
+        // A concave front with empty space behind it: the ray was inside and leaves.
         let leaving = refracted(ray.direction, front.normal, ior);
         if (leaving.found) {
             exits[0] = Exit(Ray(ray.origin, leaving.direction), 1.0);
@@ -4516,7 +4528,7 @@ fn pass_through(ray: Ray, front: Patch, ior: f32, whole: Sphere) -> array<Exit, 
     for (var turn = 0u; turn < MAX_INSIDE; turn++) {
         let back = back_of(inside, sphere, whole.found, front.texel_m);
         if (!back.found) {
-            // A pane.
+            // A pane, which the ray passes unchanged.
             if (!sphere.found && turn == 0u) {
                 exits[turn] = Exit(ray, share);
             }
@@ -4533,7 +4545,7 @@ fn pass_through(ray: Ray, front: Patch, ior: f32, whole: Sphere) -> array<Exit, 
     }
     return exits;
 }
-`;var Wn=`// Inverse depths of the texels of a view (CALF 6.2): \`write_depth\` of src/views/face_cache.rs with
+`;var zn=`// Converts depth codes to inverse depths of the texels of a view (CALF 6.2): \`write_depth\` of src/views/face_cache.rs with
 // \`InverseDepth\` of src/views/inverse_depth.rs. An invocation writes a texel. Needs \`job_of\`.
 
 @group(0) @binding(0) var<storage, read> pictures: array<u32>;
@@ -4564,7 +4576,7 @@ fn write_depths(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
     }
     planes[job.output + y * job.pitch + x] = bits;
 }
-`;var zn=`// Bytes, halves and words of \`stream\` at any offset, little endian.
+`;var $n=`// Unaligned little-endian reads of bytes, 16-bit and 32-bit words from \`stream\`.
 
 fn byte_at(at: u32) -> u32 {
     return (stream[at >> 2u] >> ((at & 3u) * 8u)) & 255u;
@@ -4587,14 +4599,14 @@ fn half_at(at: u32) -> u32 {
     }
     return (low | (stream[(at >> 2u) + 1u] << 8u)) & 0xffffu;
 }
-`;var $n=`// Which job an invocation works on, and which part of it (GDC 5, algorithm 2). Needs \`jobs\`.
+`;var Vn=`// Maps an invocation to its job and its part of the job (GDC 5, algorithm 2). Needs \`jobs\`.
 
-// Number of an invocation among all of a dispatch, whose workgroups may lie in two directions.
+// Returns the index of an invocation in a dispatch whose workgroups may extend in x and y.
 fn invocation_of(id: vec3u, groups: vec3u) -> u32 {
     return id.x + id.y * groups.x * WORKGROUP;
 }
 
-// The first job whose end lies behind an invocation; \`jobs.total\` is larger than its number.
+// Returns the first job that ends after an invocation; requires invocation < \`jobs.total\`.
 fn job_of(invocation: u32) -> u32 {
     var low = 0u;
     var high = jobs.count;
@@ -4609,28 +4621,28 @@ fn job_of(invocation: u32) -> u32 {
     return low;
 }
 
-// The first invocation of a job.
+// Returns the first invocation of a job.
 fn job_begin(job: u32) -> u32 {
     if (job == 0u) {
         return 0u;
     }
     return jobs.list[job - 1u].end;
 }
-`;var Vn=`// Structs and constants of kernels.json; a test compares the two.
+`;var Wn=`// Structs and constants of kernels.json; a test compares the two.
 
-// A tile or a cell.
+// A depth tile or a colour cell.
 struct Unit {
     // First word of its picture.
     picture: u32,
-    // Pixels.
+    // Size in pixels.
     width: u32,
     height: u32,
     // Words per row: \`(width + 1) / 2\` for codes, \`width\` for bytes, \`2 * width\` for halves.
     stride: u32,
-    // W of its stream; 0 where every frame is whole, so that any frame can follow any.
+    // W of its stream; 0 if every frame is coded independently, so that any frame can follow any other.
     window: u32,
-    // Domain of its modelling functions: one of DOMAIN_…, the logarithm at near, codes per unit of the logarithm. Of the
-    // transform codec, \`base\` is the first word of its stream's table sets.
+    // Domain of its modelling functions: one of DOMAIN_…, the logarithm at the near distance, and codes per unit of the
+    // logarithm. For the transform codec \`base\` is the first word of the stream's table sets.
     domain: u32,
     base: u32,
     scale: u32,
@@ -4638,62 +4650,63 @@ struct Unit {
 
 // A resident chunk.
 struct Chunk {
-    // Its rows in the table of records.
+    // Its range of rows in the table of records.
     first_record: u32,
     record_count: u32,
-    // Colour: byte of the stream at which its weights start, and their number.
+    // Colour only: byte offset of its weights in the stream, and their number.
     weights_at: u32,
     weight_count: u32,
 }
 
-// What a frame changes: a record of depth or material, or a keyframe of colour; of the transform codec, a frame that differs
-// from the one before.
+// Change of a frame: a record of depth or material, or a keyframe of colour. For the transform codec: a frame that differs from
+// the previous one.
 struct Record {
-    // Counted from the chunk's first frame.
+    // Frame, relative to the first frame of the chunk.
     frame: u32,
-    // Nodes: word of the header in the stream. Keyframes: byte of the first sample or block. Transform: byte of the chunk.
+    // Nodes: word offset of the header in the stream. Keyframes: byte offset of the first sample or block. Transform: byte
+    // offset of the chunk.
     at: u32,
-    // Boxes, or regions of a transform: rows in the table of boxes.
+    // Range of rows in the table of boxes: boxes, or regions of the transform codec.
     first: u32,
     count: u32,
-    // Invocations; of a keyframe, those of a blend.
+    // Number of invocations; for a keyframe, those of a blend.
     work: u32,
-    // Keyframes: KEYFRAME_….
+    // KEYFRAME_…, for keyframes only.
     coding: u32,
 }
 
 // A rectangle of values of one record, or a region of the transform codec.
 struct BoxRow {
-    // Pixels in the unit.
+    // Position and size in the unit, in pixels.
     x: u32,
     y: u32,
     width: u32,
     height: u32,
-    // Byte of the stream at which its values start.
+    // Byte offset of its values in the stream.
     at: u32,
-    // BOX_….
+    // One of BOX_….
     coding: u32,
-    // Invocations of the record's boxes up to and including this one.
+    // Number of invocations of the record's boxes up to and including this one.
     end: u32,
 }
 
 // A unit to decode.
 struct Item {
     unit: u32,
-    // Rows in the table of chunks: the chunk that holds the frame, and the one after it where a cell blends into it.
+    // Rows in the table of chunks: the chunk of the frame, and the following chunk if the cell blends into it.
     chunk: u32,
     next: u32,
-    // Counted from the chunk's first frame.
+    // Frame, relative to the first frame of the chunk.
     frame: u32,
     // Identifies the chunk; never 0.
     key: u32,
 }
 
-// What a unit's picture shows.
+// Current content of a unit's picture.
 struct State {
-    // Key of the chunk; 0 for nothing.
+    // Key of the chunk; 0 if the picture is empty.
     key: u32,
-    // Colour: the keyframe.
+    // Frame of the chunk; for colour, the keyframe.
     frame: u32,
     // Colour only.
     weight: u32,
@@ -4702,15 +4715,16 @@ struct State {
 // Work on one unit.
 struct Job {
     unit: u32,
-    // Invocations of all jobs up to and including this one.
+    // Number of invocations of all jobs up to and including this one.
     end: u32,
-    // Records; of colour, the two keyframes.
+    // The record to apply; for colour, the two keyframes to blend.
     record: u32,
     next: u32,
     weight: u32,
 }
 
-// Workgroups of the next dispatch: with an invocation for each part of the work (x, y, z), or a workgroup for each (part_x, …).
+// Size of the next dispatch in workgroups: one invocation per part of the work (x, y, z), or one workgroup per part (part_x,
+// part_y, part_z).
 struct Dispatch {
     x: u32,
     y: u32,
@@ -4720,24 +4734,24 @@ struct Dispatch {
     part_z: u32,
 }
 
-// A rectangle of texels whose inverse depths are written.
+// A rectangle of texels to convert to inverse depths.
 struct DepthJob {
-    // First word of the tile's picture; NONE: every texel becomes \`table\`.
+    // First word of the tile's picture. If NONE, every texel is set to the bits in \`table\`.
     picture: u32,
     stride: u32,
-    // In the tile.
+    // Position and size in the tile, in pixels.
     left: u32,
     top: u32,
     width: u32,
-    // First of the inverse depths by code among the tables.
+    // Offset of the table that maps codes to inverse depths.
     table: u32,
-    // Ray length of the first texel among the tables; NONE for planar depth.
+    // Offset of the ray length of the first texel; NONE for planar depth.
     ray_length: u32,
     ray_length_pitch: u32,
-    // Word of the planes for the first texel.
+    // Offset of the first texel in the planes, in words.
     output: u32,
     pitch: u32,
-    // Invocations of all jobs up to and including this one.
+    // Number of invocations of all jobs up to and including this one.
     end: u32,
 }
 
@@ -4754,13 +4768,13 @@ struct PyramidJob {
     // First word of the level.
     output: u32,
     pitch: u32,
-    // Upper bound of what is written, as bits of a float.
+    // Upper bound of the written values, as bits of a float.
     limit: u32,
-    // Invocations of all jobs up to and including this one.
+    // Number of invocations of all jobs up to and including this one.
     end: u32,
 }
 
-// Lists, with the number of their rows; \`total\` is the number of invocations.
+// Lists with their lengths; \`total\` is the number of invocations.
 
 struct Items {
     count: u32,
@@ -4799,15 +4813,15 @@ const KEYFRAME_BLOCKS: u32 = 1u;
 const DOMAIN_LOG: u32 = 0u;
 const DOMAIN_LINEAR: u32 = 1u;
 const DOMAIN_INVERSE: u32 = 2u;
-`;var jn=`// What planning kernels share: the size of the dispatch that follows. Needs \`items\`, \`jobs\` and \`dispatch\`.
+`;var jn=`// Computes the size of the next dispatch; shared by the planning kernels. Needs \`items\`, \`jobs\` and \`dispatch\`.
 
-// Workgroups along x and y for so many in all.
+// Returns the number of workgroups along x and y for \`count\` workgroups in total.
 fn groups_of(count: u32) -> vec2u {
     let across = clamp(count, 1u, MAX_GROUPS);
     return vec2u(across, (count + across - 1u) / across);
 }
 
-// Says how much work there is; one invocation calls it.
+// Writes the totals of the plan and the size of the next dispatch. Called by one invocation.
 fn finish_plan(total: u32) {
     jobs.total = total;
     jobs.count = items.count;
@@ -4815,7 +4829,7 @@ fn finish_plan(total: u32) {
     let part_groups = groups_of(total);
     dispatch = Dispatch(invocation_groups.x, invocation_groups.y, 1u, part_groups.x, part_groups.y, 1u);
 }
-`;var Kn=`// The product of two words, low word first, of four products of 16 bits.
+`;var qn=`// Returns the 64-bit product of two words, low word first, computed from four 16-bit products.
 fn product(one: u32, other: u32) -> vec2u {
     let a = vec2u(one & 0xffffu, one >> 16u);
     let b = vec2u(other & 0xffffu, other >> 16u);
@@ -4826,15 +4840,15 @@ fn product(one: u32, other: u32) -> vec2u {
     let high = a.y * b.y + (across >> 16u) + (down >> 16u) + (middle >> 16u);
     return vec2u((middle << 16u) | (low & 0xffffu), high);
 }
-`;var qn=`// Prefix sums over the invocations of a workgroup.
+`;var Kn=`// Prefix sums over the invocations of a workgroup.
 
 const SUM_WORKGROUP: u32 = 256u;
 
 var<workgroup> sums: array<u32, SUM_WORKGROUP>;
 
-// The sum of the values of all invocations up to this one; all of them call it together.
+// Returns the inclusive prefix sum of the values up to this invocation. All invocations of the workgroup must call it.
 fn running_sum(local: u32, value: u32) -> u32 {
-    // Nobody may still read the sums of the call before.
+    // Waits until all invocations have read the sums of the previous call.
     workgroupBarrier();
     sums[local] = value;
     workgroupBarrier();
@@ -4849,8 +4863,8 @@ fn running_sum(local: u32, value: u32) -> u32 {
     }
     return sums[local];
 }
-`;var Ja=["nodes","boxes-codes","boxes-material","cells-8bit","cells-half","boxes-bc5","boxes-bc1","cells-bc1","cells-bc7","cells-bc6h","transform-read-8bit","transform-8bit","transform-read-half","transform-half","plan-records","plan-cells","texels","squares","render","render-pyramid","render-effects"],Za={"block/bc1.wgsl":Br,"block/bc4.wgsl":Dr,"block/bc5.wgsl":Ir,"block/bc6h.wgsl":Hr,"block/bc7.wgsl":Gr,"block/bptc.wgsl":Wr,"color/blend.wgsl":zr,"color/cells.wgsl":$r,"color/cells_of_blocks.wgsl":Vr,"color/cells_of_samples.wgsl":jr,"color/halves.wgsl":Kr,"color/keyframes_bc1.wgsl":qr,"color/keyframes_bc6h.wgsl":Xr,"color/keyframes_bc7.wgsl":Yr,"color/samples_8.wgsl":Qr,"color/samples_half.wgsl":Jr,"color/transform/chunk.wgsl":Zr,"color/transform/coder.wgsl":en,"color/transform/contexts.wgsl":tn,"color/transform/domain.wgsl":rn,"color/transform/domain_bytes.wgsl":nn,"color/transform/domain_halves.wgsl":on,"color/transform/levels.wgsl":sn,"color/transform/means.wgsl":an,"color/transform/palette.wgsl":cn,"color/transform/reconstruct.wgsl":un,"color/transform/region.wgsl":ln,"depth/bc4w.wgsl":dn,"depth/biquadratic.wgsl":fn,"depth/block_tiles.wgsl":hn,"depth/block_tiles_bc1.wgsl":mn,"depth/block_tiles_bc5.wgsl":pn,"depth/boxes_of_values.wgsl":bn,"depth/domain.wgsl":wn,"depth/platelet.wgsl":gn,"depth/record_table.wgsl":yn,"depth/records.wgsl":_n,"depth/runtime.wgsl":vn,"depth/texel_codes.wgsl":xn,"depth/texel_material.wgsl":kn,"march/active_views.wgsl":En,"march/counters.wgsl":Sn,"march/diffuse.wgsl":Tn,"march/interpolate.wgsl":An,"march/intersect.wgsl":Mn,"march/layers.wgsl":Rn,"march/layout.wgsl":Cn,"march/light_field.wgsl":On,"march/marched_views.wgsl":Pn,"march/material.wgsl":Nn,"march/normal.wgsl":Ln,"march/pyramid.wgsl":Fn,"march/ray.wgsl":Un,"march/render.wgsl":Bn,"march/secondary_rays.wgsl":Dn,"march/segments.wgsl":In,"march/shading.wgsl":Hn,"march/solid.wgsl":Gn,"march/texels.wgsl":Wn,"shared/bytes.wgsl":zn,"shared/jobs.wgsl":$n,"shared/layout.wgsl":Vn,"shared/plan.wgsl":jn,"shared/product.wgsl":Kn,"shared/sums.wgsl":qn},e2=["read-only-storage","storage","uint","unfilterable-float"];function t2(n){return e2.includes(n)}function Xn(n){let e=Oe.kernels.find(t=>t.name===n);if(e===void 0)throw new Error(`shaders/kernels.json has no kernel ${n}`);return e}function se(n){let{entry:e,workgroup:t,bindings:r,reader:o}=Xn(n),s=r.map(a=>{let[c="",u=""]=a.split(": ");if(!t2(u))throw new Error(`shaders/kernels.json: ${u} is no kind of binding`);return{name:c,kind:u}}),i=Ja.find(a=>a===o);if(i!==o)throw new Error(`shaders/kernels.json: ${o} is no kernel of the player`);return{name:n,entry:e,workgroup:t,bindings:s,reader:i}}function Yn(n){return Xn(n).files.map(t=>{let r=Za[t];if(r===void 0)throw new Error(`${t} of kernel ${n} is not part of the player`);return r}).join(`
-`)}var r2=2**30,Qn=8,n2=["maxBufferSize","maxStorageBufferBindingSize","maxTextureArrayLayers","maxTextureDimension2D"],j=class extends Error{name="NoWebGpuError"},O=class extends Error{name="DeviceError"};function o2({kind:n},e){let t=GPUShaderStage.COMPUTE;return n==="read-only-storage"||n==="storage"?{binding:e,visibility:t,buffer:{type:n}}:{binding:e,visibility:t,texture:{sampleType:n,viewDimension:"2d-array"}}}async function M1(){if(!globalThis.isSecureContext)throw new j("WebGPU needs a secure page: open it by https, or from localhost.");if(typeof navigator>"u"||!("gpu"in navigator))throw new j("This browser has no WebGPU.");let n=await navigator.gpu.requestAdapter({powerPreference:"high-performance"});if(n===null)throw new j("This browser has WebGPU, but no graphics device that it may use.");return n}function Jn({info:{vendor:n,architecture:e}}){return[n,e].filter(t=>t!=="").join(" ")||"graphics device"}function R1(n){return/swiftshader|llvmpipe|lavapipe|software|basic render/iu.test(Jn(n))}var Je=class n{device;queue;name;isSoftware;maxBindingBytes;hasTimestamps;lost;onError=()=>{};#e=0;#t;#r=new Map;constructor(e,t){let{maxStorageBufferBindingSize:r,maxBufferSize:o}=e.limits,s=Math.min(r,o,r2);this.device=e,this.queue=e.queue,this.name=Jn(t),this.isSoftware=R1(t),this.maxBindingBytes=Math.floor(s/16)*16,this.hasTimestamps=e.features.has("timestamp-query"),this.lost=e.lost.then(({reason:i,message:a})=>a||i||"unknown"),e.addEventListener("uncapturederror",i=>this.onError(i.error.message))}static async open(e){let t=e??await M1();if(t.limits.maxStorageBuffersPerShaderStage<Qn)throw new j(`The graphics device gives a kernel fewer than ${Qn} buffers.`);let r=t.features.has("timestamp-query")?["timestamp-query"]:[],o=Object.fromEntries(n2.map(a=>[a,t.limits[a]])),s={label:"lightfold",requiredFeatures:r,requiredLimits:o},i=await t.requestDevice(s).catch(a=>{throw new j(`The graphics device cannot be opened: ${String(a)}.`)});return new n(i,t)}get bytes(){return this.#e}pipeline(e){let t=this.#r.get(e)??this.#n(e);return this.#r.set(e,t),t}async#n(e){let{entry:t,bindings:r}=se(e),o=this.device.createShaderModule({label:e,code:Yn(e)}),s=this.device.createBindGroupLayout({label:e,entries:r.map(o2)});return{pipeline:await this.device.createComputePipelineAsync({label:e,layout:this.device.createPipelineLayout({label:e,bindGroupLayouts:[s]}),compute:{module:o,entryPoint:t}}),layout:s,bindings:r}}bind({layout:e,bindings:t},r){let o=t.map(({name:s},i)=>({binding:i,resource:r(s)}));return this.device.createBindGroup({layout:e,entries:o})}check(e,t){if(4*t>this.maxBindingBytes)throw new O(`${e} takes ${4*t} bytes; the graphics device allows ${this.maxBindingBytes}.`)}buffer(e,t,r=0){this.check(e,t);let o=Math.max(t,4)*4,s=GPUBufferUsage.STORAGE|GPUBufferUsage.COPY_DST|GPUBufferUsage.COPY_SRC,i=this.device.createBuffer({label:e,size:o,usage:s|r});return this.#e+=o,i}scratch(e){let t=this.#t;return t!==void 0&&4*e<=t.size?t:(this.#t=this.buffer("scratch",e),t!==void 0&&this.release(t),this.#t)}filled(e,t){let r=this.buffer(e,t.length);return this.write(r,0,t),r}release(e){this.#e-=e.size,e.destroy()}write(e,t,r){this.queue.writeBuffer(e,t,r.buffer,r.byteOffset,r.byteLength)}async read(e,t,r){if(r===0)return new Uint32Array;let o=GPUBufferUsage.MAP_READ|GPUBufferUsage.COPY_DST,s=this.device.createBuffer({label:"reading back",size:4*r,usage:o});try{return this.submit(i=>i.copyBufferToBuffer(e,t,s,0,4*r)),await s.mapAsync(GPUMapMode.READ),new Uint32Array(s.getMappedRange().slice(0))}finally{s.destroy()}}submit(e){let t=this.device.createCommandEncoder();e(t),this.queue.submit([t.finish()])}destroy(){this.device.destroy()}};function b(n,e){let t=document.getElementById(n);if(!(t instanceof e))throw new Error(`index.html has no ${e.name} named ${n}`);return t}function P(n,e){let t=b(n,HTMLButtonElement);return t.addEventListener("click",e),t}function T(n,e){n.textContent!==e&&(n.textContent=e)}function Ze(n,e){for(;n.rows.length>e.length;)n.deleteRow(-1);e.forEach((t,r)=>{let o=n.rows[r]??n.insertRow();t.forEach((s,i)=>{let a=o.cells[i];a===void 0&&(a=o.appendChild(document.createElement(i===0?"th":"td")),i===0&&(a.scope="row")),T(a,s),a.classList.toggle("number",i>0&&/^[\d-]/.test(s))})})}var s2=new Intl.NumberFormat("en-US",{maximumFractionDigits:2});function I(n){return s2.format(n)}function ie(n){let e=["B","kB","MB","GB","TB"],t=n,r=0;for(;t>=999.5&&r<e.length-1;)t/=1e3,r+=1;return`${r===0?t:t.toPrecision(3)} ${e[r]}`}function et(n){return`${n.toFixed(1)} ms`}function C1(n){return/[.!?]$/.test(n)?n:`${n}.`}async function ae(n,e,t){let r=e.querySelector("span")??e,o=e.dataset.text??=r.textContent??"",s="Copied";try{await navigator.clipboard.writeText(n)}catch{s="Press Ctrl+C",t!==void 0?getSelection()?.selectAllChildren(t):s="Copy the address"}r.textContent=s,e.classList.add("says"),setTimeout(()=>{r.textContent=o,e.classList.remove("says")},1500)}function ce(n){return n instanceof Error?n.message:String(n)}var i2=4,tt=class{#e=b("messages",HTMLElement);#t=new WeakMap;say(e,t=1/0){let r=C1(e),o=[...this.#e.children],s=o.find(c=>c.firstChild?.textContent===r);if(s!==void 0){this.#r(s,t);return}o.slice(0,Math.max(0,o.length-i2+1)).forEach(c=>c.remove());let i=document.createElement("div");i.className="message",i.appendChild(document.createElement("span")).textContent=r;let a=i.appendChild(document.createElement("button"));a.type="button",a.textContent="Dismiss",a.addEventListener("click",()=>i.remove()),this.#e.appendChild(i),this.#r(i,t)}#r(e,t){clearTimeout(this.#t.get(e)),t!==1/0&&this.#t.set(e,setTimeout(()=>e.remove(),t))}clear(){this.#e.replaceChildren()}},ue=class{#e=b("notice",HTMLElement);#t=b("notice-title",HTMLElement);#r=b("notice-text",HTMLElement);#n=b("notice-webgpu",HTMLElement);#o=b("notice-command",HTMLElement);#s;#i=b("stage",HTMLElement);#a=b("tools",HTMLElement);#l=[this.#a,b("side",HTMLElement),b("transport",HTMLElement),b("state",HTMLElement)];constructor(e,t){this.#s=P("notice-retry",e),P("notice-processor",t);let r=P("notice-copy",()=>{ae(this.#o.textContent??"",r,this.#o)})}opening(e){this.#f("Opening",e),this.#n.hidden=!0,this.#s.hidden=!0}failed(e,t){let r=e instanceof j;this.#f(r?"No graphics device for this page":"The film cannot be shown",C1(ce(e))),this.#n.hidden=!r||t===void 0,T(this.#o,t??""),this.#s.hidden=!1,this.#e.focus()}hide(){this.#e.hidden=!0,this.#a.hidden=!1,this.#i.inert=!1}#f(e,t){T(this.#t,e),T(this.#r,t),this.#e.hidden=!1,this.#l.forEach(r=>r.hidden=!0),this.#i.inert=!0}};var Zn=`# Entropy tables of the transform codec (color.md 6.7): decimal numbers.
+`;var Ja=["nodes","boxes-codes","boxes-material","cells-8bit","cells-half","boxes-bc5","boxes-bc1","cells-bc1","cells-bc7","cells-bc6h","transform-read-8bit","transform-8bit","transform-read-half","transform-half","plan-records","plan-cells","texels","squares","render","render-pyramid","render-effects"],Za={"block/bc1.wgsl":Ir,"block/bc4.wgsl":Br,"block/bc5.wgsl":Dr,"block/bc6h.wgsl":Hr,"block/bc7.wgsl":Gr,"block/bptc.wgsl":zr,"color/blend.wgsl":$r,"color/cells.wgsl":Vr,"color/cells_of_blocks.wgsl":Wr,"color/cells_of_samples.wgsl":jr,"color/halves.wgsl":qr,"color/keyframes_bc1.wgsl":Kr,"color/keyframes_bc6h.wgsl":Xr,"color/keyframes_bc7.wgsl":Yr,"color/samples_8.wgsl":Qr,"color/samples_half.wgsl":Jr,"color/transform/chunk.wgsl":Zr,"color/transform/coder.wgsl":en,"color/transform/contexts.wgsl":tn,"color/transform/domain.wgsl":rn,"color/transform/domain_bytes.wgsl":nn,"color/transform/domain_halves.wgsl":on,"color/transform/levels.wgsl":sn,"color/transform/means.wgsl":an,"color/transform/palette.wgsl":cn,"color/transform/reconstruct.wgsl":un,"color/transform/region.wgsl":ln,"depth/bc4w.wgsl":dn,"depth/biquadratic.wgsl":fn,"depth/block_tiles.wgsl":hn,"depth/block_tiles_bc1.wgsl":mn,"depth/block_tiles_bc5.wgsl":pn,"depth/boxes_of_values.wgsl":bn,"depth/domain.wgsl":wn,"depth/platelet.wgsl":gn,"depth/record_table.wgsl":yn,"depth/records.wgsl":_n,"depth/runtime.wgsl":vn,"depth/texel_codes.wgsl":xn,"depth/texel_material.wgsl":kn,"march/active_views.wgsl":En,"march/counters.wgsl":Sn,"march/diffuse.wgsl":Rn,"march/interpolate.wgsl":An,"march/intersect.wgsl":Mn,"march/layers.wgsl":Tn,"march/layout.wgsl":Cn,"march/light_field.wgsl":On,"march/marched_views.wgsl":Pn,"march/material.wgsl":Nn,"march/normal.wgsl":Fn,"march/pyramid.wgsl":Un,"march/ray.wgsl":Ln,"march/render.wgsl":In,"march/secondary_rays.wgsl":Bn,"march/segments.wgsl":Dn,"march/shading.wgsl":Hn,"march/solid.wgsl":Gn,"march/texels.wgsl":zn,"shared/bytes.wgsl":$n,"shared/jobs.wgsl":Vn,"shared/layout.wgsl":Wn,"shared/plan.wgsl":jn,"shared/product.wgsl":qn,"shared/sums.wgsl":Kn},e2=["read-only-storage","storage","uint","unfilterable-float"];function t2(n){return e2.includes(n)}function Xn(n){let e=Oe.kernels.find(t=>t.name===n);if(e===void 0)throw new Error(`shaders/kernels.json has no kernel ${n}`);return e}function se(n){let{entry:e,workgroup:t,bindings:r,reader:o}=Xn(n),s=r.map(a=>{let[c="",u=""]=a.split(": ");if(!t2(u))throw new Error(`shaders/kernels.json: ${u} is no kind of binding`);return{name:c,kind:u}}),i=Ja.find(a=>a===o);if(i!==o)throw new Error(`shaders/kernels.json: ${o} is no kernel of the player`);return{name:n,entry:e,workgroup:t,bindings:s,reader:i}}function Yn(n){return Xn(n).files.map(t=>{let r=Za[t];if(r===void 0)throw new Error(`${t} of kernel ${n} is not part of the player`);return r}).join(`
+`)}var r2=2**30,Qn=8,n2=["maxBufferSize","maxStorageBufferBindingSize","maxTextureArrayLayers","maxTextureDimension2D"],j=class extends Error{name="NoWebGpuError"},O=class extends Error{name="DeviceError"};function o2({kind:n},e){let t=GPUShaderStage.COMPUTE;return n==="read-only-storage"||n==="storage"?{binding:e,visibility:t,buffer:{type:n}}:{binding:e,visibility:t,texture:{sampleType:n,viewDimension:"2d-array"}}}async function M1(){if(!globalThis.isSecureContext)throw new j("WebGPU needs a secure page: open it by https, or from localhost.");if(typeof navigator>"u"||!("gpu"in navigator))throw new j("This browser has no WebGPU.");let n=await navigator.gpu.requestAdapter({powerPreference:"high-performance"});if(n===null)throw new j("This browser has WebGPU, but no graphics device that it may use.");return n}function Jn({info:{vendor:n,architecture:e}}){return[n,e].filter(t=>t!=="").join(" ")||"graphics device"}function T1(n){return/swiftshader|llvmpipe|lavapipe|software|basic render/iu.test(Jn(n))}var Je=class n{device;queue;name;isSoftware;maxBindingBytes;hasTimestamps;lost;onError=()=>{};#e=0;#t;#r=new Map;constructor(e,t){let{maxStorageBufferBindingSize:r,maxBufferSize:o}=e.limits,s=Math.min(r,o,r2);this.device=e,this.queue=e.queue,this.name=Jn(t),this.isSoftware=T1(t),this.maxBindingBytes=Math.floor(s/16)*16,this.hasTimestamps=e.features.has("timestamp-query"),this.lost=e.lost.then(({reason:i,message:a})=>a||i||"unknown"),e.addEventListener("uncapturederror",i=>this.onError(i.error.message))}static async open(e){let t=e??await M1();if(t.limits.maxStorageBuffersPerShaderStage<Qn)throw new j(`The graphics device gives a kernel fewer than ${Qn} buffers.`);let r=t.features.has("timestamp-query")?["timestamp-query"]:[],o=Object.fromEntries(n2.map(a=>[a,t.limits[a]])),s={label:"lightfold",requiredFeatures:r,requiredLimits:o},i=await t.requestDevice(s).catch(a=>{throw new j(`The graphics device cannot be opened: ${String(a)}.`)});return new n(i,t)}get bytes(){return this.#e}pipeline(e){let t=this.#r.get(e)??this.#n(e);return this.#r.set(e,t),t}async#n(e){let{entry:t,bindings:r}=se(e),o=this.device.createShaderModule({label:e,code:Yn(e)}),s=this.device.createBindGroupLayout({label:e,entries:r.map(o2)});return{pipeline:await this.device.createComputePipelineAsync({label:e,layout:this.device.createPipelineLayout({label:e,bindGroupLayouts:[s]}),compute:{module:o,entryPoint:t}}),layout:s,bindings:r}}bind({layout:e,bindings:t},r){let o=t.map(({name:s},i)=>({binding:i,resource:r(s)}));return this.device.createBindGroup({layout:e,entries:o})}check(e,t){if(4*t>this.maxBindingBytes)throw new O(`${e} takes ${4*t} bytes; the graphics device allows ${this.maxBindingBytes}.`)}buffer(e,t,r=0){this.check(e,t);let o=Math.max(t,4)*4,s=GPUBufferUsage.STORAGE|GPUBufferUsage.COPY_DST|GPUBufferUsage.COPY_SRC,i=this.device.createBuffer({label:e,size:o,usage:s|r});return this.#e+=o,i}scratch(e){let t=this.#t;return t!==void 0&&4*e<=t.size?t:(this.#t=this.buffer("scratch",e),t!==void 0&&this.release(t),this.#t)}filled(e,t){let r=this.buffer(e,t.length);return this.write(r,0,t),r}release(e){this.#e-=e.size,e.destroy()}write(e,t,r){this.queue.writeBuffer(e,t,r.buffer,r.byteOffset,r.byteLength)}async read(e,t,r){if(r===0)return new Uint32Array;let o=GPUBufferUsage.MAP_READ|GPUBufferUsage.COPY_DST,s=this.device.createBuffer({label:"reading back",size:4*r,usage:o});try{return this.submit(i=>i.copyBufferToBuffer(e,t,s,0,4*r)),await s.mapAsync(GPUMapMode.READ),new Uint32Array(s.getMappedRange().slice(0))}finally{s.destroy()}}submit(e){let t=this.device.createCommandEncoder();e(t),this.queue.submit([t.finish()])}destroy(){this.device.destroy()}};function b(n,e){let t=document.getElementById(n);if(!(t instanceof e))throw new Error(`index.html has no ${e.name} named ${n}`);return t}function P(n,e){let t=b(n,HTMLButtonElement);return t.addEventListener("click",e),t}function R(n,e){n.textContent!==e&&(n.textContent=e)}function Ze(n,e){for(;n.rows.length>e.length;)n.deleteRow(-1);e.forEach((t,r)=>{let o=n.rows[r]??n.insertRow();t.forEach((s,i)=>{let a=o.cells[i];a===void 0&&(a=o.appendChild(document.createElement(i===0?"th":"td")),i===0&&(a.scope="row")),R(a,s),a.classList.toggle("number",i>0&&/^[\d-]/.test(s))})})}var s2=new Intl.NumberFormat("en-US",{maximumFractionDigits:2});function D(n){return s2.format(n)}function ie(n){let e=["B","kB","MB","GB","TB"],t=n,r=0;for(;t>=999.5&&r<e.length-1;)t/=1e3,r+=1;return`${r===0?t:t.toPrecision(3)} ${e[r]}`}function et(n){return`${n.toFixed(1)} ms`}function C1(n){return/[.!?]$/.test(n)?n:`${n}.`}async function ae(n,e,t){let r=e.querySelector("span")??e,o=e.dataset.text??=r.textContent??"",s="Copied";try{await navigator.clipboard.writeText(n)}catch{s="Press Ctrl+C",t!==void 0?getSelection()?.selectAllChildren(t):s="Copy the address"}r.textContent=s,e.classList.add("says"),setTimeout(()=>{r.textContent=o,e.classList.remove("says")},1500)}function ce(n){return n instanceof Error?n.message:String(n)}var i2=4,tt=class{#e=b("messages",HTMLElement);#t=new WeakMap;say(e,t=1/0){let r=C1(e),o=[...this.#e.children],s=o.find(c=>c.firstChild?.textContent===r);if(s!==void 0){this.#r(s,t);return}o.slice(0,Math.max(0,o.length-i2+1)).forEach(c=>c.remove());let i=document.createElement("div");i.className="message",i.appendChild(document.createElement("span")).textContent=r;let a=i.appendChild(document.createElement("button"));a.type="button",a.textContent="Dismiss",a.addEventListener("click",()=>i.remove()),this.#e.appendChild(i),this.#r(i,t)}#r(e,t){clearTimeout(this.#t.get(e)),t!==1/0&&this.#t.set(e,setTimeout(()=>e.remove(),t))}clear(){this.#e.replaceChildren()}},ue=class{#e=b("notice",HTMLElement);#t=b("notice-title",HTMLElement);#r=b("notice-text",HTMLElement);#n=b("notice-webgpu",HTMLElement);#o=b("notice-command",HTMLElement);#s;#i=b("stage",HTMLElement);#a=b("tools",HTMLElement);#l=[this.#a,b("side",HTMLElement),b("transport",HTMLElement),b("state",HTMLElement)];constructor(e,t){this.#s=P("notice-retry",e),P("notice-processor",t);let r=P("notice-copy",()=>{ae(this.#o.textContent??"",r,this.#o)})}opening(e){this.#f("Opening",e),this.#n.hidden=!0,this.#s.hidden=!0}failed(e,t){let r=e instanceof j;this.#f(r?"No graphics device for this page":"The film cannot be shown",C1(ce(e))),this.#n.hidden=!r||t===void 0,R(this.#o,t??""),this.#s.hidden=!1,this.#e.focus()}hide(){this.#e.hidden=!0,this.#a.hidden=!1,this.#i.inert=!1}#f(e,t){R(this.#t,e),R(this.#r,t),this.#e.hidden=!1,this.#l.forEach(r=>r.hidden=!0),this.#i.inert=!0}};var Zn=`# Entropy tables of the transform codec (color.md 6.7): decimal numbers.
 # Clusters of contexts, counted from the first of their family; a line for each family.
 0 1 1 1 1 2 1 1 0 3 4 5 5 5 5 4 5 5 4 3 4 5 5 5 5 4 5 5 4 3 4 5 5 5 5 4 1 1 6 7
 0 0 0 2 2 2 3 3 3 4 4 4 5 5 5 7 7 7 9 9 9 9 9 9 9 9 9 0 0 0 2 2 2 3 3 3 4 4 4 5 5 5 7 7 7 9 9 9 9 9 9 9 9 9 0 0 0 2 2 2 3 3 3 4 4 4 5 5 5 7 7 7 9 9 9 9 9 9 9 9 9 0 0 0 2 2 2 3 3 3 4 4 4 5 5 5 7 7 7 9 9 9 9 9 9 9 9 9 1 1 1 1 1 8 1 1 11 1 1 11 1 1 11 1 1 11 1 10 11 1 10 9 1 10 9 1 10 10 1 10 8 1 10 11 1 10 11 1 10 11 1 10 11 1 10 11 1 6 9 1 10 9 9 6 6 6 6 8 1 6 11 11 6 11 11 6 5 1 6 7 1 6 9 9 6 9 9 6 9 9 6 6 6 0 2 2 0 3 3 0 4 4 0 5 5 0 7 7 0 9 9 0 9 9 0 9 1 10 10 1 8 11 1 8 11 1 8 11 1 6 11 1 6 11 1 6 11 1 6 11 1 6 11 1 6 6 1 8 8 1 8 11 1 6 11 1 6 11 1 6 11 1 6 11 1 6 11 1 6 11 11 6 6 6 0 2 1 0 3 3 0 4 4 0 5 1 0 7 1 0 9 9 0 9 9 0 9 9 0 0 0 0 2 2 0 3 3 0 4 4 0 5 5 0 7 7 0 9 9 0 9 9 0 9
@@ -7774,7 +7788,7 @@ fn running_sum(local: u32, value: u32) -> u32 {
 2212 1431 253 120 37 29 4 2 1 1 1 1 1 1 1 1
 2802 791 219 112 60 29 11 15 10 13 12 9 6 4 2 1
 1867 904 249 203 100 113 81 113 84 110 110 81 43 21 11 6
-`;function to(n){let e=n.length/17,t=new Uint8Array(e*64);for(let r=0;r<e;r+=1){let o=0;for(let s=0;s<64;s+=1){for(;s<<6>=n[r*17+o+1];)o+=1;t[r*64+s]=o}}return{starts:n,buckets:t}}var ro=8,u2={families:[["frame",2,2,2],["mode",363,10,40],["smallMode",32,7,16],["change",12,15,12],["pixel",810,12,96],["escape",36,16,20],["candidate",3,16,3]],sets:9,text:eo},l2={families:[["node",40,4,8],["planes",324,16,12],["coded",96,2,8],["last",384,11,12],["lastBits",22,4,3],["levels",1296,16,32],["paletteSize",4,16,4],["paletteColor",1,16,1],["row",2,2,2],["pixel",16,3,16],["laterFrame",2,2,2],["laterRow",2,2,2],["laterPixel",16,4,16]],sets:10,text:Zn},no={};function d2(){return no.depth??=so(u2)}function rt(){return no.color??=so(l2)}function oo(n){return n==="depth"?d2():rt()}function so(n){let e=n.text.replaceAll(/#.*/g,"").trim().split(/\s+/).map(Number),t=0,r=()=>{let l=e[t];if(l===void 0||!Number.isInteger(l))throw new Error("a file of entropy tables breaks its format");return t+=1,l},o=f2(n.families),s=o.flatMap(l=>Array.from({length:l.contexts},()=>l.firstDistribution+r())),i=o.flatMap(l=>Array(l.distributions).fill(l.alphabet)),a=Array.from({length:n.sets},()=>io(i,()=>r(),!0));if(t!==e.length)throw new Error("a file of entropy tables has more numbers than its format says");let c=n.families.map(([l],d)=>[l,o[d].firstContext]);return{firstContext:Object.fromEntries(c),distributionOf:Uint8Array.from(s),alphabets:Uint8Array.from(i),builtIn:a}}function f2(n){let e=0,t=0;return n.map(([,r,o,s])=>{let i={firstContext:e,contexts:r,alphabet:o,firstDistribution:t,distributions:s};return e+=r,t+=s,i})}function io(n,e,t){let r=new Uint16Array(n.length*17).fill(4096);for(let o=0;o<n.length;o+=1){let s=o*17;r[s]=0;let i=0;for(let a=1;a<n[o];a+=1){if(i+=e(),i>4096)throw new _(`The frequencies of distribution ${o} sum to more than ${4096} (entropy.md 4).`);r[s+a]=i}if(t&&i+e()!==4096)throw new Error(`the frequencies of distribution ${o} do not sum to ${4096}`)}return to(r)}function nt(n,e,t){if(e>ro){let o=n==="depth"?"depth.md 3":"color.md 2";throw new _(`A codec header has ${e} table sets, at most ${ro} are legal (${o}).`)}let{alphabets:r}=oo(n);return{model:n,own:Array.from({length:e},()=>io(r,t,!1))}}function ao(n){return{model:n,own:[]}}function co(n){return[...oo(n.model).builtIn,...n.own]}var H=class{bytes;#e;#t;at=0;constructor(e,t){this.bytes=e,this.#e=new DataView(e.buffer,e.byteOffset,e.byteLength),this.#t=t}get remaining(){return this.bytes.length-this.at}error(e){return new _(`${e}, at offset ${this.at} (${this.#t}).`)}skip(e){let t=this.at;if(!(e<=this.remaining))throw this.error(`${e} more bytes were expected where ${this.remaining} are left`);return this.at+=e,t}u8(){return this.bytes[this.skip(1)]}u16(){return this.#e.getUint16(this.skip(2),!0)}u32(){return this.#e.getUint32(this.skip(4),!0)}f32(){return this.#e.getFloat32(this.skip(4),!0)}f64(){return this.#e.getFloat64(this.skip(8),!0)}zeros(e){let t=this.skip(e);if(this.bytes.subarray(t,t+e).some(r=>r!==0))throw this.error("A reserved byte is not 0")}varint(){let e=0;for(let t=0;t<5;t+=1){let r=this.u8();if(e+=(r&127)*2**(7*t),r===0&&t>0)throw this.error("A number is not in its shortest form");if(r<128)return e}throw this.error("A number has more than five bytes")}finish(){if(this.remaining>0)throw this.error(`${this.remaining} bytes are left behind the last field`)}};var uo="color.md 2",lo=3,O1=4,h2=new Map([["CCL8",{isHalf:!1}],["CCB1",{isHalf:!1,blocks:"bc1"}],["CCB7",{isHalf:!1,blocks:"bc7"}],["CCLH",{isHalf:!0}],["CCB6",{isHalf:!0,blocks:"bc6h"}],["CTR8",{isHalf:!1,isTransform:!0}],["CTRH",{isHalf:!0,isTransform:!0}]]);function fo(n,e,t){let r=h2.get(n);if(r===void 0)throw new g(`The codec ${JSON.stringify(n)} of a color stream is not known (${uo}).`);let o=new H(e,uo),s=o.f64();if(!Number.isFinite(s))throw o.error("The PSNR is no finite number");let i=r.isHalf?p2(o):m2(o),a={name:"cells",blocks:r.blocks};if(r.isTransform){let c=o.f64();if(!(c>=0&&c<=100))throw o.error("The quality is not within 0 to 100");let u=o.u8();if(u!==lo)throw o.error(`A stream has ${u} planes of color, ${lo} were expected`);o.zeros(3),a={name:"transform",tables:nt("color",o.u8(),()=>o.varint())}}if(r.blocks!==void 0&&(t.unitWidth%O1!==0||t.unitHeight%O1!==0))throw o.error(`The sides of units are no multiples of ${O1} pixels`);return o.finish(),{kind:"color",isHalf:r.isHalf,...i,minPsnrDb:s,coding:a}}function m2(n){let e=n.f32();if(!(e>=-32&&e<=32))throw n.error(`An exposure of ${e} stops is not within -32 to 32`);let t=n.u32();if(t>1)throw n.error(`The transfer function ${t} is not known`);return{transfer:t===0?"srgb":"linear",exposureEv:e}}function p2(n){let e=n.f64();if(!(Number.isFinite(e)&&e>0))throw n.error(`A white of ${e} candelas per square meter is not finite and above 0`);return{transfer:"linear",exposureEv:0}}var ho=Uint32Array.of(0,94364,188362,281996,375270,468185,560745,652952,744810,836320,927485,1018309,1108793,1198939,1288752,1378232,1467383,1556207,1644705,1732882,1820738,1908277,1995500,2082410,2169009,2255299,2341283,2426963,2512340,2597417,2682196,2766679,2850868,2934766,3018374,3101694,3184728,3267478,3349946,3432134,3514044,3595678,3677038,3758124,3838941,3919488,3999768,4079782,4159533,4239023,4318251,4397222,4475935,4554394,4632599,4710552,4788255,4865709,4942916,5019878,5096595,5173071,5249305,5325300,5401057,5476578,5551864,5626916,5701737,5776327,5850688,5924821,5998727,6072409,6145867,6219103,6292118,6364913,6437490,6509850,6581994,6653924,6725641,6797146,6868440,6939525,7010402,7081072,7151536,7221795,7291852,7361706,7431359,7500812,7570066,7639123,7707984,7776649,7845119,7913397,7981483,8049377,8117082,8184598,8251926,8319067,8386022,8452793,8519380,8585785,8652008,8718050,8783912,8849596,8915102,8980431,9045584,9110562,9175366,9239998,9304457,9368745,9432863,9496811,9560591,9624203,9687648,9750928,9814042,9876993,9939780,10002404,10064867,10127170,10189312,10251295,10313120,10374787,10436298,10497652,10558852,10619897,10680789,10741528,10802114,10862550,10922835,10982970,11042956,11102794,11162484,11222028,11281425,11340677,11399784,11458748,11517568,11576245,11634780,11693175,11751428,11809542,11867517,11925353,11983051,12040612,12098037,12155325,12212479,12269497,12326382,12383133,12439752,12496238,12552593,12608817,12664911,12720875,12776710,12832416,12887994,12943445,12998770,13053968,13109041,13163988,13218811,13273511,13328087,13382540,13436871,13491080,13545168,13599135,13652983,13706711,13760320,13813810,13867183,13920438,13973576,14026597,14079503,14132294,14184969,14237530,14289978,14342312,14394532,14446641,14498638,14550523,14602297,14653961,14705514,14756958,14808293,14859519,14910637,14961648,15012551,15063347,15114037,15164621,15215099,15265473,15315742,15365906,15415967,15465925,15515779,15565531,15615181,15664730,15714177,15763523,15812769,15861915,15910962,15959909,16008758,16057508,16106160,16154714,16203172,16251532,16299796,16347964,16396036,16444013,16491896,16539683,16587377,16634976,16682482,16729896,16777216);var wo="depth.md 3",P1=1024,mo=255,po=256,bo=4096,y2=512,_2=131071;function go(n,e,t){if(!["DAAB","DAB5","DQPN","DQTR","DB4W","DPRD"].includes(n))throw N1("depth",n);let r=new H(e,wo),[o,s,i,a]=[r.f32(),r.f32(),r.f32(),r.u32()];if(!(o>0&&o<=s&&Number.isFinite(s)))throw r.error(`Depths from ${o} m to ${s} m are no range`);if(Number.isNaN(i))throw r.error("The background value is not a number");if(a>1)throw r.error(`Depth has measure ${a}, which is unknown`);let c=v2(n,r,t);return r.finish(),{kind:"depth",range:{nearM:o,farM:s},background:i,isDistance:a===0,coding:c}}function v2(n,e,t){if(n==="DAAB"||n==="DAB5"){let r=n==="DAB5";return xo(r,e,t),{name:"boxes",inBlocks:r,...Eo(e)}}switch(vo(e,t),n){case"DB4W":return{name:"blocks"};case"DPRD":{let r=k2(e);if(r.projection.shape===2&&t.width!==t.height)throw e.error(`A cube face has ${t.width}x${t.height} pixels, which is no square`);return r}default:return x2(e,n==="DQTR")}}function yo(n,e,t){if(n!=="MAAB"&&n!=="MAB1")throw N1("material",n);let r=new H(e,wo),o=n==="MAB1";xo(o,r,t);let{window:s}=Eo(r);return r.finish(),{kind:"material",window:s,inBlocks:o}}function _o(n,e,t){if(n!=="APRD")throw N1("alpha",n);let r=new H(e,"depth.md 16");vo(r,t);let o=st(r);return r.finish(),{kind:"alpha",coding:{name:"predictive",keyframeInterval:o,bound:0,epsilon:0,projection:{shape:0,octave:0},levels:new Uint16Array,tables:ao("depth")}}}function N1(n,e){let t=Array.from(e,r=>/[ -~]/u.test(r)?r:"?").join("");return new g(`A stream of ${n} has codec '${t}', which this player does not know.`)}function vo(n,{unitWidth:e,unitHeight:t}){if(e>P1||t>P1)throw n.error(`Tiles have ${e}x${t} pixels, at most ${P1} a side are legal`)}function xo(n,e,{unitWidth:t,unitHeight:r}){if(n&&(t%4!==0||r%4!==0))throw e.error(`Tiles have ${t}x${r} pixels, where multiples of 4 were expected`)}function st(n){let e=n.u32();if(e===0)throw n.error("A keyframe interval has 0 frames");return e}function ko(n,e){if(e<1||e>mo)throw n.error(`A window has ${e} frames where 1 to ${mo} are legal`)}function Eo(n){let e=n.u16();ko(n,e);let t=n.u16();if(t<1||t>po)throw n.error(`Records have at most ${t} boxes where 1 to ${po} are legal`);return n.skip(2),n.zeros(2),{window:e,keyframeInterval:st(n)}}function x2(n,e){let t=n.u16();if(ko(n,t),e&&t!==1)throw n.error(`A window has ${t} frames, which an intermediate form cannot have`);n.skip(2);let r=st(n);n.skip(2);let o={kind:n.u16(),base:n.u32(),scale:n.u32()};if(o.kind>2)throw n.error(`Domain ${o.kind} is unknown`);if(!(o.kind===0?o.base===0&&o.scale===0:o.base<402653184&&o.scale>0))throw n.error(`Domain ${o.kind} has base ${o.base} and scale ${o.scale}, which is illegal`);return{name:"nodes",window:t,isTree:e,domain:o,keyframeInterval:r}}function k2(n){let e=n.u16();if(e>65534)throw n.error(`A bound has ${e} codes, at most ${65534} are legal`);let t=n.u16(),r=st(n),[o,s,i,a]=[n.u16(),n.u8(),n.u8(),n.u32()],c=E2(n,o,a),u=nt("depth",i,()=>n.varint());if(s>1)throw n.error(`Levels are of kind ${s}, which is unknown`);if(s===1&&(e!==0||t!==0||o!==0))throw n.error("A stream with a bound, a threshold or a projection has levels");let l=s===1?S2(n):new Uint16Array;return{name:"predictive",keyframeInterval:r,bound:e,epsilon:t,projection:c,levels:l,tables:u}}function E2(n,e,t){if(e!==0&&e!==1&&e!==2)throw n.error(`Projection ${e} is unknown`);if(e===0?t!==0:t<y2||t>_2)throw n.error(`Projection ${e} has ${t} codes for a factor of two, which is illegal`);return{shape:e,octave:t}}function S2(n){let e=n.u16();if(e<1||e>bo)throw n.error(`A stream has ${e} levels where 1 to ${bo} are legal`);let t=new Uint16Array(e),r=-1;for(let o=0;o<e;o+=1){if(t[o]=n.u16(),t[o]<=r||t[o]>65534)throw n.error(`Level ${t[o]} behind ${r} is illegal: levels ascend, up to ${65534}`);r=t[o]}return t}var T2={color:["CTR8","CTRH","CCL8","CCB1","CCB7","CCLH","CCB6"],depth:["DQPN","DQTR","DAAB","DPRD","DB4W","DAB5"],material:["MAAB","MAB1"],alpha:["APRD"]},A2=["DAB5","MAB1","CCB1","CCB7","CCB6"],L1=4;function So(n,e){let{kind:t,codec:r,unitWidth:o,unitHeight:s}=n;if(!T2[t].includes(r))throw new g(`A stream of ${t} has codec ${M2(r)}, which this player does not know.`);if(A2.includes(r)&&(o%L1!==0||s%L1!==0))throw new _(`A stream of codec ${r} has units of ${o}x${s} pixels, whose sides are no multiples of ${L1}.`);switch(t){case"depth":return go(r,e,n);case"material":return yo(r,e,n);case"alpha":return _o(r,e,n);case"color":return fo(r,e,n)}}function M2(n){return`"${n.replace(/[^A-Za-z0-9]/gu,e=>`\\x${e.charCodeAt(0).toString(16).padStart(2,"0")}`)}"`}var R2=/[\u0000-\u001f\u007f-\u009f]/u,G=class extends H{section;#e;#t;constructor(e,t,r){super(e,t),this.section=t,this.#e=r,this.#t=new DataView(e.buffer,e.byteOffset,e.byteLength)}error(e,t=this.at){return new _(`${e}, at byte ${this.#e+t} (${this.section}).`)}take(e){let t=this.skip(e);return this.bytes.subarray(t,t+e)}u64(e){let t=this.skip(8),r=this.#t.getUint32(t,!0)+this.#t.getUint32(t+4,!0)*2**32;if(!Number.isSafeInteger(r))throw this.error(`${e} is larger than any file`,t);return r}finites(e,t){return Array.from({length:e},()=>{let r=this.at,o=this.f64();if(!Number.isFinite(o))throw this.error(`${t} is ${o}, where a finite number was expected`,r);return o})}varint32(){let e=this.at,t=this.varint();if(t>=2**32)throw this.error(`${t} is more than 32 bits hold`,e);return t}string(e){let t=this.take(this.u16());try{return new TextDecoder("utf-8",{fatal:!0,ignoreBOM:!0}).decode(t)}catch{throw this.error(`${e} is not UTF-8`,this.at-t.length)}}fits(e,t,r){if(e*r>this.remaining)throw this.error(`${e} ${t} do not fit into the rest of the index`)}};function To(n){return R2.test(n)}function le(n){let t=Array.from(n.slice(0,80)).slice(0,40);return`"${t.map(o=>/^[ -~]$/u.test(o)?o:`\\u{${(o.codePointAt(0)??0).toString(16)}}`).join("")}${t.join("").length<n.length?"...":""}"`}var Q=16,Ao=16384,Ne=2**31,C2=2**30,Mo=2**22,O2={raw:1,lzma2:16384,zstd:32768},it=["raw","lzma2","zstd"],F1=/^[A-Za-z0-9_-][A-Za-z0-9._-]*$/u;function Ro(n){return Math.ceil(n.width/n.unitWidth)}function N(n){return Ro(n)*Math.ceil(n.height/n.unitHeight)}function S(n,e){let t=Ro(n),r=e%t*n.unitWidth,o=Math.floor(e/t)*n.unitHeight;return[r,o,Math.min(n.unitWidth,n.width-r),Math.min(n.unitHeight,n.height-o)]}function at(n){let e=n.u8();if(n.zeros(3),e>1)throw n.error(`Projection ${e} is unknown`);let[t]=n.finites(1,"The frame rate");if(t<=0)throw n.error(`A frame rate of ${t} is not positive`);let r=n.at,o=n.string("The dataset's name");if(To(o))throw n.error("The dataset's name holds control characters",r);return{projection:e,fps:t,name:o}}function de(n,e){return n.finites(3,e)}function fe(n,e){return n.finites(4,e)}function ct(n,e,{name:t,frames:[r,o]}){if(!F1.test(t))throw n.error(`The probe name ${le(t)} has other than letters, digits, ".", "_" and "-"`,e);if(r>o||o>=Ne)throw n.error(`A probe is active from frame ${r} to ${o}`,e)}function ut(n,e,t,r){let{kind:o,face:s,probe:i,width:a,height:c,unitWidth:u,unitHeight:l,firstFrame:d,frameCount:f}=t;if(o>3||s>6)throw n.error(`A stream has kind ${o} and face ${s}, which is unknown`,e);if(i>=r)throw n.error(`A stream is of probe ${i}, where the file has ${r}`,e);if([a,c,u,l].some(h=>h<1||h>Ao)){let h=`${a}x${c} pixels in units of ${u}x${l}`;throw n.error(`A stream has ${h}, where each size is 1 to ${Ao}`,e)}if(f<1||d+f>Ne)throw n.error(`A stream has ${f} frames from frame ${d} on, which is impossible`,e)}function lt(n,e,t,r){let{offset:o,storedBytes:s,rawBytes:i,storage:a}=t;if(o<Q||o+s>r)throw n.error(`A chunk of ${s} bytes at byte ${o} lies outside the file's chunks`,e);let c=Math.min(C2,s*O2[a]);if(i>c||a==="raw"&&i!==s)throw n.error(`A chunk of ${s} stored bytes cannot mean ${i} bytes`,e)}function dt(n,e,t){if(n.fits(e,"chunks",t),e>Mo)throw new g(`The container has ${e} chunks; this player reads at most ${Mo}.`)}function ft(n,e){let t=new Set;for(let{name:o}of n){if(t.has(o))throw new _(`Two probes are named ${le(o)} (container.md 4).`);t.add(o)}let r=new Set;e.forEach(({kind:o,probe:s,face:i},a)=>{let c=(s*4+o)*7+i;if(r.has(c))throw new _(`Stream ${a} has the kind, probe and face of an earlier one (container.md 5).`);r.add(c)})}function U1(n,e){let t=new Uint32Array(n.length+1),r=0;if(n.forEach((o,s)=>{if(r+=N(o),r>e)throw new _(`The chunk table breaks off: the streams have more units than its ${e} rows (container.md 6).`);t[s+1]=r}),r===0&&e>0)throw new _(`The index has ${e} chunks and no stream (container.md 6).`);return t}function ht(n,e){let t=U1(n,e.length),r=new Uint32Array(t[n.length]+1),o=0,s=(i,a,c)=>new _(`The chunk table breaks off at stream ${i}, unit ${a}, frame ${c}: chunks must cover the frames of each unit in order (container.md 6).`);if(n.forEach(({firstFrame:i,frameCount:a},c)=>{let u=i+a;for(let l=0;l<t[c+1]-t[c];l+=1){for(let d=i;d<u;o+=1){let f=e.at(o),h=f?.stream===c&&f.unit===l&&f.firstFrame===d;if(!f||!h||f.frameCount<1||d+f.frameCount>u)throw s(c,l,d);d+=f.frameCount}r[t[c]+l+1]=o}}),o<e.length){let{stream:i,unit:a,firstFrame:c}=e[o];throw s(i,a,c)}return{firstUnits:t,firstChunks:r}}var P2=4,N2=/^[a-z0-9_.]{1,64}$/u,L2=2**32-1,F2=[.64,.33,.3,.6,.15,.06,.3127,.329],U2=1e-9,Le=["color","depth","material","alpha"];function Oo(n){n.section="container.md 6.4";let e=n.varint32();if(e===0)throw n.error("An attribute table has no attributes");n.fits(e,"attributes",P2);let t=new Map,r="";for(let o=0;o<e;o+=1){let s=n.at,i=n.string("An attribute's name");if(!N2.test(i))throw n.error(`${le(i)} is no name of an attribute`,s);if(i<=r)throw n.error(`The attribute ${i} does not ascend by name`,s);r=i,t.set(i,n.take(n.varint32()))}return t}function Po(n){let e={chromaticities:F2,clippedPixels:void 0,missingFrames:[],poses:new Map},t=a=>{let c=n.get(a);return c&&new G(c,`container.md 6.6, ${a}`,0)},r=t("color.chromaticities");r&&(e.chromaticities=B2(r));let o=t("color.clipped_pixels");o&&(e.clippedPixels=o.u32()+o.u32()*2**32,o.finish());let s=t("frames.missing");for(;s&&s.remaining>0;)e.missingFrames.push(D2(s,e.missingFrames.at(-1)));let i=t("probes.poses");return i&&(e.poses=I2(i)),e}function B2(n){let e=Array.from({length:8},()=>n.f32());n.finish();let[t,r,o,s]=[0,2,4,6].map(l=>{let[d,f]=[e[l],e[l+1]];return[d/f,1,(1-d-f)/f]}),i=[t,r,o,s].flat().every(l=>Number.isFinite(l)),a=mt(t,r,o),u=[mt(s,r,o),mt(t,s,o),mt(t,r,s)].every(l=>Number.isFinite(l/a)&&l!==0);if(!i||!(Math.abs(a)>=U2)||!u)throw new _(`The chromaticities ${e.join(", ")} span no colors (${n.section}).`);return e}function mt(n,e,t){return n[0]*(e[1]*t[2]-e[2]*t[1])+n[1]*(e[2]*t[0]-e[0]*t[2])+n[2]*(e[0]*t[1]-e[1]*t[0])}function No(n){let e=n.at,t=n.string("A probe's name");if(!F1.test(t))throw n.error(`${le(t)} is no name of a probe`,e);return t}function B1(n,e,t){if(t>=Ne)throw n.error(`A row names frame ${t}, frames are numbered below ${Ne}`,e)}function D2(n,e){let t=n.at,r=No(n),[o,s,i,a]=[n.u8(),n.u8(),n.u32(),n.u32()];if(o>=Le.length||s>6)throw n.error(`A missing frame is of kind ${o} and face ${s}, which is unknown`,t);let c={probe:r,kind:Le[o],face:s,frame:i,held:a===L2?void 0:a};if(B1(n,t,i),B1(n,t,c.held??0),e&&!Lo(Co(e),Co(c)))throw n.error("Rows of missing frames do not ascend",t);return c}function Co({probe:n,kind:e,face:t,frame:r}){return[n,Le.indexOf(e),t,r]}function Lo(n,e){let t=n.findIndex((r,o)=>r!==e[o]);return t>=0&&n[t]<e[t]}function I2(n){let e=new Map,t;for(;n.remaining>0;){let r=n.at,o=No(n),s=n.u32();B1(n,r,s);let i=de(n,"A position"),a=fe(n,"An orientation");if(t&&!Lo(t,[o,s]))throw n.error("Rows of poses do not ascend by probe and frame",r);t=[o,s];let c=e.get(o);c?c.push({frame:s,position:i,orientation:a}):e.set(o,[{frame:s,position:i,orientation:a}])}return e}var Fe=H2();function H2(){let n=new Uint32Array(1024);for(let e=0;e<256;e+=1){let t=e;for(let r=0;r<8;r+=1)t=t>>>1^(t&1?3988292384:0);n[e]=t}for(let e=256;e<1024;e+=1){let t=n[e-256];n[e]=t>>>8^n[t&255]}return n}function pt(n){let e=4294967295,t=n.length-n.length%4,r=0;for(;r<t;r+=4){let o=e^(n[r]|n[r+1]<<8|n[r+2]<<16|n[r+3]<<24);e=Fe[768+(o&255)]^Fe[512+(o>>>8&255)]^Fe[256+(o>>>16&255)]^Fe[o>>>24]}for(;r<n.length;r+=1)e=e>>>8^Fe[(e^n[r])&255];return~e>>>0}var K=40,Ue=[1,2],D1=[137,76,70,76,68,13,10,26],G2=[76,70,78,68],W2="container.md 7";function Fo(n){let e=new G(n,"container.md 3",0),t=e.take(Math.min(D1.length,n.length));if(t.length<D1.length||D1.some((s,i)=>t[i]!==s))throw new _("This is not a lightfold container: its first 8 bytes are other (container.md 3).");let[r,o]=[e.u16(),e.u16()];if(r!==Ue[0])throw new g(`The container has format version ${r}; this player reads version ${Ue[0]}.`);return e.zeros(4),o}function I1(n,e){let t=e-K;if(!Bo(n))throw new _("The container has no foot: it was cut short, so copy or encode it again (container.md 7).");let r=new G(n,W2,t);if(pt(n.subarray(0,32))!==new DataView(n.buffer,n.byteOffset).getUint32(32,!0))throw r.error("The foot's CRC-32 does not match: the file is damaged");let[o,s]=[r.u64("The index's offset"),r.u64("The index")],[i,a]=[r.u32(),r.u8()];r.zeros(3);let c=r.u64("The file's size");if(a>2)throw r.error(`The index has form ${a}, which is unknown`,20);if(c!==e)throw r.error(`The foot speaks of a file of ${c} bytes, this one has ${e}`,24);if(o<Q||o+s!==t)throw r.error("The index does not lie between the chunks and the foot",0);return{indexOffset:o,indexBytes:s,indexCrc32:i,form:a}}function Uo(n,e){let t=e-n.length;for(let r=n.length-1;r>=K;r-=1){let o=n.subarray(r-K,r);if(Bo(o)&&z2(o,t+r))return t+r}}function Bo(n){return n.length===K&&G2.every((e,t)=>n[K-4+t]===e)}function z2(n,e){try{return I1(n,e),!0}catch{return!1}}var $2=27,V2=2,j2=1,K2=2**16,q2=1,X2=2,Y2=4,Q2=1,J2=2,Z2=4,ec=8,tc=16,rc=32,nc=64,oc=128,Do=3,sc=4,ic={name:"",position:[0,0,0],orientation:[0,0,0,1],frames:[0,0],intrinsics:[0,0,0,0]},ac={kind:0,face:-1,probe:0,codec:"\0\0\0\0",width:0,height:0,firstFrame:0,frameCount:0,unitWidth:0,unitHeight:0,headerBytes:new Uint8Array(0),chunkFrames:0};function Io(n,e,t){let r=new G(n,"container.md 6.3",e),[o,s,i]=[r.varint32(),r.varint32(),r.varint32()],a=r.u8();if(a>1)throw r.error(`Order ${a} of the chunk table is unknown`);let c=at(r);r.fits(o,"probes",$2);let u=[];for(let h=0;h<o;h+=1)u.push(cc(r,u.at(-1)??ic));r.fits(s,"streams",V2);let l=[];for(let h=0;h<s;h+=1)l.push(uc(r,l,o));dt(r,i,j2);let d=new H1(r,l,i).read(a===1,e),f=t?Oo(r):new Map;return r.finish(),ft(u,l),{...c,probes:u,streams:l,chunks:d,units:ht(l,d),attributes:f}}function cc(n,e){let t=n.at,r=n.u8();if(r>7)throw n.error(`A probe has flags ${r}, of which some are unknown`,t);let o=n.string("A probe's name"),s={...e,name:o,position:de(n,"A probe's position")};return r&q2&&(s.orientation=fe(n,"A probe's orientation")),r&X2&&(s.frames=[n.varint32(),n.varint32()]),r&Y2&&(s.intrinsics=n.finites(4,"A probe's intrinsics")),ct(n,t,s),s}function uc(n,e,t){let r=n.at,o=n.u8(),s={...e.at(-1)??ac};if(s.face+=1,o&Q2&&(s.kind=n.u8(),s.codec=String.fromCharCode(...n.take(4))),o&J2&&(s.probe=n.varint32()),o&Z2&&(s.face=n.u8()),o&ec&&([s.width,s.height]=[n.varint32(),n.varint32()]),o&tc&&([s.firstFrame,s.frameCount]=[n.varint32(),n.varint32()]),o&rc&&([s.unitWidth,s.unitHeight]=[n.varint32(),n.varint32()]),o&nc){let i=n.varint32();if(i>e.length)throw n.error(`A codec header is that of ${i} rows before, where there are ${e.length}`,r);s.headerBytes=i>0?e[e.length-i].headerBytes:n.take(n.varint32())}return o&oc&&(s.chunkFrames=n.varint32()),ut(n,r,s,Math.min(t,K2)),s}var H1=class{constructor(e,t,r){this.fields=e;this.streams=t;this.count=r;this.firstUnits=U1(t,r);let o=this.firstUnits[t.length];[this.streamOf,this.nextFrame]=[new Uint32Array(o),new Uint32Array(o)],t.forEach(({firstFrame:s},i)=>{let[a,c]=[this.firstUnits[i],this.firstUnits[i+1]];this.streamOf.fill(i,a,c),this.nextFrame.fill(s,a,c)})}fields;streams;count;firstUnits;streamOf;nextFrame;rows=[];read(e,t){let{fields:r,rows:o}=this,s=this.nextFrame.length,i=0,a=Q;for(let c=0;c<this.count;c+=1){let u=r.at,l=r.varint(),d=l%8,f=0;if(d&sc&&(f=r.varint32(),f<1||f>=s))throw r.error(`A step of ${f} units, where there are ${s}`,u);let h=(i+f)%s,m=this.frames(h,u),p=(d&3)===Do;this.place(m,[d&3,Math.floor(l/8)],[u,a]),lt(r,u,m,t),a+=p?0:m.storedBytes,o.push(m);let{firstFrame:w,frameCount:y}=this.streams[m.stream],v=this.nextFrame[h]===w+y;i=e&&!v?h:(h+1)%s}if(a!==t)throw r.error(`The chunks end at byte ${a}, and the index starts at ${t}`);return this.sorted()}frames(e,t){let r=this.streamOf[e],o=this.streams[r],s=this.nextFrame[e],i=o.firstFrame+o.frameCount-s,a=o.chunkFrames===0?this.fields.varint32():Math.min(o.chunkFrames,i);if(a<1||a>i)throw this.fields.error(`A chunk has ${a} frames of a unit of which ${i} are left`,t);return this.nextFrame[e]+=a,{...{stream:r,unit:e-this.firstUnits[r],firstFrame:s,frameCount:a},offset:0,storedBytes:0,rawBytes:0,crc32:0,storage:"raw"}}place(e,[t,r],[o,s]){let{fields:i,rows:a}=this;if(t===Do){let c=a.at(-1-r);if(!c)throw i.error(`A chunk has the bytes of ${r+1} rows before, where there are ${a.length}`,o);let{offset:u,storedBytes:l,rawBytes:d,crc32:f,storage:h}=c;Object.assign(e,{offset:u,storedBytes:l,rawBytes:d,crc32:f,storage:h});return}e.offset=s,e.storage=it[t],e.storedBytes=r,e.rawBytes=t===0?r:i.varint32(),e.crc32=i.u32()}sorted(){let e=new Uint32Array(this.nextFrame.length+1),t=o=>this.firstUnits[o.stream]+o.unit;this.rows.forEach(o=>e[t(o)+1]+=1);for(let o=1;o<e.length;o+=1)e[o]+=e[o-1];let r=Array(this.rows.length);for(let o of this.rows){let s=t(o);r[e[s]]=o,e[s]+=1}return r}};var lc=98,dc=36,fc=40;function Ho(n,e){let t=new G(n,"container.md 4",e),[r,o,s]=[t.u32(),t.u32(),t.u32()],i=at(t);t.fits(r,"probes",lc);let a=Array.from({length:r},()=>hc(t));t.section="container.md 5",t.fits(o,"streams",dc);let c=Array.from({length:o},()=>mc(t,r));t.section="container.md 6",dt(t,s,fc);let u=Array.from({length:s},()=>pc(t,e));t.finish(),ft(a,c);let l=ht(c,u);return{...i,probes:a,streams:c,chunks:u,units:l,attributes:new Map}}function hc(n){let e=n.at,t=n.string("A probe's name"),r=de(n,"A probe's position"),o=fe(n,"A probe's orientation"),s=[n.u32(),n.u32()],i=n.finites(4,"A probe's intrinsics"),a={name:t,position:r,orientation:o,frames:s,intrinsics:i};return ct(n,e,a),a}function mc(n,e){let t=n.at,[r,o,s]=[n.u8(),n.u8(),n.u16()],i=String.fromCharCode(...n.take(4)),[a,c,u,l]=[n.u32(),n.u32(),n.u32(),n.u32()],[d,f]=[n.u32(),n.u32()],h=n.take(n.u32()),m={kind:r,face:o,probe:s,codec:i,width:a,height:c,firstFrame:u,frameCount:l,unitWidth:d,unitHeight:f,headerBytes:h};return ut(n,t,m,e),m}function pc(n,e){let t=n.at,[r,o,s,i]=[n.u32(),n.u32(),n.u32(),n.u32()],a=n.u64("A chunk's offset"),[c,u,l,d]=[n.u32(),n.u32(),n.u32(),n.u8()];if(n.zeros(3),d>1)throw n.error(`A chunk is stored by method ${d}, which is unknown`,t);let f=it[d],h={stream:r,unit:o,firstFrame:s,frameCount:i,offset:a,storedBytes:c,rawBytes:u,crc32:l,storage:f};return lt(n,t,h,e),h}var bc=2**30,wc=1024,gc=4,yc=2**26,_c=1024,vc=2**38,xc=2**20,G1=2**26,W1=2**24,kc=4096,bt=32,Ec=4,Sc=4*2**20;function Go(n,e,t){let r=Math.max(bc,wc*t),[o,s,i]=[0,0,0];if(n.streams.forEach((a,c)=>{let u=Tc(n,c,e[c]);if(u>r)throw new g(`Stream ${c} of ${a.width}x${a.height} pixels would take ${u} bytes to decode, more than a file of ${t} bytes justifies (container.md 2).`);o+=u,s+=N(a)*a.frameCount,i+=a.width*a.height*a.frameCount}),o>gc*r)throw new g(`The streams would take ${o} bytes to decode, more than a file of ${t} bytes justifies (container.md 2).`);if(s>yc+_c*t||i>vc+xc*t)throw new g(`The streams have ${s} units and ${i} pixels in all their frames, more than a file of ${t} bytes justifies (container.md 2).`)}function Tc({streams:n,chunks:e,units:t},r,o){let s=n[r],i=s.width*s.height*Ac(o)+N(s)*kc;for(let a=t.firstUnits[r];a<t.firstUnits[r+1];a+=1){let c=0;for(let u=t.firstChunks[a];u<t.firstChunks[a+1];u+=1)c=Math.max(c,Mc(s,e[u],o));i+=c}return i}function Ac(n){switch(n.kind){case"depth":return n.coding.name==="predictive"?32:4;case"material":return 6;case"alpha":return 32;case"color":return n.isHalf?30:12}}function Mc(n,{unit:e,frameCount:t,rawBytes:r},o){if(o.kind==="depth"&&o.coding.name==="nodes")return 64*r;if(o.kind!=="color")return 10*r;let s=4*r+Math.min(8*r,Sc);if(o.coding.name==="cells")return s;let[,,i,a]=S(n,e),[c,u]=Rc(i,a),l=u*t,d=Math.min(832*r+5632*c,72*l);return Math.max(s,d+r+640*c+l)}function Rc(n,e){let t=s=>[[Math.floor(s/bt),bt],[s%bt>0?1:0,s%bt]],[r,o]=[0,0];for(let[s,i]of t(n))for(let[a,c]of t(e)){let u=Ec;for(;u<Math.max(i,c);)u*=2;r+=s*a,o+=s*a*u*u}return[r,o]}var Cc=65536,gt=class n{constructor(e,t,r,o){this.source=e;this.minorVersion=t;this.indexBytes=r;this.name=o.name,this.fps=o.fps,this.projection=o.projection===0?"cube":"perspective",this.probes=o.probes,this.chunks=o.chunks,this.units=o.units,this.attributes=o.attributes;let s=Lc(o.streams);Go(o,s,e.byteCount),this.streams=o.streams.map((i,a)=>Uc(i,a,s[a])),this.footage=Po(o.attributes)}source;minorVersion;indexBytes;name;fps;projection;probes;streams;chunks;attributes;footage;units;static async open(e,t){let r=Fo(await e.read(0,Math.min(Q,e.byteCount),t));if(e.byteCount<Q+K)throw new _(`The container ends after its head, at byte ${e.byteCount} (container.md 7).`);let o=await Oc(e,t);if(o.indexBytes>G1)throw new g(`The container has an index of ${o.indexBytes} bytes; this player reads at most ${G1}.`);let s=await e.read(o.indexOffset,o.indexBytes,t);if(pt(s)!==o.indexCrc32)throw new _(`The index's CRC-32 does not match: the file is damaged at byte ${o.indexOffset} (container.md 4).`);try{return new n(e,r,o.indexBytes,Pc(s,o))}catch(i){throw r>Ue[1]?Nc(i,r):i}}probeAt(e,t){let r=this.probes[e],o=this.footage.poses.get(r.name)??[],s=o[wt(0,o.length,i=>o[i].frame>=t)];return s?.frame===t?{...r,position:s.position,orientation:s.orientation}:r}unitCount(e){return N(this.streams[e])}unitRect(e,t){return S(this.streams[e],t)}chunksOf(e,t){let r=this.units.firstUnits[e]+t;return[this.units.firstChunks[r],this.units.firstChunks[r+1]]}chunkIndex(e,t,r){let[o,s]=this.chunksOf(e,t),i=wt(o,s,c=>this.chunks[c].firstFrame>r)-1;return i>=o&&r<this.chunks[i].firstFrame+this.chunks[i].frameCount?i:-1}chunksAmong(e,t,[r,o]){let[s,i]=this.chunksOf(e,t),a=wt(s,i,c=>this.chunks[c].firstFrame+this.chunks[c].frameCount>r);return[a,wt(a,i,c=>this.chunks[c].firstFrame>o)]}placeOf(e){let{stream:t,unit:r}=this.chunks[e];return e+1===this.chunksOf(t,r)[1]?"last":"inner"}areaOf(e){let{stream:t,unit:r,frameCount:o}=this.chunks[e],{width:s,height:i,face:a}=this.streams[t];return{area:{imageSize:[s,i],face:a,rect:this.unitRect(t,r)},frames:o,place:this.placeOf(e)}}};function wt(n,e,t){let[r,o]=[n,e];for(;r<o;){let s=Math.floor((r+o)/2);t(s)?o=s:r=s+1}return r}async function Oc(n,e){let{byteCount:t}=n,r=await n.read(t-K,K,e);try{return I1(r,t)}catch(o){let s=Math.min(t,Cc),i=Uo(await n.read(t-s,s,e),t);throw i===void 0?o:new _(`The container ends at byte ${i}, and ${t-i} bytes follow it (container.md 7).`)}}function Pc(n,{form:e,indexOffset:t}){return e===0?Ho(n,t):Io(n,t,e===2)}function Nc(n,e){let t=`The format version ${Ue[0]}.${e} is later than this player knows`;return n instanceof g||n instanceof _?new g(`${t}: ${n.message}`):n}function Lc(n){let e=new Map,t=0;return n.map((r,o)=>{let{kind:s,codec:i,face:a,width:c,height:u,unitWidth:l,unitHeight:d,headerBytes:f}=r,h={kind:Le[s],codec:i,face:a,width:c,height:u,unitWidth:l,unitHeight:d},m=Object.values(h).join(),p=e.get(f)??new Map;e.set(f,p);let w=p.get(m);if(w)return w;if(t+=f.length,t>W1)throw new g(`The streams have more than ${W1} bytes of different codec headers.`);let y=Fc(h,o,f);return p.set(m,y),y})}function Fc(n,e,t){try{return So(n,t)}catch(r){throw(r instanceof _||r instanceof g)&&(r.message=`Stream ${e}: ${r.message}`),r}}function Uc(n,e,t){let{face:r,probe:o,codec:s,width:i,height:a,firstFrame:c,frameCount:u,unitWidth:l,unitHeight:d,headerBytes:f}=n;return{...{index:e,kind:t.kind,face:r,probe:o,codec:s,width:i,height:a,firstFrame:c,frameCount:u},unitWidth:l,unitHeight:d,header:t,headerBytes:f}}function yt([n,e]){let t=[],[r,o]=[n,e];for(;r>1||o>1||t.length===0;)[r,o]=[Math.ceil(r/2),Math.ceil(o/2)],t.push([r,o]);return t}function _t([n,e,t,r],o){let s=(l,d)=>{let f=l>>o+1;return[f,(l+d-1>>o+1)-f+1]},[[i,a],[c,u]]=[s(n,t),s(e,r)];return[i,c,a,u]}function Wo([n,e],t,r){let[o,s]=[Math.floor(r.side/n),Math.floor(r.side/e)],i=Math.ceil(t/r.layers),a=Math.max(Math.min(i,o),1),c=Math.ceil(i/a);if(o===0||c>s){let u=o*s*r.layers;throw new g(`${t} images of ${n}x${e} texels are needed at once, and the graphics device holds ${u} of this size.`)}return{columns:a,rows:c,layers:Math.ceil(t/(a*c))}}function zo({columns:n,rows:e},t){let r=t%(n*e);return{column:r%n,row:Math.floor(r/n),layer:Math.floor(t/(n*e))}}function $o({views:n}){let e=n.flatMap(({faces:t})=>t.map(({size:r})=>r));return[Math.max(...e.map(([t])=>t)),Math.max(...e.map(([,t])=>t))]}function Vo([n,e]){return 2**Math.ceil(Math.log2(Math.max(n,e)))}function jo(n){let[e,t]=$o(n),r=n.views.some(({faces:s})=>s.some(({material:i})=>i!==void 0)),o=4+(n.coding.name==="light"?8:4)+(r?4:0);return e*t*o+4*Math.ceil(e/2)*Vo([e,t])}var vt=class{constructor(e,t,r){this.gpu=e;let{maxTextureDimension2D:o,maxTextureArrayLayers:s}=e.device.limits,i=$o(t);this.pyramidRows=Vo(i);let a=[Math.ceil(i[0]/2),this.pyramidRows],c=[Math.max(i[0],a[0]),Math.max(i[1],a[1])];this.#t=Wo(c,r,{side:o,layers:s}),this.#e=i,this.colorFormat=t.coding.name==="light"?"rgba16float":"rgba8unorm";let u=t.views.some(({faces:d})=>d.some(({material:f})=>f!==void 0));this.#r={inverse_depths:this.#s("inverse_depths",i,"r32uint"),pyramids:this.#s("pyramids",a,"r32uint"),colors:this.colorTexture("colors"),materials:this.#s("materials",u?i:[1,1],"rgba8unorm")};let l=d=>this.#r[d].createView({dimension:"2d-array"});this.#n={inverse_depths:l("inverse_depths"),pyramids:l("pyramids"),colors:l("colors"),materials:l("materials")},this.#o=Array.from({length:r},(d,f)=>r-1-f)}gpu;pyramidRows;colorFormat;#e;#t;#r;#n;#o;take(){return this.#o.pop()}free(e){this.#o.push(e)}view(e){return e in this.#n?this.#n[e]:void 0}origin(e){let{column:t,row:r,layer:o}=zo(this.#t,e),[s,i]=this.#e;return{texels:[t*s,r*i],pyramid:[t*Math.ceil(s/2),r*this.pyramidRows],layer:o}}colorTexture(e){return this.#s(e,this.#e,this.colorFormat)}upload(e,t,[r,o,s,i],a){let{texels:[c,u],layer:l}=this.origin(t),d=typeof e=="string"?this.#r[e]:e;this.gpu.queue.writeTexture({texture:d,origin:[c+r,u+o,l]},a,{bytesPerRow:s*4*a.BYTES_PER_ELEMENT},[s,i,1])}copyColor(e,t,r,o){let{texels:s,layer:i}=this.origin(t);this.#i(e,o,{texture:this.#r.colors,at:[...s,i]},r)}copyDepth(e,t,r,{planes:o,face:s}){let{texels:i,pyramid:a,layer:c}=this.origin(t);o.levels(s).forEach((u,l)=>{let d=l===0?r:_t(r,l-1),f={buffer:o.planes,at:u.at+d[1]*u.pitch+d[0],pitch:u.pitch};if(l===0)this.#i(e,f,{texture:this.#r.inverse_depths,at:[...i,c]},d);else{let h=this.pyramidRows-this.pyramidRows/2**(l-1);this.#i(e,f,{texture:this.#r.pyramids,at:[a[0],a[1]+h,c]},d)}})}#s(e,[t,r],o){let{columns:s,rows:i,layers:a}=this.#t;return this.gpu.device.createTexture({label:e,size:[t*s,r*i,a],format:o,usage:GPUTextureUsage.TEXTURE_BINDING|GPUTextureUsage.COPY_DST})}#i(e,{buffer:t,at:r,pitch:o},{texture:s,at:[i,a,c]},[u,l,d,f]){let h=f>1?{offset:4*r,bytesPerRow:4*o}:{offset:4*r};e.copyBufferToTexture({buffer:t,...h},{texture:s,origin:[i+u,a+l,c]},[d,f,1])}};function q(n,e){return[n[0]+e[0],n[1]+e[1],n[2]+e[2]]}function W(n,e){return[n[0]-e[0],n[1]-e[1],n[2]-e[2]]}function k(n,e){return[n[0]*e,n[1]*e,n[2]*e]}function X(n,e){return n[0]*e[0]+n[1]*e[1]+n[2]*e[2]}function Be(n,e){return[n[1]*e[2]-n[2]*e[1],n[2]*e[0]-n[0]*e[2],n[0]*e[1]-n[1]*e[0]]}function R(n){return Math.sqrt(X(n,n))}function xt(n,e){return R(W(n,e))}function he(n){return k(n,1/R(n))}function me([n,e,t,r]){let o=Math.sqrt(n*n+e*e+t*t+r*r),s=1/o;return Math.abs(o-1)<=.001?[n*s,e*s,t*s,r*s]:void 0}function pe([n,e,t,r],o){let s=[n,e,t],i=k(s,2*X(o,s)),a=k(Be(s,o),2*r);return q(q(k(o,r*r-X(s,s)),i),a)}function Ko([n,e,t,r]){return[-n,-e,-t,r]}function qo({eye:n,yaw:e,pitch:t},r,o){let s=[-Math.sin(e)*Math.cos(t),Math.sin(t),-Math.cos(e)*Math.cos(t)],i=[Math.cos(e),0,-Math.sin(e)],a=Math.tan(r*Math.PI/360);return{eye:n,axes:[s,i,Be(s,i)],half:[a*o,a]}}function Xo(n,e){let t=r=>({...n,eye:q(n.eye,k(n.axes[1],r))});return[t(-e/2),t(e/2)]}function Yo(n,e){let t=({eye:o,axes:s,half:i})=>[...o,...s.flat(),...i],r=t(e);return t(n).every((o,s)=>o===r[s])}var z1=1e100,Qo=1e-7,Bc=1e-13,Jo=1e-14;function De(n,e,t,r){let[o,s,i]=e,[[a,c],[u,l]]=[t.u,t.v],d=(w,y)=>q(q(o,k(s,w)),k(i,y)),f=[d(a,u),d(c,u),d(c,l),d(a,l)],h=f.map(he),m=[he(W(i,k(o,u))),he(W(k(o,c),s)),he(W(k(o,l),i)),he(W(s,k(o,a)))],p=f.reduce((w,y)=>Math.max(w,R(y)),0);return{apex:n,axes:e,window:t,nearM:r,corners:f,rays:h,sides:m,reach:p}}function Zo({apex:n,axes:e,rays:t,sides:r,reach:o,nearM:s}){let i=c=>Math.abs(R(c)-1)<1e-6;return n.every(c=>Number.isFinite(c))&&o<z1&&[...e,...t,...r].every(i)&&s>=0&&s<z1}function Dc({sides:n},e){return n.every(t=>X(t,e)>=0)}function Ic({apex:n,axes:e,window:t,nearM:r,reach:o},s){let i=2*s*o*o;if(!(i<=.2*o))return;let a=([c,u])=>[c-i,u+i];return De(n,e,{u:a(t.u),v:a(t.v)},r)}function ts(n,e){let t=Be(n,e),r=1/R(t);return Number.isFinite(r)&&r>0?k(t,r):void 0}function Hc(n,e){let t=(s,i)=>i.every(a=>X(s,a)>=-Jo),r=(s,i)=>i.every(a=>X(s,a)<=Jo);if(n.sides.some(s=>r(s,e.rays))||e.sides.some(s=>r(s,n.rays)))return!0;let o=(s,i)=>{let a=ts(s,i);return a!==void 0&&(t(a,n.rays)&&r(a,e.rays)||r(a,n.rays)&&t(a,e.rays))};return n.rays.some(s=>e.rays.some(i=>o(s,i)))}function es({corners:n,nearM:e},t,r){let o=Math.min(e,r),[s,i]=[1/0,-1/0];for(let a of n){let c=X(a,t);s=Math.min(s,c),i=Math.max(i,c)}return[s*(s<0?r:o),i*(i<0?o:r)]}function Gc(n,e,t){let r=W(e.apex,n.apex),o=t*n.reach+t*e.reach+R(r)+R(n.apex)+R(e.apex);if(!(o<=z1))return!1;let s=Bc*o,i=l=>{let[d,f]=es(n,l,t),[h,m]=es(e,l,t),p=X(r,l);return h+p-f>s||d-m-p>s},a=({axes:l,sides:d})=>[l[0],...d],c=({axes:l,rays:d})=>[l[1],l[2],...d];if(a(n).some(i)||a(e).some(i))return!0;let u=c(e);return c(n).some(l=>u.some(d=>{let f=ts(l,d);return f!==void 0&&i(f)}))}var kt=class{#e;#t;constructor(e){this.#e=e,this.#t=Zo(e)?Ic(e,Qo):void 0}sight(e){return this.#t===void 0||!Zo(e)?"partly":e.rays.every(t=>Dc(this.#e,t))?"inside":!Hc(this.#t,e)||!this.#r(e)?"partly":"missed"}#r(e){let t=xt(this.#e.apex,e.apex);return t===0||Gc(this.#e,e,2*t/Qo)}};var ns=6,[Ie,Wc,$1]=[[1,0,0],[0,1,0],[0,0,1]],[rs,be,Et]=[[-1,0,0],[0,-1,0],[0,0,-1]],zc=[[Ie,Et,be],[rs,$1,be],[Wc,Ie,$1],[be,Ie,Et],[$1,Ie,be],[Et,rs,be],[Et,Ie,be]];function os(n,[e,t],r){let[o,s,i,a]=r;return n===ns?{scale:[o,s],center:[i,a]}:{scale:[e/2,t/2],center:[e/2,t/2]}}function St({scale:n,center:e},t,r){let{fround:o}=Math,s=(c,u)=>o(o(c+.5-o(e[u]))/o(n[u])),[i,a]=[s(t,0),s(r,1)];return o(Math.sqrt(o(o(1+o(i*i))+o(a*a))))}function ss(n,e,[t,r]){let o=me(n.orientation),s=zc[e];if(o===void 0||s===void 0)return;let[i,a,c,u]=n.intrinsics,l=e===ns?(h,m)=>[(h-c)/i,(m-u)/a]:(h,m)=>[2*h/t-1,2*m/r-1],d=[...l(0,0),...l(1,1)].every(h=>Number.isFinite(h)),f=s.map(h=>pe(o,h));return d?{center:n.position,axes:f,plane:l}:void 0}function is({center:n,axes:e,plane:t},r,o,{margin:s,nearM:i}){let a=t(r[0]-s,r[1]-s),c=t(o[0]+s,o[1]+s),u=m=>[Math.min(a[m],c[m]),Math.max(a[m],c[m])],[l,d]=[u(0),u(1)],f=([m,p])=>Math.max(Math.abs(m),Math.abs(p)),h=Math.sqrt(1+f(l)**2+f(d)**2);return De(n,e,{u:l,v:d},i/h)}function we({depth:n,color:e,alpha:t,material:r}){return[n,e,t,r].filter(o=>o!==void 0)}function V1({faces:n}){return n.map(t=>{let r=we(t),o=r.map(({firstFrame:s,frameCount:i})=>s+i-1);return[Math.max(...r.map(({firstFrame:s})=>s)),Math.min(...o)]}).filter(([t,r])=>t<=r)}function as(n,e){return V1(n).some(([t,r])=>t<=e&&e<=r)}function $c({isHalf:n,transfer:e,exposureEv:t}){return n?{name:"light"}:{name:"codes",transfer:e,exposureEv:t}}function Vc(n,e){let[t,r]=e.size,o=we(e).find(s=>s.width!==t||s.height!==r);if(o!==void 0)throw new g(`Probe ${n}, face ${e.face}: ${o.kind} has ${o.width}x${o.height} pixels and depth ${t}x${r}; rendering takes images of one size.`)}function cs({streams:n,probes:e}){let t=new Map(n.map(s=>[`${s.probe} ${s.face} ${s.kind}`,s])),r=new Map,o;for(let s of n){let{header:i,probe:a,face:c,width:u,height:l}=s,d=x=>t.get(`${a} ${c} ${x}`),f=d("color");if(i.kind!=="depth"||f?.header.kind!=="color")continue;let h=$c(f.header);if(o??=h,JSON.stringify(o)!==JSON.stringify(h))throw new g("Colors of this container are coded in more than one way; the player takes one.");let{name:m,orientation:p,intrinsics:w}=e[a],y=[u,l],v=os(c,y,w),E={face:c,size:y,map:v,depth:s,header:i,color:f,alpha:d("alpha"),material:d("material")};if(Vc(m,E),me(p)===void 0)throw new g(`Probe ${m}: its orientation is no rotation.`);let z=r.get(a)??{probe:a,faces:[],...jc(n,a)};z.faces.push(E),r.set(a,z)}if(o===void 0)throw new g("No probe of this container has both color and depth, which rendering takes.");return{views:[...r.values()],coding:o}}function jc(n,e){let[t,r]=[1/0,0];for(let{header:o,probe:s}of n)s===e&&o.kind==="depth"&&(t=Math.min(t,o.range.nearM),r=Math.max(r,o.range.farM));return{nearM:t,farM:r}}function us(n,e,t){let r=n.map(({view:o,position:s})=>({view:o,distanceM:xt(s,e)}));return r.sort((o,s)=>o.distanceM-s.distanceM||o.view-s.view),r.slice(0,Math.max(t,1)).map(({view:o})=>o)}function Kc(n){let e=n&32768?-1:1,[t,r]=[n>>10&31,n&1023];return t===31?r===0?e*(1/0):NaN:e*(t===0?r*2**-24:(1024+r)*2**(t-25))}function At(n){let e=n<0?32768:0,t=Math.abs(n);if(!(t<65520))return e|(Number.isNaN(n)?0:31743);let r=Math.max(Math.floor(Math.log2(t)),-14),o=t*2**(10-r),s=Math.floor(o),i=o-s,a=i>.5||i===.5&&s%2===1?s+1:s;return e|(r+14)*1024+a}function qc(n){let e=n&32767;return e<31744?n:e>31744?0:n&32768|31743}function Xc(n,e){return e===1?n:e>0?At(Math.fround(Kc(n)/Math.fround(e))):0}function He(n,e){let t=n/255;return e==="linear"?t:t<=.04045?t/12.92:((t+.055)/1.055)**2.4}function Yc(n,e){let t=n<=.0031308?n*12.92:1.055*n**.4166666666666667-.055;return Math.min(Math.round((e==="linear"?n:t)*255),255)}function Qc(n){let e=new Uint8Array(65536);for(let t=1;t<256;t+=1)for(let r=0;r<256;r+=1)e[t*256+r]=t===255?r:Yc(He(r,n)*255/t,n);return e}var Tt=class{#e;constructor(e,t){this.#e=e.name==="codes"&&t?Qc(e.transfer):void 0}of(e,t,r){let[o,s,i,a]=t,c=e.pixels instanceof Uint16Array,u=c?new Uint16Array(4*i*a):new Uint8Array(4*i*a);for(let l=0;l<a;l+=1){let d=3*((s+l-e.rect[1])*e.rect[2]+o-e.rect[0]),f=r&&(s+l-r.rect[1])*r.rect[2]+o-r.rect[0];for(let h=4*l*i;h<4*(l+1)*i;h+=4){let m=r&&f!==void 0?Math.min(r.pixels[f++],255):255;for(let p=0;p<3;p+=1){let w=e.pixels[d++];c?u[h+p]=Xc(qc(w),m/255):u[h+p]=this.#e?.[m*256+w]??w}u[h+3]=c?At(m/255):m}}return u}};var Jc=2,Zc=.99;function e3(n){let e=new Map;for(let{probe:t,header:r}of n)r.kind==="depth"&&e.set(t,Math.min(r.range.nearM,e.get(t)??1/0));return e}var j1=class{constructor(e,t,r,o){this.image=e;this.stream=t;this.nearM=r;this.viewers=o;this.#e=Math.ceil(t.width/t.unitWidth),this.#t=Math.ceil(t.height/t.unitHeight),this.seen=new Uint8Array(this.#e*this.#t);let s=1;for(;s<Math.max(this.#e,this.#t);)s*=2;this.#r([0,0],s,0)}image;stream;nearM;viewers;seen;#e;#t;#r([e,t],r,o){let s=[Math.min(e+r,this.#e),Math.min(t+r,this.#t)],i=is(this.image,this.#o([e,t]),this.#o(s),{margin:Jc,nearM:Zc*this.nearM});for(let a=o;a<this.viewers.length;a+=1){let c=this.viewers[a].sight(i);if(c==="partly"&&r>1){this.#n([e,t],r/2,a);return}if(c!=="missed"){for(let u=t;u<s[1];u+=1)this.seen.fill(1,u*this.#e+e,u*this.#e+s[0]);return}}}#n([e,t],r,o){for(let[s,i]of[[0,0],[r,0],[0,r],[r,r]])e+s<this.#e&&t+i<this.#t&&this.#r([e+s,t+i],r,o)}#o([e,t]){let{width:r,height:o,unitWidth:s,unitHeight:i}=this.stream;return[Math.min(e*s,r),Math.min(t*i,o)]}},Ge=class{#e;#t;#r=[];#n=[];#o=new Map;constructor(e){this.#e=e,this.#t=e3(e.streams)}look(e){e.length===this.#r.length&&e.every((r,o)=>Yo(r,this.#r[o]))||(this.#r=e,this.#n=e.map(({eye:r,axes:o,half:[s,i]})=>new kt(De(r,o,{u:[-s,s],v:[-i,i]},0))),this.#o.clear())}units(e){let t=this.#o.get(e.index)??this.#s(e);return this.#o.set(e.index,t),t}sees(e,t){return this.units(e)[t]===1}#s(e){let t=this.#e.probes[e.probe],o=(this.#e.footage.poses.get(t.name)??[]).length>0?void 0:ss(t,e.face,[e.width,e.height]);return o===void 0?new Uint8Array(this.#e.unitCount(e.index)).fill(1):new j1(o,e,this.#t.get(e.probe)??0,this.#n).seen}};function Mt({shown:n,next:[e,t]},r){return r===n||r>=e&&r<=t}function Rt(n,e,t,r){let o=n.chunkIndex(e,t,r);if(o<0)return;let s=n.placeOf(o)==="last"?-1:o+1;return{unit:t,frame:r,chunk:o,next:s}}function ee({container:n,store:e},t,r){let o=n.chunks[t],s=e.get(o);if(s===void 0){r.push(o);return}return{chunk:o,stored:s,area:n.areaOf(t)}}var ls=64<<20,t3=8,Ct=class{constructor(e){this.decoding=e}decoding;#e=new Map;#t=new Set;#r=[];#n=new Set;#o=new Map;#s=0;#i=new Set;show(e,t){this.#t=new Set(e.map(ge));let r=[],o=0;for(let i of e){if(o+=this.#a(i),o>ls||this.#i.has(i.chunk))continue;let a=ge(i),c=this.#e.get(a);c!==void 0&&this.#c(a,c),(c?.chunk!==i.chunk||c.frame!==i.frame)&&r.push(i)}let s=i=>this.#o.get(ge(i))??-1;return this.#r=r.sort((i,a)=>s(i)-s(a)),this.#l(t),r.length}of(e,t){return this.#e.get(ge({stream:e,unit:t}))}clear(){this.#e.clear(),this.#t.clear(),this.#r=[],this.#o.clear()}#a({stream:e,unit:t}){let[,,r,o]=this.decoding.container.unitRect(e,t);return r*o}#l(e){this.#r=this.#r.filter(t=>{if(this.#n.has(ge(t))||this.#n.size>=t3)return!0;let r=ee(this.decoding,t.chunk,e);return r!==void 0&&this.#f(t,r),r===void 0})}#f(e,t){let r=ge(e),{chunk:o,frame:s}=e;this.#n.add(r),this.#o.set(r,this.#s+=1);let i=()=>this.#t.has(r),a=l=>{l!==void 0&&i()&&(this.#c(r,{chunk:o,frame:s,bytes:l}),this.#u())},c=()=>{this.#i.add(o)};this.decoding.pool.codings(t,s-t.chunk.firstFrame,i).then(a,c).then(()=>{this.#n.delete(r),this.#l([]),this.decoding.onReady()})}#c(e,t){this.#e.delete(e),this.#e.set(e,t)}#u(){let e=[...this.#e.values()].reduce((t,r)=>t+r.bytes.length,0);for(let[t,r]of this.#e){if(e<=ls)return;this.#e.delete(t),e-=r.bytes.length}}};function ge({stream:n,unit:e}){return`${n} ${e}`}var r3=8;function ds(n,{axes:e,half:t},r){let{views:o,coding:s,nearest:i,nearM:a,farM:c}=n;return{kind:"render",request:{camera:{axes:e,half:t},coding:s,nearM:a,farM:c,refine:r3,...r},views:o.map(({view:u,streams:l,fromEye:d,turn:f,cameraWeight:h})=>({view:u,fromEye:d,turn:f,cameraWeight:h,nearM:l.nearM})),nearest:i}}var n3=Uint8Array.from({length:4097},(n,e)=>{let t=e/4096;return Math.round(255*(t<=.0031308?12.92*t:1.055*t**.4166666666666667-.055))});function hs(n){return n3[Math.round(4096*Math.min(Math.max(n,0),1))]}function o3(n,e){let t=Math.max(n,0);switch(e){case"none":return t;case"reinhard":return t/(1+t);case"filmic":return t*(2.51*t+.03)/(t*(2.43*t+.59)+.14)}}function fs({rgba:n},{exposureEv:e,toneMap:t,marksHoles:r}){let o=new Uint8ClampedArray(n.length),s=2**e;for(let i=0;i<n.length;i+=1){if(i%4===3){o[i]=255;continue}let a=Math.min(Math.max(n[i-i%4+3],0),1),c=r&&i%4!==1?1:0;o[i]=hs(o3(c+a*(s*n[i]-c),t))}return o}function s3(n,{rgba:e},t){for(let r=0;r<n.length;r+=1)r%4<3&&(n[r]=n[r]+t*(hs(e[r])-n[r]))}function ms(n,{eyes:[e,t],overlay:r},o){let s=n.getContext("2d");if(s===null)throw new Error("The canvas cannot be drawn to.");let[i,a]=e.size,c=fs(e,o),u=o.stereo==="side-by-side";[n.width,n.height]=o.size;let l=t&&fs(t,o);if(l!==void 0&&!u)for(let d=0;d<c.length;d+=4)c[d+1]=l[d+1],c[d+2]=l[d+2];[c,u?l:void 0].forEach((d,f)=>{d!==void 0&&(r!==void 0&&s3(d,r,o.overlayShare),s.putImageData(new ImageData(d,i,a),f*(n.width-i),0))})}var i3=.01,ps=.1,bs=1e-18;function a3({orientation:n}){let e=Ko(me(n)??[0,0,0,1]);return[pe(e,[1,0,0]),pe(e,[0,1,0]),pe(e,[0,0,1])]}function c3({faces:n}){let e=n.flatMap(({size:[t,r],map:o})=>[0,t-1].flatMap(s=>[0,r-1].map(i=>St(o,s,i))));return Math.max(1,...e)}function Ot({views:n,coding:e},t,r,o){let s=u=>[Math.fround(u[0]),Math.fround(u[1]),Math.fround(u[2])],i=t.map(u=>{let l=n[u],d=o(l.probe);return{view:u,streams:l,fromEye:s(W(d.position,r)),turn:a3(d),cameraWeight:1}}),a=i.map(({fromEye:u})=>R(u)),c=Math.max(0,...a);return c>0&&i.forEach((u,l)=>u.cameraWeight=1/(a[l]/c+i3)),{views:i,coding:e,nearest:a.indexOf(Math.min(...a)),nearM:Math.min(...i.map(({streams:u})=>u.nearM)),farM:Math.max(...i.map(({streams:u},l)=>a[l]+u.farM*c3(u)))}}function ws({nearM:n,farM:e},t,r){return u3(t,n/10,e,r)}function gs({distancesM:n}){let e=2**Math.ceil(Math.log2(n.length));return{longest:e,first:Math.max(e/4,1)}}function u3(n,e,t,r){let[o,s]=[Math.fround(e),Math.fround(t)],i=Math.log(s/o)/n,a=s>o?Float32Array.from({length:n+1},(u,l)=>o*Math.exp(i*l)):Float32Array.of(o),c=a.length>1?Math.log(a[1]/a[0]):0;return{distancesM:a,logStep:c,uncertainty:-Math.log1p(Math.expm1(-c)*.5**r)}}var K1=["none","raw","biquadratic","platelet","bc4w","values","one value","blocks","background","plane","changed plane","quarters","pixels"],ys=63,_s=64,vs=128,c5=Object.fromEntries(K1.map((n,e)=>[n,e]));var q1=[{color:[213,94,0],codings:["raw","values","pixels"],name:"Raw codes; pixel by pixel"},{color:[240,228,66],codings:["biquadratic","plane"],name:"Biquadratic; plane carried on"},{color:[0,114,178],codings:["platelet","changed plane"],name:"Platelet; plane with a change"},{color:[204,121,167],codings:["bc4w","blocks","quarters"],name:"BC4w or BC5 block; quarters"},{color:[0,158,115],codings:["one value","background"],name:"One value; background"}],l3=.45,d3=.3;function xs(){return Array.from({length:256},(n,e)=>{let t=K1[e&ys],r=q1.find(({codings:s})=>s.includes(t)),o=((e&_s)!==0?l3:1)*((e&vs)!==0?d3:1);return r?.color.map(s=>Math.round(s*o))})}var X1=[18,20,26],f3=[255,255,255],h3=[255,176,0],ks=[60,220,90],m3=[255,120,40],p3=[40,90,200],b3=["probes","nodes","units","keyframes","fetched"],Pt={name:"codes",transfer:"srgb",exposureEv:0},Nt=.55;function Lt({overlays:n}){return b3.filter(e=>n.has(e))}var ye=class{constructor(e,t,r){this.container=e;this.catalogue=t;this.send=r}container;catalogue;send;#e=new Map;#t=Uint32Array.from(xs(),e=>e===void 0?0:We(e));forget(e){this.catalogue.views[e].faces.forEach(({depth:t})=>this.#e.delete(t.index))}paint(e,t){for(let r of t.views)for(let o of this.catalogue.views[r].faces){let s=new Y1(o.size);e.forEach(i=>this.#r(i,{view:r,streams:o},t,s));for(let i of s.changesTo(this.#e.get(o.depth.index)))this.send({view:r,face:o.face},i,s.texels(i));s.forgetMaps(),this.#e.set(o.depth.index,s)}}#r(e,{view:t,streams:r},{view:{frame:o},isFresh:s,codings:i},a){let{depth:c,color:u}=r;e==="probes"?a.fill([0,0,...r.size],w3(t/this.catalogue.views.length)):e==="nodes"?this.#n(c,(l,d)=>{let f=i(c.index,d),h=f===void 0?"":`${f.chunk} ${f.frame}`;a.map(l,{key:h,bytes:f?.bytes,words:this.#t})}):e==="units"?(this.#n(u,l=>a.frame(l,h3)),this.#n(c,l=>a.frame(l,f3))):(this.#n(c,(l,d)=>{let f=this.container.chunkIndex(c.index,d,o);if(!(f<0))if(e==="fetched")a.fill(l,s(f)?ks:X1);else{let{firstFrame:h,frameCount:m}=this.container.chunks[f],p=(o-h)/Math.max(1,m-1);a.fill(l,m3.map((w,y)=>Math.round(w+(p3[y]-w)*p)))}}),e==="fetched"&&this.#n(u,(l,d)=>{let f=this.container.chunkIndex(u.index,d,o);f>=0&&s(f)&&a.frame(l,ks)}))}#n({index:e},t){for(let r=0;r<this.container.unitCount(e);r+=1)t(this.container.unitRect(e,r),r)}};function w3(n){let e=t=>Math.round(255*(.55+.4*Math.cos(2*Math.PI*(n-t))));return[e(0),e(1/3),e(2/3)]}var Y1=class{constructor(e){this.size=e}size;#e=[];get#t(){return this.#e.map(({rect:e,color:t,isFrame:r})=>[...e,...t,r].join()).join(" ")}changesTo(e){return e===void 0||e.#t!==this.#t?[[0,0,...this.size]]:this.#e.filter(({map:t},r)=>t?.key!==e.#e[r].map?.key).map(({rect:t})=>t)}fill(e,t){this.#e.push({rect:e,color:t,isFrame:!1})}frame(e,t){this.#e.push({rect:e,color:t,isFrame:!0})}map(e,t){this.#e.push({rect:e,color:X1,isFrame:!1,map:t})}forgetMaps(){this.#e.forEach(({map:e})=>e&&(e.bytes=void 0))}texels(e){let[t,r,o,s]=e,i=new Uint8Array(4*o*s),a=new Uint32Array(i.buffer);a.fill(We(X1));for(let c of this.#e){let[u,l,d,f]=c.rect,[h,m]=[Math.max(u,t),Math.min(u+d,t+o)];for(let p=Math.max(l,r);p<Math.min(l+f,r+s)&&h<m;p+=1){let w=(p-r)*o+h-t;g3(c,p,[h,m],a.subarray(w,w+m-h))}}return i}};function g3(n,e,[t,r],o){let[s,i,a,c]=n.rect;if(n.map!==void 0){let{bytes:u,words:l}=n.map,d=(e-i)*a+t-s;for(let f=0;u!==void 0&&f<o.length;f+=1)o[f]=l[u[d+f]]||o[f]}else!n.isFrame||e===i||e===i+c-1?o.fill(We(n.color)):(t===s&&(o[0]=We(n.color)),r===s+a&&(o[o.length-1]=We(n.color)))}function We([n,e,t]){return(n|e<<8|t<<16|255<<24)>>>0}function ze({view:{size:n,stereo:e}}){return[e==="side-by-side"?Math.ceil(n[0]/2):n[0],n[1]]}function y3(n,e){let[t,r]=[Math.max(n[0],e[0]),Math.max(n[1],e[1])],[o,s]=[Math.min(n[0]+n[2],e[0]+e[2]),Math.min(n[1]+n[3],e[1]+e[3])];return t<o&&r<s?[t,r,o-t,s-r]:void 0}function Ft(n,e){if(n===void 0)return e;let[t,r]=[Math.min(n[0],e[0]),Math.min(n[1],e[1])],[o,s]=[Math.max(n[0]+n[2],e[0]+e[2]),Math.max(n[1]+n[3],e[1]+e[3])];return[t,r,o-t,s-r]}function Es(n,e){let t=n===0?1:0,r=[...e].sort((s,i)=>s[t]-i[t]||s[n]-i[n]),o=[];for(let s of r){let i=o.at(-1);i!==void 0&&i[t]===s[t]&&i[t+2]===s[t+2]&&i[n]+i[n+2]===s[n]?i[n+2]+=s[n+2]:o.push([...s])}return o}function Ss(n){return Es(1,Es(0,n))}function*_e(n,e){let{width:t,unitWidth:r,unitHeight:o}=n,[s,i,a,c]=e,u=Math.ceil(t/r);for(let l=Math.floor(i/o);l*o<i+c;l+=1)for(let d=Math.floor(s/r);d*r<s+a;d+=1){let f=y3(S(n,l*u+d),e);f!==void 0&&(yield[l*u+d,f])}}var Ut=class{constructor(e){this.stream=e;this.#e=new Uint8Array(N(e))}stream;#e;isKnown(e){return this.#e[e]===1}setKnown(e,t){let r=this.#e[e];return this.#e[e]=Number(t),r!==Number(t)}},ve=class{constructor(e){this.streams=e;this.depth=new Ut(e.depth),this.others=[e.color,e.alpha,e.material].filter(t=>t!==void 0).map(t=>new Ut(t))}streams;depth;others;#e=new Set;#t=[];setKnown(e,t,r){let o=e.setKnown(t,r);e===this.depth&&r?this.#e.add(t):o&&this.#t.push(S(e.stream,t))}takeParts(){let e=new Map;for(let t of this.#e)e.set(t,[S(this.streams.depth,t)]);for(let t of this.#t)for(let[r,o]of _e(this.depth.stream,t))this.#e.has(r)||e.set(r,[...e.get(r)??[],o]);return this.#e.clear(),this.#t=[],[...e].flatMap(([t,r])=>this.#r(t,r))}#r(e,t){let r=t.map(s=>({rect:s,isKnown:this.depth.isKnown(e)}));for(let s of this.others)r=r.flatMap(({rect:i,isKnown:a})=>[..._e(s.stream,i)].map(([c,u])=>({rect:u,isKnown:a&&s.isKnown(c)})));let o=[...new Map(r.map(s=>[s.rect.join(),s])).values()];return[!0,!1].flatMap(s=>{let i=o.filter(a=>a.isKnown===s).map(({rect:a})=>a);return Ss(i).map(a=>({rect:a,tile:e,isKnown:s}))})}},xe=class{#e=new Map;#t=new Map;load(e,t){this.#e.set(e,t);for(let r of t)[r.depth,...r.others].forEach(o=>this.#t.set(o.stream.index,{face:r,units:o}))}unload(e){let t=this.ofView(e);for(let{depth:r,others:o}of t)[r,...o].forEach(({stream:s})=>this.#t.delete(s.index));return this.#e.delete(e),t}views(){return this.#e.entries()}ofView(e){let t=this.#e.get(e);if(t===void 0)throw new Error(`View ${e} is not loaded`);return t}ofStream(e){let t=this.#t.get(e);if(t===void 0)throw new Error(`Stream ${e} is of no loaded view`);return t}isKnown(e,t){return this.ofStream(e).units.isKnown(t)}setKnown(e,t,r){let{face:o,units:s}=this.ofStream(e);o.setKnown(s,t,r)}};var Q1=class extends ve{constructor(t,r,o){super(t);this.view=r;this.codes=o}view;codes},Bt=class{constructor(e,t){this.catalogue=e;this.send=t}catalogue;send;#e=new xe;load(e,t){let{faces:r}=this.catalogue.views[e];this.#e.load(e,r.map(s=>new Q1(s,e,t)));let o=r.map(({face:s,size:i,map:a,header:{range:c,isDistance:u}})=>({face:s,size:i,map:a,range:c,isDistance:u}));this.send({kind:"load",view:e,faces:o,isLight:this.catalogue.coding.name==="light"})}unload(e){this.#e.unload(e),this.send({kind:"unload",view:e})}isKnown(e,t){return this.#e.isKnown(e,t)}written(e,t){this.#e.setKnown(e,t,!0)}forget(e,t){this.#e.setKnown(e,t,!1)}uploadColor(e,t,r){let{view:o,streams:s}=this.#e.ofStream(e).face;this.send({kind:"color",area:{view:o,face:s.face,rect:t},texels:r})}uploadMaterial(e,t){this.written(e,t)}isSpecular(){return!1}update(){for(let[e,t]of this.#e.views())for(let r of t){let{depth:o,face:s}=r.streams;for(let{rect:i,tile:a,isKnown:c}of r.takeParts()){let u=c?_3(r.codes(o.index,a),S(o,a),i):void 0;this.send({kind:"depth",area:{view:e,face:s,rect:i},codes:u})}}}};function _3(n,[e,t,r],o){let s=new Uint16Array(o[2]*o[3]);for(let i=0;i<o[3];i+=1){let a=(o[1]-t+i)*r+o[0]-e;s.set(n.subarray(a,a+o[2]),i*o[2])}return s}var v3=320*180,x3=128,Dt=class{constructor(e){this.scene=e;this.#e=new Worker(new URL("./cpu_worker.js",import.meta.url),{type:"module"}),this.#e.onmessage=({data:r})=>{this.#r?.resolve(r),this.#r=void 0},this.#e.onerror=({message:r})=>this.#s(r??"it did not load"),this.#e.onmessageerror=()=>this.#s("its answer cannot be read");let t=r=>this.#e.postMessage(r);this.texels=new Bt(e.catalogue,t),this.#t=new ye(e.container,e.catalogue,(r,o,s)=>{t({kind:"overlay",area:{...r,rect:o},texels:s})})}scene;texels;name="cpu";mostPixels=v3;hasEffects=!1;onFailed=()=>{};#e;#t;#r;#n;#o={size:[0,0],rgba:new Float32Array};load(e,t,r){return this.#t.forget(e),this.texels.load(e,(o,s)=>r(o,s)),Promise.resolve([])}async draw(e,t){let{view:r,cameras:o}=e,s=[];for(let f of o)s.push(await this.#a(e,f,!1));let i=ze(e),a=Lt(r),c;a.length>0&&(this.#t.paint(a,e),c={size:i,rgba:(await this.#a(e,o[0],!0)).rgba});let u=s.map(({rgba:f})=>({size:i,rgba:f}));[this.#o]=u;let l={...r,marksHoles:r.overlays.has("holes"),overlayShare:Nt};ms(this.scene.canvas,{eyes:u,overlay:c},l),t();let[{counts:d}]=s;return{counters:{...d},decodeMs:0,marchMs:s.reduce((f,{ms:h})=>f+h,0)}}decodeMs(){return Promise.resolve(0)}pixels(){let{size:e,rgba:t}=this.#o;return Promise.resolve({size:[...e],rgba:t})}close(){this.#e.terminate(),this.#i("The film was closed.")}#s(e){let t=`The worker that renders failed: ${e}`;this.#i(t),this.onFailed(t)}#i(e){this.#n??=e,this.#r?.reject(new Error(e)),this.#r=void 0}#a(e,t,r){let{container:o,catalogue:s}=this.scene,{view:i,views:a}=e,c=Ot(s,a,t.eye,d=>o.probeAt(d,i.frame)),u=r?Pt:c.coding,l=ds({...c,coding:u},t,{size:ze(e),steps:Math.min(i.steps,x3),showsOverlay:r,looksBehindHoles:!i.overlays.has("holes")});return new Promise((d,f)=>{if(this.#n!==void 0)throw new Error(this.#n);this.#r?.reject(new Error("Another picture was ordered.")),this.#r={resolve:d,reject:f},this.#e.postMessage(l)})}};function It(n,e){let{keyframes:t,weights:r}=n,[o,s]=[0,t.length];for(;o<s;){let c=o+s>>1;t[c]<=e?o=c+1:s=c}let i=Math.max(o-1,0),a=e<r.length?r[e]:0;return{keyframe:i,weight:a,needsNext:a>0&&i+1===t.length}}function J1(n,e,t,r){if(t===void 0)return r;let{frameSets:o,framePixels:s}=n;if(s.length===0){let[c,u]=[It(n,t),It(n,e)];return c.keyframe===u.keyframe&&c.weight===u.weight?0:r}let i=(c,u)=>(o[4*c+(u>>5)]>>>(u&31)&1)===1,a=0;for(let c=0;c<s.length;c++)i(c,e)&&!i(c,t)&&(a+=s[c]);return a}var Ts=Int32Array.of(362,362,362,362,361,361,360,360,359,358,357,356,355,354,353,351,350,348,346,345,343,341,339,337,334,332,330,327,325,322,319,316,314,311,307,304,301,298,294,291,287,284,280,276,272,268,264,260,256,252,247,243,239,234,230,225,220,216,211,206,201,196,191,186,181,176,171,165,160,155,149,144,139,133,128,122,116,111,105,99,94,88,82,76,71,65,59,53,47,41,35,30,24,18,12,6,0),k3=8,te=[1,2,3,4,6,8,12,16,24];var E3=Uint8Array.from({length:97},(n,e)=>{let t=te.indexOf(e);return t<0?te.length:t});function Z1(n){return E3[n]}function er(n,e,t){if(e===0)return 1<<k3;let r=(2*t+1)*e*(96/n)%384,o=r>192?384-r:r;return o>96?-Ts[192-o]:Ts[o]}var O5=te.map(As),P5=[4,8,16,32].map(As);function As(n){return Int32Array.from({length:n*n},(e,t)=>er(n,t%n,Math.floor(t/n)))}var S3=[0,1,2,2,3,3,3,4,4,4,4,4],tr=[4,8,16,32].map(n=>{let e=[];for(let t=0;t<2*n-1;t++)for(let r=0;r<=t;r++){let o=t%2===1?r:t-r;o<n&&t-o<n&&e.push([t-o,o])}return{places:Uint16Array.from(e,([t,r])=>32*r+t),magnitudes:Uint16Array.from(e,([t,r])=>34*r+t),classes:Uint8Array.from(e,([t,r])=>S3[t+r]??5)}});var Ht=Uint8Array.of(0,1,2,3,4,5,5,6,6,6,6,7),W5=Ht.length-1;var Ms=[4096,4277,4467,4664,4871,5087,5312,5547,5793,6049,6317,6597,6889,7194,7512,7845],Rs=[4096,2896,2365,2048,1672,1448,1182,1024,836],rr=[new Uint8Array(128),Uint8Array.of(1,3,5,7,8,9,10,10,11,12,12,13,13,14,14,15,15,15,16,16,16,17,17,17,18,18,18,18,19,19,19,19,19,20,20,20,20,20,21,21,21,21,21,21,22,22,22,22,22,22,22,23,23,23,23,23,23,23,23,24,24,24,24,24,2,5,8,10,12,14,15,16,18,19,20,20,21,22,23,23,24,25,25,26,26,27,27,28,28,29,29,29,30,30,30,31,31,31,32,32,32,33,33,33,34,34,34,34,35,35,35,35,36,36,36,36,36,37,37,37,37,37,38,38,38,38,38,38)];var T3=-8,A3=-T3;var Cs=96;var M3=32,Os=118,sh=Os*16;function Ps(n){let e=n.flatMap(({coding:s})=>s.name==="transform"?[s.tables]:[]);if(e.length===0)return{words:new Uint32Array,firstSets:[]};let t=O3(),r=[],o=e.map(s=>{let i=r.find(c=>R3(c.tables,s));if(i!==void 0)return i.first;let a=t.length;return r.push({tables:s,first:a}),co(s).forEach(c=>C3(t,c)),a});return{words:Uint32Array.from(t),firstSets:o}}function R3(n,e){return n.own.length===e.own.length&&n.own.every(({starts:t},r)=>t.every((o,s)=>o===e.own[r].starts[s]))}function C3(n,{starts:e}){for(let t=0;t<Os;t++){let r=t*17;for(let o=0;o<16;o++)n.push(e[r+o]|e[r+o+1]<<16)}}function O3(){let n=tr.flatMap(({places:i,classes:a})=>Array.from(i,(c,u)=>c|a[u]<<16)),e=Array.from(rt().distributionOf,i=>i*16),t=Array(Cs+1).fill(te.length),r=[...Ms,...Rs,...rr.flatMap(i=>[...i])],o=t.length+Ht.length+n.length+e.length+r.length,s=[];for(let i of[...te,M3]){t[i]=Z1(i)|o+s.length<<8;for(let a=0;a<i*i;a++)s.push(er(i,Math.floor(a/i),a%i)>>>0)}return[...t,...Ht,...n,...e,...r,...s]}function Ns(n,e,t,r){if(e===t)return[];if(r===0)return[nr(n,t)-1];let o=e===void 0||e>t,s=o?[0]:[],i=o?0:e;for(;i<t;){let a=nr(n,i),c=Math.min(a<n.length?n[a]:t,t);i+=Math.floor((c-i-1)/r)*r,i+=Math.min(r,t-i);let u=nr(n,i)-1;n[u]===i&&s.push(u)}return s}function nr(n,e){let t=0,r=n.length;for(;t<r;){let o=t+r>>>1;n[o]<=e?t=o+1:r=o}return t}var P3={bc1:"cells-bc1",bc7:"cells-bc7",bc6h:"cells-bc6h"};function N3(n){switch(n.kind){case"alpha":throw new g("Alpha is not decoded on the graphics device.");case"material":return n.inBlocks?"boxes-bc1":"boxes-material";case"depth":switch(n.coding.name){case"boxes":return n.coding.inBlocks?"boxes-bc5":"boxes-codes";case"predictive":return"boxes-codes";default:return"nodes"}case"color":return n.coding.name==="transform"?n.isHalf?"transform-half":"transform-8bit":n.coding.blocks!==void 0?P3[n.coding.blocks]:n.isHalf?"cells-half":"cells-8bit"}}function ke(n){let e=N3(n);if(n.kind!=="color")return{kernel:e,keyframes:void 0,plan:"plan-records",words:n.kind==="material"?"bytes":"codes",isColor:!1};let t=n.isHalf?"cells-half":"cells-8bit";return{kernel:e,keyframes:n.coding.name==="transform"?t:void 0,plan:"plan-cells",words:n.isHalf?"halves":"bytes",isColor:!0}}function Gt(n,e,t){switch(n.words){case"codes":return Math.ceil(e/2);case"halves":return 2*e;case"bytes":return n.isColor?Math.ceil(e/t)*t:e}}function Ls(n,e){let t=ke(n.header),r=Math.min(n.unitWidth,n.width);return(Math.floor(n.width/r)*Gt(t,r,e)+Gt(t,n.width%r,e))*n.height}function Fs(n){let e={window:0,domain:0,base:0,scale:0};if(n.kind==="material")return{...e,window:n.window};if(n.kind!=="depth")return e;let{coding:t}=n;switch(t.name){case"boxes":return{...e,window:t.window};case"predictive":return{...e,window:1};case"nodes":return{window:t.window,domain:t.domain.kind,base:t.domain.base,scale:t.domain.scale};case"blocks":return e}}var L=Oe.constants,Wt=2,L3={u32:["u32",1,1],i32:["i32",1,1],f32:["f32",1,1],"vec2<f32>":["f32",2,2],"vec3<f32>":["f32",3,4],"array<u32, 8>":["u32",8,1]};function F3(n){let e=new Map,[t,r]=[0,1];for(let o of n){let[s="",i=""]=o.split(": "),a=L3[i];if(a===void 0)throw new Error(`shaders/kernels.json: ${i} is no type of a member`);let[c,u,l]=a,d=Math.ceil(t/l)*l;e.set(s,{scalar:c,offset:d,words:u}),t=d+u,r=Math.max(r,l)}return{members:e,words:Math.ceil(t/r)*r}}var U3=new Map(Oe.structs.map(n=>[n.name,F3(n.members)]));function Us(n){let e=U3.get(n);if(e===void 0)throw new Error(`shaders/kernels.json has no struct ${n}`);return e}function Bs(n,e){let t=Us(n).members.get(e);if(t===void 0)throw new Error(`shaders/kernels.json: ${n} has no member ${e}`);return t}function F(n){return Us(n).words}function M(n,e){return Bs(n,e).offset}function $e(n,e,t,r){for(let[o,s]of Object.entries(r)){let{scalar:i,offset:a,words:c}=Bs(t,o),u=typeof s=="number"?[s]:s;if(u.length!==c)throw new Error(`${t}.${o} has ${c} words and not ${u.length}`);i==="f32"?new Float32Array(n.buffer,n.byteOffset,n.length).set(u,e+a):n.set(u,e+a)}}function J(n,e){let t=F(n),r=new Uint32Array(e.length*t);return e.forEach((o,s)=>$e(r,s*t,n,o)),r}function zt(n,e){let t=new Uint32Array(Wt+e.length);return t.set(n),t.set(e,Wt),t}var B3=16384,Ee=class{label;buffer;bytesSent=0;#e;#t=0;#r=[];#n=0;constructor(e,t){this.#e=e,this.label=t,this.buffer=e.buffer(t,B3)}get taken(){return this.#t-this.#n}hasRoom(e,t){return this.#r.some(r=>r.words>=e)||this.#t+e<=t}put(e){let t=this.#o(e.length);return this.#e.write(this.buffer,4*t,e),this.bytesSent+=e.byteLength,t}#o(e){let t;for(let o of this.#r)o.words>=e&&(t===void 0||o.words<t.words)&&(t=o);if(t!==void 0&&e>0){let{at:o}=t;return t.at+=e,t.words-=e,this.#n-=e,this.#r=this.#r.filter(s=>s.words>0),o}let r=this.#t;return this.#s(r+e),this.#t=r+e,r}#s(e){let t=this.buffer;if(4*e<=t.size)return;let r=Math.floor(this.#e.maxBindingBytes/4),o=Math.max(Math.min(2**Math.ceil(Math.log2(e)),r),e);this.buffer=this.#e.buffer(this.label,o),this.#e.submit(s=>s.copyBufferToBuffer(t,0,this.buffer,0,t.size)),this.#e.release(t)}free({at:e,words:t}){if(t===0)return;let r=this.#r.findIndex(l=>l.at>e),o=r<0?this.#r.length:r,[s,i]=[this.#r[o-1],this.#r[o]],a={at:e,words:t},[c,u]=[o,0];s!==void 0&&s.at+s.words===e&&(a.at=s.at,a.words+=s.words,c-=1,u+=1),i!==void 0&&i.at===e+t&&(a.words+=i.words,u+=1),this.#r.splice(c,u,a),this.#n+=t,a.at+a.words===this.#t&&(this.#r.pop(),this.#n-=a.words,this.#t=a.at)}destroy(){this.#e.release(this.buffer)}},re={words:F("Record"),at:M("Record","at"),first:M("Record","first"),work:M("Record","work")},or={words:F("BoxRow"),at:M("BoxRow","at")},$t=F("Chunk"),sr=4;function Is(n){return Math.ceil(n.length/sr)*sr}function D3(n){if(n.length%sr===0)return n;let e=new Uint32Array(Is(n));return e.set(n),e}function Ds(n,e,t){let r=n.slice();for(let[o,s]of t)for(let i=o;i<r.length;i+=e)r[i]+=s;return r}var Vt=class{#e;#t;#r;#n;#o=new Map;#s;constructor(e,t){this.#e=new Ee(e,"stream"),this.#t=new Ee(e,"records"),this.#r=new Ee(e,"boxes"),this.#n=new Ee(e,"chunks"),this.#s=t}get#i(){return[this.#e,this.#t,this.#r,this.#n]}buffer(e){return this.#i.find(t=>t.label===e)?.buffer}chunk(e){return this.#o.get(e)}get streamWords(){return this.#e.taken}get bytes(){return this.#i.reduce((e,t)=>e+t.buffer.size,0)}get bytesSent(){return this.#i.reduce((e,t)=>e+t.bytesSent,0)}hasRoom({stream:e,records:t,boxes:r}){let o=[Is(e),t.length,r.length,$t];return this.#i.every((s,i)=>s.hasRoom(o[i]??0,this.#s))}place(e,t,r){let o=D3(t.stream),s=this.#e.put(o),i=Ds(t.boxes,or.words,[[or.at,4*s]]),a=this.#r.put(i),c=Ds(t.records,re.words,[[re.at,t.isNodes?s:4*s],[re.first,a/or.words]]),u=this.#t.put(c),[l,d]=t.weights,f=new Uint32Array($t);$e(f,0,"Chunk",{first_record:u/re.words,record_count:c.length/re.words,weights_at:l+4*s,weight_count:d});let h=this.#n.put(f),m=0;for(let p=re.work;p<c.length;p+=re.words)m=Math.max(m,c[p]??0);this.#o.set(e,{row:h/$t,mostWork:m,kernel:t.kernel,passes:t.passes,timeline:t.timeline,lastUsed:r,places:[{at:s,words:o.length},{at:u,words:c.length},{at:a,words:i.length},{at:h,words:$t}]})}drop(e,t){let r=[...this.#o].filter(([o])=>!e.has(o));r.sort(([o,{lastUsed:s}],[i,{lastUsed:a}])=>s-a||o-i);for(let[o,{places:s}]of r){if(this.streamWords<=t)return;this.#o.delete(o),this.#i.forEach((i,a)=>i.free(s[a]??{at:0,words:0}))}}destroy(){this.#i.forEach(e=>e.destroy()),this.#o.clear()}};var I3=64,H3=16384,G3=2**31,W3=2**27,V={words:F("Unit"),picture:M("Unit","picture"),width:M("Unit","width"),height:M("Unit","height"),stride:M("Unit","stride"),window:M("Unit","window")};function z3(n,e,t,r){let o=[],s=new Uint32Array(n.reduce((c,u)=>c+N(u),0)*V.words),[i,a]=[0,0];return n.forEach((c,u)=>{o.push(i);let l=Fs(c.header),d=t[u]??l.base;for(let f=0;f<N(c);f+=1){let[,,h,m]=S(c,f),p=Gt(e,h,r);$e(s,i*V.words,"Unit",{...l,base:d,picture:a,width:h,height:m,stride:p}),a+=p*m,i+=1}}),{firstUnits:o,rows:s}}function $3(n,e){return n.reduce((t,r)=>t+Ls(r,e),0)}function V3(n,{reader:e}){let t=n.map(({width:r,height:o,unitWidth:s,unitHeight:i})=>Math.ceil(Math.min(s,r)/32)*Math.ceil(Math.min(i,o)/32));return e===void 0?0:Math.max(0,...t)*L.SCRATCH_WORDS}var jt=class n{streams;family;pictures;pixelsWritten=0;pixelsWanted=0;#e;#t;#r;#n;#o=new Map;#s;#i;#a;#l;#f=0;#c=0;constructor(e,t,r,o,s){let i=ke(t[0].header),a=Ps(t.map(({header:l})=>l).filter(l=>l.kind==="color")),c=$3(t,s),u=t.reduce((l,d)=>l+N(d),0);e.check("pictures",c),e.check("scratch",V3(t,o.codec)),e.check("units",u*V.words),this.#e=e,this.streams=t,this.family=i,this.#t=r,this.#r=o,this.#n=z3(t,i,a.firstSets,s),this.pictures=e.buffer("pictures",c),this.#i={units:e.filled("units",this.#n.rows),states:e.buffer("states",u*F("State")),log2_table:e.filled("log2_table",ho),tables:e.filled("tables",a.words),dispatch:e.buffer("dispatch",F("Dispatch"),GPUBufferUsage.INDIRECT)},this.#a=e.buffer("items",0),this.#l=e.buffer("jobs",0),this.#s=new Vt(e,Math.floor(e.maxBindingBytes/4))}static async create(e,t,r=1){let[o,...s]=t.map(l=>ke(l.header));if(o===void 0||s.some(({kernel:l})=>l!==o.kernel))throw new O("Streams of different families cannot be decoded together.");let i=async l=>{let{reader:d}=se(l),[f,h]=await Promise.all([e.pipeline(l),d===void 0?void 0:e.pipeline(d)]);return{kernel:f,reader:h}},[a,c,u]=await Promise.all([e.pipeline(o.plan),i(o.kernel),i(o.keyframes??o.kernel)]);return new n(e,t,a,{codec:c,keyframes:u},r)}has(e){return this.#s.chunk(e)!==void 0}add(e,t){return this.has(e)?!0:this.#s.hasRoom(t)?(this.#s.place(e,t,this.#c),!0):!1}drop(e,t){this.#s.drop(e,t)}get chunkWords(){return this.#s.streamWords}get bytes(){let e=[this.pictures,this.#a,this.#l,...Object.values(this.#i)];return this.#s.bytes+e.reduce((t,r)=>t+r.size,0)}get bytesSent(){return this.#s.bytesSent+this.#f}needsNext({key:e,frame:t,firstFrame:r}){let o=this.#s.chunk(e);return this.family.isColor&&o!==void 0&&It(o.timeline,t-r).needsNext}shows(e){let t=this.#o.get(this.#u(e.stream,e.unit));if(t?.key!==e.key)return!1;let r=e.frame-e.firstFrame;return t.frame===r||this.family.isColor&&J1(t.timeline,r,t.frame,1)===0}showsAny(e,t){return this.#o.has(this.#u(e,t))}unit(e,t){let r=this.#u(e,t)*V.words,o=s=>this.#n.rows[r+s]??0;return{picture:o(V.picture),stride:o(V.stride),width:o(V.width),height:o(V.height)}}decode(e,t){this.#c+=1;let r={written:[],pixels:0,missing:[],behind:[],refused:[]},o=[];for(let s of e){let{width:i,height:a}=this.unit(s.stream,s.unit);this.pixelsWanted+=i*a,this.#d(s,o,r)}return this.pixelsWritten+=r.pixels,o.forEach(s=>this.#x(s,t)),r}destroy(){this.#s.destroy(),[this.pictures,this.#a,this.#l,...Object.values(this.#i)].forEach(e=>this.#e.release(e))}#u(e,t){return(this.#n.firstUnits[e]??0)+t}#d(e,t,r){let o=this.#u(e.stream,e.unit),s=e.frame-e.firstFrame,i=this.#o.get(o);if(i?.key===e.key&&i.frame===s)return;let a=this.#s.chunk(e.key),c=this.needsNext(e)?this.#s.chunk(e.nextKey??0):a;if(a===void 0||c===void 0){r.missing.push(e);return}a.lastUsed=this.#c,c.lastUsed=this.#c;let u=this.#m(e,a.timeline);if(u===void 0){r.refused.push(e);return}let l=t.findLast(({kernel:d})=>d===a.kernel);(l===void 0||l.work+a.mostWork>this.#h(a.kernel))&&(l={kernel:a.kernel,items:[],rounds:0,passes:0,work:0},t.push(l)),l.items.push({unit:o,chunk:a.row,next:c===a?L.NONE:c.row,frame:s,key:e.key}),l.work+=a.mostWork,l.rounds=Math.max(l.rounds,u.rounds),l.passes=Math.max(l.passes,a.passes),this.#o.set(o,{key:e.key,frame:u.reached,timeline:a.timeline}),r.pixels+=u.pixels,r.written.push({wanted:e,pixels:u.pixels}),u.reached!==s&&r.behind.push(e)}#h(e){return this.#r[e].reader===void 0?G3:Math.floor(Math.min(W3,this.#e.maxBindingBytes)/(4*L.SCRATCH_WORDS))}#m(e,t){let r=this.#u(e.stream,e.unit),o=this.#o.get(r),s=o?.key===e.key?o.frame:void 0,i=e.frame-e.firstFrame,{width:a,height:c}=this.unit(e.stream,e.unit),u=a*c;if(this.family.isColor)return{rounds:1,pixels:J1(t,i,s,u),reached:i};let l=this.#n.rows[r*V.words+V.window]??0;if(l===0)return{rounds:1,pixels:u,reached:i};let d=Ns(t.recordFrames,s,i,l);if(d.length>H3)return;let f=d.slice(0,I3),h=f.at(-1),m=f.length<d.length&&h!==void 0;return{rounds:Math.max(f.length,1),pixels:f.reduce((p,w)=>p+(t.recordPixels[w]??0),0),reached:m?t.recordFrames[h]??i:i}}#x({kernel:e,items:t,rounds:r,passes:o,work:s},i){let a=zt([t.length,0],J("Item",t));this.#a=this.#b(this.#a,a.length),this.#l=this.#b(this.#l,Wt+t.length*F("Job")),this.#e.write(this.#a,0,a),this.#f+=a.byteLength;let{reader:c,kernel:u}=this.#r[e];c!==void 0&&this.#e.scratch(s*L.SCRATCH_WORDS);let[l,d]=[0,4*M("Dispatch","part_x")],f=[...c===void 0?[]:[{...c,times:o,size:l}],{...u,times:1,size:c===void 0?l:d}].map(m=>({...m,group:this.#p(m)})),h=this.#p(this.#t);this.#e.submit(m=>{let p=m.beginComputePass(i===void 0?{}:{timestampWrites:i});for(let w=0;w<r;w+=1){p.setPipeline(this.#t.pipeline),p.setBindGroup(0,h),p.dispatchWorkgroups(1);for(let{pipeline:y,group:v,times:E,size:z}of f){p.setPipeline(y),p.setBindGroup(0,v);for(let x=0;x<E;x+=1)p.dispatchWorkgroupsIndirect(this.#i.dispatch,z)}}p.end()})}#b(e,t){if(4*t<=e.size)return e;let r=this.#e.buffer(e.label,t);return this.#e.release(e),r}#p(e){let t={...this.#i,items:this.#a,jobs:this.#l,scratch:this.#e.scratch(0),pictures:this.pictures};return this.#e.bind(e,r=>{let o=t[r]??this.#s.buffer(r);if(o===void 0)throw new O(`No buffer of a decoder is named ${r}.`);return{buffer:o}})}};function Hs({nearM:n,farM:e}){let t=Math.log(e/n),r=new Float32Array(65536);for(let o=0;o<65534;o+=1)r[o]=1/Math.fround(n*Math.exp(t*o/65534));return r[0]=1/n,r[65534]=1/e,new Uint32Array(r.buffer)}var Se=64,Gs=2139095040,Ws=1900671690,j3=64,K3=[[0,6],[8,3],[11,2],[13,1]],cr=13,zs=[0,1,2,3,4,5],Kt=class{#e=new Map;of(e){let t=`${e.nearM} ${e.farM}`,r=this.#e.get(t)??Hs(e);return this.#e.set(t,r),r}};function q3(n,e,t){let r=e,o=[n.size,...yt(n.size)].map(l=>{let d={at:r,pitch:Math.ceil(l[0]/Se)*Se,size:l};return r+=d.pitch*l[1],d});o[o.length-1].at=n.face;let{header:s,size:i,map:a}=n,c=t.add(`${s.range.nearM} ${s.range.farM}`,()=>t.depths.of(s.range)),u=s.isDistance?t.add([...i,...a.scale,...a.center].join(),()=>X3(n)):L.NONE;return{planes:{levels:o,table:c,rayLengths:u},end:r}}function X3({size:[n,e],map:t}){let r=new Float32Array(n*e);for(let o=0;o<e;o+=1)for(let s=0;s<n;s+=1)r[o*n+s]=St(t,s,o);return new Uint32Array(r.buffer)}var ir=class{constructor(e){this.depths=e}depths;parts=[];words=0;#e=new Map;add(e,t){let r=this.#e.get(e);if(r!==void 0)return r;let o=this.words,s=t();return this.parts.push(s),this.words+=s.length,this.#e.set(e,o),o}all(){let e=new Uint32Array(this.words),t=0;for(let r of this.parts)e.set(r,t),t+=r.length;return e}};function $s(n,e,[t,r,o,s],i){return{below:n.at,below_pitch:n.pitch,below_width:n.size[0],below_height:n.size[1],left:t,top:r,width:o,output:e.at,pitch:e.pitch,limit:L.NONE,end:i+o*s}}var ar=class{steps=[];#e=[];#t=0;add(e,t,r,o){let s=r.at(-1)?.end??0;if(s>0){let i=zt([s,r.length],J(t,r));this.steps.push({kernel:e,pictures:o,at:this.#t,words:i.length,invocations:s}),this.#e.push(i),this.#t+=Math.ceil(i.length/Se)*Se}}all(){let e=new Uint32Array(this.#t);return this.steps.forEach(({at:t},r)=>e.set(this.#e[r],t)),e}},qt=class{constructor(e,t,r,o){this.gpu=e;this.kernels=t;let s=new ir(o),i=j3;for(let c of r){let{planes:u,end:l}=q3(c,i,s);this.#t.set(c.face,u),i=l}e.check("planes",i),e.check("tables",s.words);let a=new Uint32Array(i).fill(Gs);a[cr]=Ws,this.planes=e.filled("planes",a),this.#e=e.filled("tables",s.all()),this.#r=e.buffer("jobs",0),this.hasGreatest=this.#t.size===zs.length&&zs.every(c=>this.#t.has(c))}gpu;kernels;planes;hasGreatest;#e;#t=new Map;#r;get bytes(){return this.planes.size+this.#e.size+this.#r.size}levels(e){return this.#t.get(e)?.levels??[]}write(e){let t=new ar,r=new Map;for(let{pictures:o,parts:s}of e){let i=0,a=s.map(c=>(i+=c.rect[2]*c.rect[3],r.set(c.face,Ft(r.get(c.face),c.rect)),{...this.#n(c),end:i}));t.add("texels","DepthJob",a,o)}return this.#o(r,t),t.steps.length>0&&this.#s(t),r}destroy(){[this.planes,this.#e,this.#r].forEach(e=>this.gpu.release(e))}#n({face:e,rect:[t,r,o],picture:s,corner:i}){let{levels:a,table:c,rayLengths:u}=this.#t.get(e),[{at:l,pitch:d,size:f}]=a,h={width:o,output:l+r*d+t,pitch:d};return s===void 0?{...h,picture:L.NONE,table:Gs,ray_length:L.NONE}:{...h,picture:s.picture,stride:s.stride,left:t-i[0],top:r-i[1],table:c,ray_length:u===L.NONE?u:u+r*f[0]+t,ray_length_pitch:f[0]}}#o(e,t){let r=Math.max(0,...[...e.keys()].map(o=>this.levels(o).length));for(let o=1;o<r;o+=1){let s=[];for(let[i,a]of e){let[c,u]=this.levels(i).slice(o-1,o+1);u!==void 0&&s.push($s(c,u,_t(a,o-1),s.at(-1)?.end??0))}t.add("squares","PyramidJob",s)}if(this.hasGreatest&&e.size>0){let o=K3.map(([s,i])=>({at:s,pitch:i,size:[i,1]}));for(let s=1;s<o.length;s+=1){let i=$s(o[s-1],o[s],[0,0,o[s].size[0],1],0);t.add("squares","PyramidJob",[{...i,limit:Ws}])}}}#s(e){let t=e.all();this.#r.size<4*t.length&&(this.gpu.release(this.#r),this.#r=this.gpu.buffer("jobs",t.length)),this.gpu.write(this.#r,0,t),this.gpu.submit(r=>{let o=r.beginComputePass({label:"planes"});for(let s of e.steps){let i=this.kernels[s.kernel],c={jobs:{buffer:this.#r,offset:4*s.at,size:4*s.words},tables:{buffer:this.#e},planes:{buffer:this.planes},...s.pictures&&{pictures:{buffer:s.pictures}}};o.setPipeline(i.pipeline),o.setBindGroup(0,this.gpu.bind(i,d=>c[d]));let u=Math.ceil(s.invocations/se(s.kernel).workgroup),l=Math.min(u,L.MAX_GROUPS);o.dispatchWorkgroups(l,Math.ceil(u/l))}o.end()})}};var js={steps:1024,refine:8,samples:1,holes:"behind",maxBounces:4,effects:!0},Y3=1e30,Q3=(2-2**-23)*2**127,J3=4294967295,Z3=8,eu=8,Vs={light:0,srgb:1,linear:2},tu={blank:0,nearest:1,behind:2},ru=7,nu=0;function ou(n){return n.name==="light"?{coding:Vs.light,gain:1}:{coding:Vs[n.transfer],gain:2**-n.exposureEv}}function su(n,e,t){let{texels:r,pyramid:o,layer:s}=t.origin(e,n.face);return{column:r[0],row:r[1],layer:s,has_material:+(n.material!==void 0),width:n.size[0],height:n.size[1],pyramid_column:o[0],pyramid_row:o[1],levels:yt(n.size).length,number:n.face,scale:n.map.scale,centre:n.map.center,has_alpha:+(n.alpha!==void 0)}}function iu({coding:n,views:e,nearest:t},{axes:[r,o,s],half:i},a,c){let u=a.distancesM.length,l=gs(a);return{forward:r,right:k(o,i[0]),down:k(s,i[1]),samples:c.samples,view_count:e.length,distance_count:u,refine:c.refine,tolerance:ps+a.uncertainty,holes:tu[c.holes],...ou(n),max_bounces:Math.min(c.maxBounces,eu),longest_segment:l.longest,first_segment:l.first,near_m:0,far_m:Q3,log_step:a.logStep,nearest_view:t,refinements:ru,background:nu}}function Ks(n,e,[t,r],o,s){let i=ws(n,o.steps,o.refine),a=[],c=n.views.map(({view:l,streams:d,fromEye:f,turn:h,cameraWeight:m})=>{let p=new Array(Z3).fill(J3);for(let E of d.faces)p[E.face]=a.length,a.push(su(E,l,s));let[w,y,v]=h;return{from_eye:f,near_m:d.nearM,turn_x:w,camera_weight:m,turn_y:y,greatest_inverse_depth:Y3,turn_z:v,faces:p}}),u={width:t,height:r,pyramid_rows:s.arrays.pyramidRows};return{scene:J("Scene",[{...iu(n,e,i,o),...u}]),views:J("View",c),faces:J("Face",a),distancesM:new Uint32Array(i.distancesM.buffer)}}var Xt=["primary_rays","march_steps","refine_steps","secondary_rays","normal_evals","material_samples","hole_rays","background_rays"],Te=8,au=-1,cu=2**28,uu=256,lu=50;function qs([n,e]){return Math.ceil(n/Te)*Math.ceil(e/Te)*Xt.length}function du(n){let e=r=>Math.min(uu,4**r),t=0;for(let r=0;r<n;r+=1)t+=3*e(r)+e(r+1);return t}function Xs(n,e,t,r){let o=t.steps+1+t.refine,s=t.samples**2*n*o*e*(1+r);return Math.max(Math.floor(cu/(s*Te)),1)*Te}var Ae=class{constructor(e){this.gpu=e;this.#e=e.buffer("pixels",0),this.#t=e.buffer("counts",0)}gpu;size=[0,0];#e;#t;get pixels(){return this.#e}get counts(){return this.#t}resize([e,t]){e===this.size[0]&&t===this.size[1]||(this.gpu.check("pixels",4*e*t),this.destroy(),this.#e=this.gpu.buffer("pixels",4*e*t),this.#t=this.gpu.buffer("counts",qs([e,t])),this.size=[e,t])}async readPixels(){let e=await this.gpu.read(this.#e,0,4*this.size[0]*this.size[1]),t=new Float32Array(e.buffer);for(let r=3;r<t.length;r+=4)if(t[r]===au)throw new O("The graphics device ended loops before they were done; take fewer steps.");return t}async readCounters(){let e=await this.gpu.read(this.#t,0,qs(this.size)),t=new Array(Xt.length).fill(0);return e.forEach((r,o)=>t[o%Xt.length]+=r),Object.fromEntries(Xt.map((r,o)=>[r,t[o]]))}destroy(){this.gpu.release(this.#e),this.gpu.release(this.#t)}},Yt=class{constructor(e,t){this.gpu=e;this.texels=t}gpu;texels;#e=new Map;async render(e,t){let{active:r,camera:o,size:s,settings:i}=t,a=i.effects&&r.views.some(({view:w})=>this.texels.isSpecular(w)),c=await this.gpu.pipeline(a?"render-effects":"render-pyramid");e.resize(s),this.#t(Ks(r,o,s,i,this.texels)),this.#r(r);let u=this.#n(c,e,t.colors),[l,d]=s,f=Xs(l,r.views.length,i,0),h=a?du(i.maxBounces):0,m=Xs(l,r.views.length,i,h),p=m;for(let w=0;w<d;){let y=Math.min(p,d-w),v=performance.now();this.#o({pipeline:c,group:u,width:l,rows:[w,y]},t.timing?.()),w+=y,a&&w<d&&(await this.gpu.queue.onSubmittedWorkDone(),p=performance.now()-v<lu?Math.min(2*p,f):m)}}#t({scene:e,views:t,faces:r,distancesM:o}){for(let[s,i]of Object.entries({scene:e,views:t,faces:r,distances_m:o})){let a=this.#e.get(s);(a===void 0||a.size<i.byteLength)&&(a!==void 0&&this.gpu.release(a),a=this.gpu.buffer(s,i.length),this.#e.set(s,a)),this.gpu.write(a,0,i)}}#r({views:e}){let t=this.#e.get("views"),r=M("View","greatest_inverse_depth");this.gpu.submit(o=>{e.forEach(({view:s,streams:i},a)=>{let c=this.texels.planes(s);if(c.hasGreatest&&i.nearM>=bs){let u=4*(a*F("View")+r);o.copyBufferToBuffer(c.planes,4*cr,t,u,4)}})})}#n(e,t,r){let o=new Map([...this.#e,["pixels",t.pixels],["counts",t.counts]]);return this.gpu.bind(e,s=>{let i=o.get(s);if(i!==void 0)return{buffer:i};let a=s==="colors"&&r!==void 0?r:this.texels.arrays.view(s);if(a===void 0)throw new O(`No input of rendering is named ${s}.`);return a})}#o(e,t){let{pipeline:r,group:o,width:s,rows:i}=e,a=this.#e.get("scene");["first_row","rows"].forEach((c,u)=>{this.gpu.write(a,4*M("Scene",c),Uint32Array.of(i[u]))}),this.gpu.submit(c=>{let u=c.beginComputePass({label:"render",...t&&{timestampWrites:t}});u.setPipeline(r.pipeline),u.setBindGroup(0,o),u.dispatchWorkgroups(Math.ceil(s/Te),Math.ceil(i[1]/Te)),u.end()})}};var Qt={none:0,reinhard:1,filmic:2},Jt={mono:0,"side-by-side":1,anaglyph:2};var Ys=`// Shows pictures of linear light on a canvas.
+`;function to(n){let e=n.length/17,t=new Uint8Array(e*64);for(let r=0;r<e;r+=1){let o=0;for(let s=0;s<64;s+=1){for(;s<<6>=n[r*17+o+1];)o+=1;t[r*64+s]=o}}return{starts:n,buckets:t}}var ro=8,u2={families:[["frame",2,2,2],["mode",363,10,40],["smallMode",32,7,16],["change",12,15,12],["pixel",810,12,96],["escape",36,16,20],["candidate",3,16,3]],sets:9,text:eo},l2={families:[["node",40,4,8],["planes",324,16,12],["coded",96,2,8],["last",384,11,12],["lastBits",22,4,3],["levels",1296,16,32],["paletteSize",4,16,4],["paletteColor",1,16,1],["row",2,2,2],["pixel",16,3,16],["laterFrame",2,2,2],["laterRow",2,2,2],["laterPixel",16,4,16]],sets:10,text:Zn},no={};function d2(){return no.depth??=so(u2)}function rt(){return no.color??=so(l2)}function oo(n){return n==="depth"?d2():rt()}function so(n){let e=n.text.replaceAll(/#.*/g,"").trim().split(/\s+/).map(Number),t=0,r=()=>{let l=e[t];if(l===void 0||!Number.isInteger(l))throw new Error("a file of entropy tables breaks its format");return t+=1,l},o=f2(n.families),s=o.flatMap(l=>Array.from({length:l.contexts},()=>l.firstDistribution+r())),i=o.flatMap(l=>Array(l.distributions).fill(l.alphabet)),a=Array.from({length:n.sets},()=>io(i,()=>r(),!0));if(t!==e.length)throw new Error("a file of entropy tables has more numbers than its format says");let c=n.families.map(([l],d)=>[l,o[d].firstContext]);return{firstContext:Object.fromEntries(c),distributionOf:Uint8Array.from(s),alphabets:Uint8Array.from(i),builtIn:a}}function f2(n){let e=0,t=0;return n.map(([,r,o,s])=>{let i={firstContext:e,contexts:r,alphabet:o,firstDistribution:t,distributions:s};return e+=r,t+=s,i})}function io(n,e,t){let r=new Uint16Array(n.length*17).fill(4096);for(let o=0;o<n.length;o+=1){let s=o*17;r[s]=0;let i=0;for(let a=1;a<n[o];a+=1){if(i+=e(),i>4096)throw new _(`The frequencies of distribution ${o} sum to more than ${4096} (entropy.md 4).`);r[s+a]=i}if(t&&i+e()!==4096)throw new Error(`the frequencies of distribution ${o} do not sum to ${4096}`)}return to(r)}function nt(n,e,t){if(e>ro){let o=n==="depth"?"depth.md 3":"color.md 2";throw new _(`A codec header has ${e} table sets, at most ${ro} are legal (${o}).`)}let{alphabets:r}=oo(n);return{model:n,own:Array.from({length:e},()=>io(r,t,!1))}}function ao(n){return{model:n,own:[]}}function co(n){return[...oo(n.model).builtIn,...n.own]}var H=class{bytes;#e;#t;at=0;constructor(e,t){this.bytes=e,this.#e=new DataView(e.buffer,e.byteOffset,e.byteLength),this.#t=t}get remaining(){return this.bytes.length-this.at}error(e){return new _(`${e}, at offset ${this.at} (${this.#t}).`)}skip(e){let t=this.at;if(!(e<=this.remaining))throw this.error(`${e} more bytes were expected where ${this.remaining} are left`);return this.at+=e,t}u8(){return this.bytes[this.skip(1)]}u16(){return this.#e.getUint16(this.skip(2),!0)}u32(){return this.#e.getUint32(this.skip(4),!0)}f32(){return this.#e.getFloat32(this.skip(4),!0)}f64(){return this.#e.getFloat64(this.skip(8),!0)}zeros(e){let t=this.skip(e);if(this.bytes.subarray(t,t+e).some(r=>r!==0))throw this.error("A reserved byte is not 0")}varint(){let e=0;for(let t=0;t<5;t+=1){let r=this.u8();if(e+=(r&127)*2**(7*t),r===0&&t>0)throw this.error("A number is not in its shortest form");if(r<128)return e}throw this.error("A number has more than five bytes")}finish(){if(this.remaining>0)throw this.error(`${this.remaining} bytes are left behind the last field`)}};var uo="color.md 2",lo=3,O1=4,h2=new Map([["CCL8",{isHalf:!1}],["CCB1",{isHalf:!1,blocks:"bc1"}],["CCB7",{isHalf:!1,blocks:"bc7"}],["CCLH",{isHalf:!0}],["CCB6",{isHalf:!0,blocks:"bc6h"}],["CTR8",{isHalf:!1,isTransform:!0}],["CTRH",{isHalf:!0,isTransform:!0}]]);function fo(n,e,t){let r=h2.get(n);if(r===void 0)throw new g(`The codec ${JSON.stringify(n)} of a color stream is not known (${uo}).`);let o=new H(e,uo),s=o.f64();if(!Number.isFinite(s))throw o.error("The PSNR is no finite number");let i=r.isHalf?p2(o):m2(o),a={name:"cells",blocks:r.blocks};if(r.isTransform){let c=o.f64();if(!(c>=0&&c<=100))throw o.error("The quality is not within 0 to 100");let u=o.u8();if(u!==lo)throw o.error(`A stream has ${u} planes of color, ${lo} were expected`);o.zeros(3),a={name:"transform",tables:nt("color",o.u8(),()=>o.varint())}}if(r.blocks!==void 0&&(t.unitWidth%O1!==0||t.unitHeight%O1!==0))throw o.error(`The sides of units are no multiples of ${O1} pixels`);return o.finish(),{kind:"color",isHalf:r.isHalf,...i,minPsnrDb:s,coding:a}}function m2(n){let e=n.f32();if(!(e>=-32&&e<=32))throw n.error(`An exposure of ${e} stops is not within -32 to 32`);let t=n.u32();if(t>1)throw n.error(`The transfer function ${t} is not known`);return{transfer:t===0?"srgb":"linear",exposureEv:e}}function p2(n){let e=n.f64();if(!(Number.isFinite(e)&&e>0))throw n.error(`A white of ${e} candelas per square meter is not finite and above 0`);return{transfer:"linear",exposureEv:0}}var ho=Uint32Array.of(0,94364,188362,281996,375270,468185,560745,652952,744810,836320,927485,1018309,1108793,1198939,1288752,1378232,1467383,1556207,1644705,1732882,1820738,1908277,1995500,2082410,2169009,2255299,2341283,2426963,2512340,2597417,2682196,2766679,2850868,2934766,3018374,3101694,3184728,3267478,3349946,3432134,3514044,3595678,3677038,3758124,3838941,3919488,3999768,4079782,4159533,4239023,4318251,4397222,4475935,4554394,4632599,4710552,4788255,4865709,4942916,5019878,5096595,5173071,5249305,5325300,5401057,5476578,5551864,5626916,5701737,5776327,5850688,5924821,5998727,6072409,6145867,6219103,6292118,6364913,6437490,6509850,6581994,6653924,6725641,6797146,6868440,6939525,7010402,7081072,7151536,7221795,7291852,7361706,7431359,7500812,7570066,7639123,7707984,7776649,7845119,7913397,7981483,8049377,8117082,8184598,8251926,8319067,8386022,8452793,8519380,8585785,8652008,8718050,8783912,8849596,8915102,8980431,9045584,9110562,9175366,9239998,9304457,9368745,9432863,9496811,9560591,9624203,9687648,9750928,9814042,9876993,9939780,10002404,10064867,10127170,10189312,10251295,10313120,10374787,10436298,10497652,10558852,10619897,10680789,10741528,10802114,10862550,10922835,10982970,11042956,11102794,11162484,11222028,11281425,11340677,11399784,11458748,11517568,11576245,11634780,11693175,11751428,11809542,11867517,11925353,11983051,12040612,12098037,12155325,12212479,12269497,12326382,12383133,12439752,12496238,12552593,12608817,12664911,12720875,12776710,12832416,12887994,12943445,12998770,13053968,13109041,13163988,13218811,13273511,13328087,13382540,13436871,13491080,13545168,13599135,13652983,13706711,13760320,13813810,13867183,13920438,13973576,14026597,14079503,14132294,14184969,14237530,14289978,14342312,14394532,14446641,14498638,14550523,14602297,14653961,14705514,14756958,14808293,14859519,14910637,14961648,15012551,15063347,15114037,15164621,15215099,15265473,15315742,15365906,15415967,15465925,15515779,15565531,15615181,15664730,15714177,15763523,15812769,15861915,15910962,15959909,16008758,16057508,16106160,16154714,16203172,16251532,16299796,16347964,16396036,16444013,16491896,16539683,16587377,16634976,16682482,16729896,16777216);var wo="depth.md 3",P1=1024,mo=255,po=256,bo=4096,y2=512,_2=131071;function go(n,e,t){if(!["DAAB","DAB5","DQPN","DQTR","DB4W","DPRD"].includes(n))throw N1("depth",n);let r=new H(e,wo),[o,s,i,a]=[r.f32(),r.f32(),r.f32(),r.u32()];if(!(o>0&&o<=s&&Number.isFinite(s)))throw r.error(`Depths from ${o} m to ${s} m are no range`);if(Number.isNaN(i))throw r.error("The background value is not a number");if(a>1)throw r.error(`Depth has measure ${a}, which is unknown`);let c=v2(n,r,t);return r.finish(),{kind:"depth",range:{nearM:o,farM:s},background:i,isDistance:a===0,coding:c}}function v2(n,e,t){if(n==="DAAB"||n==="DAB5"){let r=n==="DAB5";return xo(r,e,t),{name:"boxes",inBlocks:r,...Eo(e)}}switch(vo(e,t),n){case"DB4W":return{name:"blocks"};case"DPRD":{let r=k2(e);if(r.projection.shape===2&&t.width!==t.height)throw e.error(`A cube face has ${t.width}x${t.height} pixels, which is no square`);return r}default:return x2(e,n==="DQTR")}}function yo(n,e,t){if(n!=="MAAB"&&n!=="MAB1")throw N1("material",n);let r=new H(e,wo),o=n==="MAB1";xo(o,r,t);let{window:s}=Eo(r);return r.finish(),{kind:"material",window:s,inBlocks:o}}function _o(n,e,t){if(n!=="APRD")throw N1("alpha",n);let r=new H(e,"depth.md 16");vo(r,t);let o=st(r);return r.finish(),{kind:"alpha",coding:{name:"predictive",keyframeInterval:o,bound:0,epsilon:0,projection:{shape:0,octave:0},levels:new Uint16Array,tables:ao("depth")}}}function N1(n,e){let t=Array.from(e,r=>/[ -~]/u.test(r)?r:"?").join("");return new g(`A stream of ${n} has codec '${t}', which this player does not know.`)}function vo(n,{unitWidth:e,unitHeight:t}){if(e>P1||t>P1)throw n.error(`Tiles have ${e}x${t} pixels, at most ${P1} a side are legal`)}function xo(n,e,{unitWidth:t,unitHeight:r}){if(n&&(t%4!==0||r%4!==0))throw e.error(`Tiles have ${t}x${r} pixels, where multiples of 4 were expected`)}function st(n){let e=n.u32();if(e===0)throw n.error("A keyframe interval has 0 frames");return e}function ko(n,e){if(e<1||e>mo)throw n.error(`A window has ${e} frames where 1 to ${mo} are legal`)}function Eo(n){let e=n.u16();ko(n,e);let t=n.u16();if(t<1||t>po)throw n.error(`Records have at most ${t} boxes where 1 to ${po} are legal`);return n.skip(2),n.zeros(2),{window:e,keyframeInterval:st(n)}}function x2(n,e){let t=n.u16();if(ko(n,t),e&&t!==1)throw n.error(`A window has ${t} frames, which an intermediate form cannot have`);n.skip(2);let r=st(n);n.skip(2);let o={kind:n.u16(),base:n.u32(),scale:n.u32()};if(o.kind>2)throw n.error(`Domain ${o.kind} is unknown`);if(!(o.kind===0?o.base===0&&o.scale===0:o.base<402653184&&o.scale>0))throw n.error(`Domain ${o.kind} has base ${o.base} and scale ${o.scale}, which is illegal`);return{name:"nodes",window:t,isTree:e,domain:o,keyframeInterval:r}}function k2(n){let e=n.u16();if(e>65534)throw n.error(`A bound has ${e} codes, at most ${65534} are legal`);let t=n.u16(),r=st(n),[o,s,i,a]=[n.u16(),n.u8(),n.u8(),n.u32()],c=E2(n,o,a),u=nt("depth",i,()=>n.varint());if(s>1)throw n.error(`Levels are of kind ${s}, which is unknown`);if(s===1&&(e!==0||t!==0||o!==0))throw n.error("A stream with a bound, a threshold or a projection has levels");let l=s===1?S2(n):new Uint16Array;return{name:"predictive",keyframeInterval:r,bound:e,epsilon:t,projection:c,levels:l,tables:u}}function E2(n,e,t){if(e!==0&&e!==1&&e!==2)throw n.error(`Projection ${e} is unknown`);if(e===0?t!==0:t<y2||t>_2)throw n.error(`Projection ${e} has ${t} codes for a factor of two, which is illegal`);return{shape:e,octave:t}}function S2(n){let e=n.u16();if(e<1||e>bo)throw n.error(`A stream has ${e} levels where 1 to ${bo} are legal`);let t=new Uint16Array(e),r=-1;for(let o=0;o<e;o+=1){if(t[o]=n.u16(),t[o]<=r||t[o]>65534)throw n.error(`Level ${t[o]} behind ${r} is illegal: levels ascend, up to ${65534}`);r=t[o]}return t}var R2={color:["CTR8","CTRH","CCL8","CCB1","CCB7","CCLH","CCB6"],depth:["DQPN","DQTR","DAAB","DPRD","DB4W","DAB5"],material:["MAAB","MAB1"],alpha:["APRD"]},A2=["DAB5","MAB1","CCB1","CCB7","CCB6"],F1=4;function So(n,e){let{kind:t,codec:r,unitWidth:o,unitHeight:s}=n;if(!R2[t].includes(r))throw new g(`A stream of ${t} has codec ${M2(r)}, which this player does not know.`);if(A2.includes(r)&&(o%F1!==0||s%F1!==0))throw new _(`A stream of codec ${r} has units of ${o}x${s} pixels, whose sides are no multiples of ${F1}.`);switch(t){case"depth":return go(r,e,n);case"material":return yo(r,e,n);case"alpha":return _o(r,e,n);case"color":return fo(r,e,n)}}function M2(n){return`"${n.replace(/[^A-Za-z0-9]/gu,e=>`\\x${e.charCodeAt(0).toString(16).padStart(2,"0")}`)}"`}var T2=/[\u0000-\u001f\u007f-\u009f]/u,G=class extends H{section;#e;#t;constructor(e,t,r){super(e,t),this.section=t,this.#e=r,this.#t=new DataView(e.buffer,e.byteOffset,e.byteLength)}error(e,t=this.at){return new _(`${e}, at byte ${this.#e+t} (${this.section}).`)}take(e){let t=this.skip(e);return this.bytes.subarray(t,t+e)}u64(e){let t=this.skip(8),r=this.#t.getUint32(t,!0)+this.#t.getUint32(t+4,!0)*2**32;if(!Number.isSafeInteger(r))throw this.error(`${e} is larger than any file`,t);return r}finites(e,t){return Array.from({length:e},()=>{let r=this.at,o=this.f64();if(!Number.isFinite(o))throw this.error(`${t} is ${o}, where a finite number was expected`,r);return o})}varint32(){let e=this.at,t=this.varint();if(t>=2**32)throw this.error(`${t} is more than 32 bits hold`,e);return t}string(e){let t=this.take(this.u16());try{return new TextDecoder("utf-8",{fatal:!0,ignoreBOM:!0}).decode(t)}catch{throw this.error(`${e} is not UTF-8`,this.at-t.length)}}fits(e,t,r){if(e*r>this.remaining)throw this.error(`${e} ${t} do not fit into the rest of the index`)}};function Ro(n){return T2.test(n)}function le(n){let t=Array.from(n.slice(0,80)).slice(0,40);return`"${t.map(o=>/^[ -~]$/u.test(o)?o:`\\u{${(o.codePointAt(0)??0).toString(16)}}`).join("")}${t.join("").length<n.length?"...":""}"`}var Q=16,Ao=16384,Ne=2**31,C2=2**30,Mo=2**22,O2={raw:1,lzma2:16384,zstd:32768},it=["raw","lzma2","zstd"],U1=/^[A-Za-z0-9_-][A-Za-z0-9._-]*$/u;function To(n){return Math.ceil(n.width/n.unitWidth)}function N(n){return To(n)*Math.ceil(n.height/n.unitHeight)}function S(n,e){let t=To(n),r=e%t*n.unitWidth,o=Math.floor(e/t)*n.unitHeight;return[r,o,Math.min(n.unitWidth,n.width-r),Math.min(n.unitHeight,n.height-o)]}function at(n){let e=n.u8();if(n.zeros(3),e>1)throw n.error(`Projection ${e} is unknown`);let[t]=n.finites(1,"The frame rate");if(t<=0)throw n.error(`A frame rate of ${t} is not positive`);let r=n.at,o=n.string("The dataset's name");if(Ro(o))throw n.error("The dataset's name holds control characters",r);return{projection:e,fps:t,name:o}}function de(n,e){return n.finites(3,e)}function fe(n,e){return n.finites(4,e)}function ct(n,e,{name:t,frames:[r,o]}){if(!U1.test(t))throw n.error(`The probe name ${le(t)} has other than letters, digits, ".", "_" and "-"`,e);if(r>o||o>=Ne)throw n.error(`A probe is active from frame ${r} to ${o}`,e)}function ut(n,e,t,r){let{kind:o,face:s,probe:i,width:a,height:c,unitWidth:u,unitHeight:l,firstFrame:d,frameCount:f}=t;if(o>3||s>6)throw n.error(`A stream has kind ${o} and face ${s}, which is unknown`,e);if(i>=r)throw n.error(`A stream is of probe ${i}, where the file has ${r}`,e);if([a,c,u,l].some(h=>h<1||h>Ao)){let h=`${a}x${c} pixels in units of ${u}x${l}`;throw n.error(`A stream has ${h}, where each size is 1 to ${Ao}`,e)}if(f<1||d+f>Ne)throw n.error(`A stream has ${f} frames from frame ${d} on, which is impossible`,e)}function lt(n,e,t,r){let{offset:o,storedBytes:s,rawBytes:i,storage:a}=t;if(o<Q||o+s>r)throw n.error(`A chunk of ${s} bytes at byte ${o} lies outside the file's chunks`,e);let c=Math.min(C2,s*O2[a]);if(i>c||a==="raw"&&i!==s)throw n.error(`A chunk of ${s} stored bytes cannot mean ${i} bytes`,e)}function dt(n,e,t){if(n.fits(e,"chunks",t),e>Mo)throw new g(`The container has ${e} chunks; this player reads at most ${Mo}.`)}function ft(n,e){let t=new Set;for(let{name:o}of n){if(t.has(o))throw new _(`Two probes are named ${le(o)} (container.md 4).`);t.add(o)}let r=new Set;e.forEach(({kind:o,probe:s,face:i},a)=>{let c=(s*4+o)*7+i;if(r.has(c))throw new _(`Stream ${a} has the kind, probe and face of an earlier one (container.md 5).`);r.add(c)})}function L1(n,e){let t=new Uint32Array(n.length+1),r=0;if(n.forEach((o,s)=>{if(r+=N(o),r>e)throw new _(`The chunk table breaks off: the streams have more units than its ${e} rows (container.md 6).`);t[s+1]=r}),r===0&&e>0)throw new _(`The index has ${e} chunks and no stream (container.md 6).`);return t}function ht(n,e){let t=L1(n,e.length),r=new Uint32Array(t[n.length]+1),o=0,s=(i,a,c)=>new _(`The chunk table breaks off at stream ${i}, unit ${a}, frame ${c}: chunks must cover the frames of each unit in order (container.md 6).`);if(n.forEach(({firstFrame:i,frameCount:a},c)=>{let u=i+a;for(let l=0;l<t[c+1]-t[c];l+=1){for(let d=i;d<u;o+=1){let f=e.at(o),h=f?.stream===c&&f.unit===l&&f.firstFrame===d;if(!f||!h||f.frameCount<1||d+f.frameCount>u)throw s(c,l,d);d+=f.frameCount}r[t[c]+l+1]=o}}),o<e.length){let{stream:i,unit:a,firstFrame:c}=e[o];throw s(i,a,c)}return{firstUnits:t,firstChunks:r}}var P2=4,N2=/^[a-z0-9_.]{1,64}$/u,F2=2**32-1,U2=[.64,.33,.3,.6,.15,.06,.3127,.329],L2=1e-9,Fe=["color","depth","material","alpha"];function Oo(n){n.section="container.md 6.4";let e=n.varint32();if(e===0)throw n.error("An attribute table has no attributes");n.fits(e,"attributes",P2);let t=new Map,r="";for(let o=0;o<e;o+=1){let s=n.at,i=n.string("An attribute's name");if(!N2.test(i))throw n.error(`${le(i)} is no name of an attribute`,s);if(i<=r)throw n.error(`The attribute ${i} does not ascend by name`,s);r=i,t.set(i,n.take(n.varint32()))}return t}function Po(n){let e={chromaticities:U2,clippedPixels:void 0,missingFrames:[],poses:new Map},t=a=>{let c=n.get(a);return c&&new G(c,`container.md 6.6, ${a}`,0)},r=t("color.chromaticities");r&&(e.chromaticities=I2(r));let o=t("color.clipped_pixels");o&&(e.clippedPixels=o.u32()+o.u32()*2**32,o.finish());let s=t("frames.missing");for(;s&&s.remaining>0;)e.missingFrames.push(B2(s,e.missingFrames.at(-1)));let i=t("probes.poses");return i&&(e.poses=D2(i)),e}function I2(n){let e=Array.from({length:8},()=>n.f32());n.finish();let[t,r,o,s]=[0,2,4,6].map(l=>{let[d,f]=[e[l],e[l+1]];return[d/f,1,(1-d-f)/f]}),i=[t,r,o,s].flat().every(l=>Number.isFinite(l)),a=mt(t,r,o),u=[mt(s,r,o),mt(t,s,o),mt(t,r,s)].every(l=>Number.isFinite(l/a)&&l!==0);if(!i||!(Math.abs(a)>=L2)||!u)throw new _(`The chromaticities ${e.join(", ")} span no colors (${n.section}).`);return e}function mt(n,e,t){return n[0]*(e[1]*t[2]-e[2]*t[1])+n[1]*(e[2]*t[0]-e[0]*t[2])+n[2]*(e[0]*t[1]-e[1]*t[0])}function No(n){let e=n.at,t=n.string("A probe's name");if(!U1.test(t))throw n.error(`${le(t)} is no name of a probe`,e);return t}function I1(n,e,t){if(t>=Ne)throw n.error(`A row names frame ${t}, frames are numbered below ${Ne}`,e)}function B2(n,e){let t=n.at,r=No(n),[o,s,i,a]=[n.u8(),n.u8(),n.u32(),n.u32()];if(o>=Fe.length||s>6)throw n.error(`A missing frame is of kind ${o} and face ${s}, which is unknown`,t);let c={probe:r,kind:Fe[o],face:s,frame:i,held:a===F2?void 0:a};if(I1(n,t,i),I1(n,t,c.held??0),e&&!Fo(Co(e),Co(c)))throw n.error("Rows of missing frames do not ascend",t);return c}function Co({probe:n,kind:e,face:t,frame:r}){return[n,Fe.indexOf(e),t,r]}function Fo(n,e){let t=n.findIndex((r,o)=>r!==e[o]);return t>=0&&n[t]<e[t]}function D2(n){let e=new Map,t;for(;n.remaining>0;){let r=n.at,o=No(n),s=n.u32();I1(n,r,s);let i=de(n,"A position"),a=fe(n,"An orientation");if(t&&!Fo(t,[o,s]))throw n.error("Rows of poses do not ascend by probe and frame",r);t=[o,s];let c=e.get(o);c?c.push({frame:s,position:i,orientation:a}):e.set(o,[{frame:s,position:i,orientation:a}])}return e}var Ue=H2();function H2(){let n=new Uint32Array(1024);for(let e=0;e<256;e+=1){let t=e;for(let r=0;r<8;r+=1)t=t>>>1^(t&1?3988292384:0);n[e]=t}for(let e=256;e<1024;e+=1){let t=n[e-256];n[e]=t>>>8^n[t&255]}return n}function pt(n){let e=4294967295,t=n.length-n.length%4,r=0;for(;r<t;r+=4){let o=e^(n[r]|n[r+1]<<8|n[r+2]<<16|n[r+3]<<24);e=Ue[768+(o&255)]^Ue[512+(o>>>8&255)]^Ue[256+(o>>>16&255)]^Ue[o>>>24]}for(;r<n.length;r+=1)e=e>>>8^Ue[(e^n[r])&255];return~e>>>0}var q=40,Le=[1,2],B1=[137,76,70,76,68,13,10,26],G2=[76,70,78,68],z2="container.md 7";function Uo(n){let e=new G(n,"container.md 3",0),t=e.take(Math.min(B1.length,n.length));if(t.length<B1.length||B1.some((s,i)=>t[i]!==s))throw new _("This is not a lightfold container: its first 8 bytes are other (container.md 3).");let[r,o]=[e.u16(),e.u16()];if(r!==Le[0])throw new g(`The container has format version ${r}; this player reads version ${Le[0]}.`);return e.zeros(4),o}function D1(n,e){let t=e-q;if(!Io(n))throw new _("The container has no foot: it was cut short, so copy or encode it again (container.md 7).");let r=new G(n,z2,t);if(pt(n.subarray(0,32))!==new DataView(n.buffer,n.byteOffset).getUint32(32,!0))throw r.error("The foot's CRC-32 does not match: the file is damaged");let[o,s]=[r.u64("The index's offset"),r.u64("The index")],[i,a]=[r.u32(),r.u8()];r.zeros(3);let c=r.u64("The file's size");if(a>2)throw r.error(`The index has form ${a}, which is unknown`,20);if(c!==e)throw r.error(`The foot speaks of a file of ${c} bytes, this one has ${e}`,24);if(o<Q||o+s!==t)throw r.error("The index does not lie between the chunks and the foot",0);return{indexOffset:o,indexBytes:s,indexCrc32:i,form:a}}function Lo(n,e){let t=e-n.length;for(let r=n.length-1;r>=q;r-=1){let o=n.subarray(r-q,r);if(Io(o)&&$2(o,t+r))return t+r}}function Io(n){return n.length===q&&G2.every((e,t)=>n[q-4+t]===e)}function $2(n,e){try{return D1(n,e),!0}catch{return!1}}var V2=27,W2=2,j2=1,q2=2**16,K2=1,X2=2,Y2=4,Q2=1,J2=2,Z2=4,ec=8,tc=16,rc=32,nc=64,oc=128,Bo=3,sc=4,ic={name:"",position:[0,0,0],orientation:[0,0,0,1],frames:[0,0],intrinsics:[0,0,0,0]},ac={kind:0,face:-1,probe:0,codec:"\0\0\0\0",width:0,height:0,firstFrame:0,frameCount:0,unitWidth:0,unitHeight:0,headerBytes:new Uint8Array(0),chunkFrames:0};function Do(n,e,t){let r=new G(n,"container.md 6.3",e),[o,s,i]=[r.varint32(),r.varint32(),r.varint32()],a=r.u8();if(a>1)throw r.error(`Order ${a} of the chunk table is unknown`);let c=at(r);r.fits(o,"probes",V2);let u=[];for(let h=0;h<o;h+=1)u.push(cc(r,u.at(-1)??ic));r.fits(s,"streams",W2);let l=[];for(let h=0;h<s;h+=1)l.push(uc(r,l,o));dt(r,i,j2);let d=new H1(r,l,i).read(a===1,e),f=t?Oo(r):new Map;return r.finish(),ft(u,l),{...c,probes:u,streams:l,chunks:d,units:ht(l,d),attributes:f}}function cc(n,e){let t=n.at,r=n.u8();if(r>7)throw n.error(`A probe has flags ${r}, of which some are unknown`,t);let o=n.string("A probe's name"),s={...e,name:o,position:de(n,"A probe's position")};return r&K2&&(s.orientation=fe(n,"A probe's orientation")),r&X2&&(s.frames=[n.varint32(),n.varint32()]),r&Y2&&(s.intrinsics=n.finites(4,"A probe's intrinsics")),ct(n,t,s),s}function uc(n,e,t){let r=n.at,o=n.u8(),s={...e.at(-1)??ac};if(s.face+=1,o&Q2&&(s.kind=n.u8(),s.codec=String.fromCharCode(...n.take(4))),o&J2&&(s.probe=n.varint32()),o&Z2&&(s.face=n.u8()),o&ec&&([s.width,s.height]=[n.varint32(),n.varint32()]),o&tc&&([s.firstFrame,s.frameCount]=[n.varint32(),n.varint32()]),o&rc&&([s.unitWidth,s.unitHeight]=[n.varint32(),n.varint32()]),o&nc){let i=n.varint32();if(i>e.length)throw n.error(`A codec header is that of ${i} rows before, where there are ${e.length}`,r);s.headerBytes=i>0?e[e.length-i].headerBytes:n.take(n.varint32())}return o&oc&&(s.chunkFrames=n.varint32()),ut(n,r,s,Math.min(t,q2)),s}var H1=class{constructor(e,t,r){this.fields=e;this.streams=t;this.count=r;this.firstUnits=L1(t,r);let o=this.firstUnits[t.length];[this.streamOf,this.nextFrame]=[new Uint32Array(o),new Uint32Array(o)],t.forEach(({firstFrame:s},i)=>{let[a,c]=[this.firstUnits[i],this.firstUnits[i+1]];this.streamOf.fill(i,a,c),this.nextFrame.fill(s,a,c)})}fields;streams;count;firstUnits;streamOf;nextFrame;rows=[];read(e,t){let{fields:r,rows:o}=this,s=this.nextFrame.length,i=0,a=Q;for(let c=0;c<this.count;c+=1){let u=r.at,l=r.varint(),d=l%8,f=0;if(d&sc&&(f=r.varint32(),f<1||f>=s))throw r.error(`A step of ${f} units, where there are ${s}`,u);let h=(i+f)%s,m=this.frames(h,u),p=(d&3)===Bo;this.place(m,[d&3,Math.floor(l/8)],[u,a]),lt(r,u,m,t),a+=p?0:m.storedBytes,o.push(m);let{firstFrame:w,frameCount:y}=this.streams[m.stream],v=this.nextFrame[h]===w+y;i=e&&!v?h:(h+1)%s}if(a!==t)throw r.error(`The chunks end at byte ${a}, and the index starts at ${t}`);return this.sorted()}frames(e,t){let r=this.streamOf[e],o=this.streams[r],s=this.nextFrame[e],i=o.firstFrame+o.frameCount-s,a=o.chunkFrames===0?this.fields.varint32():Math.min(o.chunkFrames,i);if(a<1||a>i)throw this.fields.error(`A chunk has ${a} frames of a unit of which ${i} are left`,t);return this.nextFrame[e]+=a,{...{stream:r,unit:e-this.firstUnits[r],firstFrame:s,frameCount:a},offset:0,storedBytes:0,rawBytes:0,crc32:0,storage:"raw"}}place(e,[t,r],[o,s]){let{fields:i,rows:a}=this;if(t===Bo){let c=a.at(-1-r);if(!c)throw i.error(`A chunk has the bytes of ${r+1} rows before, where there are ${a.length}`,o);let{offset:u,storedBytes:l,rawBytes:d,crc32:f,storage:h}=c;Object.assign(e,{offset:u,storedBytes:l,rawBytes:d,crc32:f,storage:h});return}e.offset=s,e.storage=it[t],e.storedBytes=r,e.rawBytes=t===0?r:i.varint32(),e.crc32=i.u32()}sorted(){let e=new Uint32Array(this.nextFrame.length+1),t=o=>this.firstUnits[o.stream]+o.unit;this.rows.forEach(o=>e[t(o)+1]+=1);for(let o=1;o<e.length;o+=1)e[o]+=e[o-1];let r=Array(this.rows.length);for(let o of this.rows){let s=t(o);r[e[s]]=o,e[s]+=1}return r}};var lc=98,dc=36,fc=40;function Ho(n,e){let t=new G(n,"container.md 4",e),[r,o,s]=[t.u32(),t.u32(),t.u32()],i=at(t);t.fits(r,"probes",lc);let a=Array.from({length:r},()=>hc(t));t.section="container.md 5",t.fits(o,"streams",dc);let c=Array.from({length:o},()=>mc(t,r));t.section="container.md 6",dt(t,s,fc);let u=Array.from({length:s},()=>pc(t,e));t.finish(),ft(a,c);let l=ht(c,u);return{...i,probes:a,streams:c,chunks:u,units:l,attributes:new Map}}function hc(n){let e=n.at,t=n.string("A probe's name"),r=de(n,"A probe's position"),o=fe(n,"A probe's orientation"),s=[n.u32(),n.u32()],i=n.finites(4,"A probe's intrinsics"),a={name:t,position:r,orientation:o,frames:s,intrinsics:i};return ct(n,e,a),a}function mc(n,e){let t=n.at,[r,o,s]=[n.u8(),n.u8(),n.u16()],i=String.fromCharCode(...n.take(4)),[a,c,u,l]=[n.u32(),n.u32(),n.u32(),n.u32()],[d,f]=[n.u32(),n.u32()],h=n.take(n.u32()),m={kind:r,face:o,probe:s,codec:i,width:a,height:c,firstFrame:u,frameCount:l,unitWidth:d,unitHeight:f,headerBytes:h};return ut(n,t,m,e),m}function pc(n,e){let t=n.at,[r,o,s,i]=[n.u32(),n.u32(),n.u32(),n.u32()],a=n.u64("A chunk's offset"),[c,u,l,d]=[n.u32(),n.u32(),n.u32(),n.u8()];if(n.zeros(3),d>1)throw n.error(`A chunk is stored by method ${d}, which is unknown`,t);let f=it[d],h={stream:r,unit:o,firstFrame:s,frameCount:i,offset:a,storedBytes:c,rawBytes:u,crc32:l,storage:f};return lt(n,t,h,e),h}var bc=2**30,wc=1024,gc=4,yc=2**26,_c=1024,vc=2**38,xc=2**20,G1=2**26,z1=2**24,kc=4096,bt=32,Ec=4,Sc=4*2**20;function Go(n,e,t){let r=Math.max(bc,wc*t),[o,s,i]=[0,0,0];if(n.streams.forEach((a,c)=>{let u=Rc(n,c,e[c]);if(u>r)throw new g(`Stream ${c} of ${a.width}x${a.height} pixels would take ${u} bytes to decode, more than a file of ${t} bytes justifies (container.md 2).`);o+=u,s+=N(a)*a.frameCount,i+=a.width*a.height*a.frameCount}),o>gc*r)throw new g(`The streams would take ${o} bytes to decode, more than a file of ${t} bytes justifies (container.md 2).`);if(s>yc+_c*t||i>vc+xc*t)throw new g(`The streams have ${s} units and ${i} pixels in all their frames, more than a file of ${t} bytes justifies (container.md 2).`)}function Rc({streams:n,chunks:e,units:t},r,o){let s=n[r],i=s.width*s.height*Ac(o)+N(s)*kc;for(let a=t.firstUnits[r];a<t.firstUnits[r+1];a+=1){let c=0;for(let u=t.firstChunks[a];u<t.firstChunks[a+1];u+=1)c=Math.max(c,Mc(s,e[u],o));i+=c}return i}function Ac(n){switch(n.kind){case"depth":return n.coding.name==="predictive"?32:4;case"material":return 6;case"alpha":return 32;case"color":return n.isHalf?30:12}}function Mc(n,{unit:e,frameCount:t,rawBytes:r},o){if(o.kind==="depth"&&o.coding.name==="nodes")return 64*r;if(o.kind!=="color")return 10*r;let s=4*r+Math.min(8*r,Sc);if(o.coding.name==="cells")return s;let[,,i,a]=S(n,e),[c,u]=Tc(i,a),l=u*t,d=Math.min(832*r+5632*c,72*l);return Math.max(s,d+r+640*c+l)}function Tc(n,e){let t=s=>[[Math.floor(s/bt),bt],[s%bt>0?1:0,s%bt]],[r,o]=[0,0];for(let[s,i]of t(n))for(let[a,c]of t(e)){let u=Ec;for(;u<Math.max(i,c);)u*=2;r+=s*a,o+=s*a*u*u}return[r,o]}var Cc=65536,gt=class n{constructor(e,t,r,o){this.source=e;this.minorVersion=t;this.indexBytes=r;this.name=o.name,this.fps=o.fps,this.projection=o.projection===0?"cube":"perspective",this.probes=o.probes,this.chunks=o.chunks,this.units=o.units,this.attributes=o.attributes;let s=Fc(o.streams);Go(o,s,e.byteCount),this.streams=o.streams.map((i,a)=>Lc(i,a,s[a])),this.footage=Po(o.attributes)}source;minorVersion;indexBytes;name;fps;projection;probes;streams;chunks;attributes;footage;units;static async open(e,t){let r=Uo(await e.read(0,Math.min(Q,e.byteCount),t));if(e.byteCount<Q+q)throw new _(`The container ends after its head, at byte ${e.byteCount} (container.md 7).`);let o=await Oc(e,t);if(o.indexBytes>G1)throw new g(`The container has an index of ${o.indexBytes} bytes; this player reads at most ${G1}.`);let s=await e.read(o.indexOffset,o.indexBytes,t);if(pt(s)!==o.indexCrc32)throw new _(`The index's CRC-32 does not match: the file is damaged at byte ${o.indexOffset} (container.md 4).`);try{return new n(e,r,o.indexBytes,Pc(s,o))}catch(i){throw r>Le[1]?Nc(i,r):i}}probeAt(e,t){let r=this.probes[e],o=this.footage.poses.get(r.name)??[],s=o[wt(0,o.length,i=>o[i].frame>=t)];return s?.frame===t?{...r,position:s.position,orientation:s.orientation}:r}unitCount(e){return N(this.streams[e])}unitRect(e,t){return S(this.streams[e],t)}chunksOf(e,t){let r=this.units.firstUnits[e]+t;return[this.units.firstChunks[r],this.units.firstChunks[r+1]]}chunkIndex(e,t,r){let[o,s]=this.chunksOf(e,t),i=wt(o,s,c=>this.chunks[c].firstFrame>r)-1;return i>=o&&r<this.chunks[i].firstFrame+this.chunks[i].frameCount?i:-1}chunksAmong(e,t,[r,o]){let[s,i]=this.chunksOf(e,t),a=wt(s,i,c=>this.chunks[c].firstFrame+this.chunks[c].frameCount>r);return[a,wt(a,i,c=>this.chunks[c].firstFrame>o)]}placeOf(e){let{stream:t,unit:r}=this.chunks[e];return e+1===this.chunksOf(t,r)[1]?"last":"inner"}areaOf(e){let{stream:t,unit:r,frameCount:o}=this.chunks[e],{width:s,height:i,face:a}=this.streams[t];return{area:{imageSize:[s,i],face:a,rect:this.unitRect(t,r)},frames:o,place:this.placeOf(e)}}};function wt(n,e,t){let[r,o]=[n,e];for(;r<o;){let s=Math.floor((r+o)/2);t(s)?o=s:r=s+1}return r}async function Oc(n,e){let{byteCount:t}=n,r=await n.read(t-q,q,e);try{return D1(r,t)}catch(o){let s=Math.min(t,Cc),i=Lo(await n.read(t-s,s,e),t);throw i===void 0?o:new _(`The container ends at byte ${i}, and ${t-i} bytes follow it (container.md 7).`)}}function Pc(n,{form:e,indexOffset:t}){return e===0?Ho(n,t):Do(n,t,e===2)}function Nc(n,e){let t=`The format version ${Le[0]}.${e} is later than this player knows`;return n instanceof g||n instanceof _?new g(`${t}: ${n.message}`):n}function Fc(n){let e=new Map,t=0;return n.map((r,o)=>{let{kind:s,codec:i,face:a,width:c,height:u,unitWidth:l,unitHeight:d,headerBytes:f}=r,h={kind:Fe[s],codec:i,face:a,width:c,height:u,unitWidth:l,unitHeight:d},m=Object.values(h).join(),p=e.get(f)??new Map;e.set(f,p);let w=p.get(m);if(w)return w;if(t+=f.length,t>z1)throw new g(`The streams have more than ${z1} bytes of different codec headers.`);let y=Uc(h,o,f);return p.set(m,y),y})}function Uc(n,e,t){try{return So(n,t)}catch(r){throw(r instanceof _||r instanceof g)&&(r.message=`Stream ${e}: ${r.message}`),r}}function Lc(n,e,t){let{face:r,probe:o,codec:s,width:i,height:a,firstFrame:c,frameCount:u,unitWidth:l,unitHeight:d,headerBytes:f}=n;return{...{index:e,kind:t.kind,face:r,probe:o,codec:s,width:i,height:a,firstFrame:c,frameCount:u},unitWidth:l,unitHeight:d,header:t,headerBytes:f}}function yt([n,e]){let t=[],[r,o]=[n,e];for(;r>1||o>1||t.length===0;)[r,o]=[Math.ceil(r/2),Math.ceil(o/2)],t.push([r,o]);return t}function _t([n,e,t,r],o){let s=(l,d)=>{let f=l>>o+1;return[f,(l+d-1>>o+1)-f+1]},[[i,a],[c,u]]=[s(n,t),s(e,r)];return[i,c,a,u]}function zo([n,e],t,r){let[o,s]=[Math.floor(r.side/n),Math.floor(r.side/e)],i=Math.ceil(t/r.layers),a=Math.max(Math.min(i,o),1),c=Math.ceil(i/a);if(o===0||c>s){let u=o*s*r.layers;throw new g(`${t} images of ${n}x${e} texels are needed at once, and the graphics device holds ${u} of this size.`)}return{columns:a,rows:c,layers:Math.ceil(t/(a*c))}}function $o({columns:n,rows:e},t){let r=t%(n*e);return{column:r%n,row:Math.floor(r/n),layer:Math.floor(t/(n*e))}}function Vo({views:n}){let e=n.flatMap(({faces:t})=>t.map(({size:r})=>r));return[Math.max(...e.map(([t])=>t)),Math.max(...e.map(([,t])=>t))]}function Wo([n,e]){return 2**Math.ceil(Math.log2(Math.max(n,e)))}function jo(n){let[e,t]=Vo(n),r=n.views.some(({faces:s})=>s.some(({material:i})=>i!==void 0)),o=4+(n.coding.name==="light"?8:4)+(r?4:0);return e*t*o+4*Math.ceil(e/2)*Wo([e,t])}var vt=class{constructor(e,t,r){this.gpu=e;let{maxTextureDimension2D:o,maxTextureArrayLayers:s}=e.device.limits,i=Vo(t);this.pyramidRows=Wo(i);let a=[Math.ceil(i[0]/2),this.pyramidRows],c=[Math.max(i[0],a[0]),Math.max(i[1],a[1])];this.#t=zo(c,r,{side:o,layers:s}),this.#e=i,this.colorFormat=t.coding.name==="light"?"rgba16float":"rgba8unorm";let u=t.views.some(({faces:d})=>d.some(({material:f})=>f!==void 0));this.#r={inverse_depths:this.#s("inverse_depths",i,"r32uint"),pyramids:this.#s("pyramids",a,"r32uint"),colors:this.colorTexture("colors"),materials:this.#s("materials",u?i:[1,1],"rgba8unorm")};let l=d=>this.#r[d].createView({dimension:"2d-array"});this.#n={inverse_depths:l("inverse_depths"),pyramids:l("pyramids"),colors:l("colors"),materials:l("materials")},this.#o=Array.from({length:r},(d,f)=>r-1-f)}gpu;pyramidRows;colorFormat;#e;#t;#r;#n;#o;take(){return this.#o.pop()}free(e){this.#o.push(e)}view(e){return e in this.#n?this.#n[e]:void 0}origin(e){let{column:t,row:r,layer:o}=$o(this.#t,e),[s,i]=this.#e;return{texels:[t*s,r*i],pyramid:[t*Math.ceil(s/2),r*this.pyramidRows],layer:o}}colorTexture(e){return this.#s(e,this.#e,this.colorFormat)}upload(e,t,[r,o,s,i],a){let{texels:[c,u],layer:l}=this.origin(t),d=typeof e=="string"?this.#r[e]:e;this.gpu.queue.writeTexture({texture:d,origin:[c+r,u+o,l]},a,{bytesPerRow:s*4*a.BYTES_PER_ELEMENT},[s,i,1])}copyColor(e,t,r,o){let{texels:s,layer:i}=this.origin(t);this.#i(e,o,{texture:this.#r.colors,at:[...s,i]},r)}copyDepth(e,t,r,{planes:o,face:s}){let{texels:i,pyramid:a,layer:c}=this.origin(t);o.levels(s).forEach((u,l)=>{let d=l===0?r:_t(r,l-1),f={buffer:o.planes,at:u.at+d[1]*u.pitch+d[0],pitch:u.pitch};if(l===0)this.#i(e,f,{texture:this.#r.inverse_depths,at:[...i,c]},d);else{let h=this.pyramidRows-this.pyramidRows/2**(l-1);this.#i(e,f,{texture:this.#r.pyramids,at:[a[0],a[1]+h,c]},d)}})}#s(e,[t,r],o){let{columns:s,rows:i,layers:a}=this.#t;return this.gpu.device.createTexture({label:e,size:[t*s,r*i,a],format:o,usage:GPUTextureUsage.TEXTURE_BINDING|GPUTextureUsage.COPY_DST})}#i(e,{buffer:t,at:r,pitch:o},{texture:s,at:[i,a,c]},[u,l,d,f]){let h=f>1?{offset:4*r,bytesPerRow:4*o}:{offset:4*r};e.copyBufferToTexture({buffer:t,...h},{texture:s,origin:[i+u,a+l,c]},[d,f,1])}};function K(n,e){return[n[0]+e[0],n[1]+e[1],n[2]+e[2]]}function z(n,e){return[n[0]-e[0],n[1]-e[1],n[2]-e[2]]}function k(n,e){return[n[0]*e,n[1]*e,n[2]*e]}function X(n,e){return n[0]*e[0]+n[1]*e[1]+n[2]*e[2]}function Ie(n,e){return[n[1]*e[2]-n[2]*e[1],n[2]*e[0]-n[0]*e[2],n[0]*e[1]-n[1]*e[0]]}function T(n){return Math.sqrt(X(n,n))}function xt(n,e){return T(z(n,e))}function he(n){return k(n,1/T(n))}function me([n,e,t,r]){let o=Math.sqrt(n*n+e*e+t*t+r*r),s=1/o;return Math.abs(o-1)<=.001?[n*s,e*s,t*s,r*s]:void 0}function pe([n,e,t,r],o){let s=[n,e,t],i=k(s,2*X(o,s)),a=k(Ie(s,o),2*r);return K(K(k(o,r*r-X(s,s)),i),a)}function qo([n,e,t,r]){return[-n,-e,-t,r]}function Ko({eye:n,yaw:e,pitch:t},r,o){let s=[-Math.sin(e)*Math.cos(t),Math.sin(t),-Math.cos(e)*Math.cos(t)],i=[Math.cos(e),0,-Math.sin(e)],a=Math.tan(r*Math.PI/360);return{eye:n,axes:[s,i,Ie(s,i)],half:[a*o,a]}}function Xo(n,e){let t=r=>({...n,eye:K(n.eye,k(n.axes[1],r))});return[t(-e/2),t(e/2)]}function Yo(n,e){let t=({eye:o,axes:s,half:i})=>[...o,...s.flat(),...i],r=t(e);return t(n).every((o,s)=>o===r[s])}var $1=1e100,Qo=1e-7,Ic=1e-13,Jo=1e-14;function Be(n,e,t,r){let[o,s,i]=e,[[a,c],[u,l]]=[t.u,t.v],d=(w,y)=>K(K(o,k(s,w)),k(i,y)),f=[d(a,u),d(c,u),d(c,l),d(a,l)],h=f.map(he),m=[he(z(i,k(o,u))),he(z(k(o,c),s)),he(z(k(o,l),i)),he(z(s,k(o,a)))],p=f.reduce((w,y)=>Math.max(w,T(y)),0);return{apex:n,axes:e,window:t,nearM:r,corners:f,rays:h,sides:m,reach:p}}function Zo({apex:n,axes:e,rays:t,sides:r,reach:o,nearM:s}){let i=c=>Math.abs(T(c)-1)<1e-6;return n.every(c=>Number.isFinite(c))&&o<$1&&[...e,...t,...r].every(i)&&s>=0&&s<$1}function Bc({sides:n},e){return n.every(t=>X(t,e)>=0)}function Dc({apex:n,axes:e,window:t,nearM:r,reach:o},s){let i=2*s*o*o;if(!(i<=.2*o))return;let a=([c,u])=>[c-i,u+i];return Be(n,e,{u:a(t.u),v:a(t.v)},r)}function ts(n,e){let t=Ie(n,e),r=1/T(t);return Number.isFinite(r)&&r>0?k(t,r):void 0}function Hc(n,e){let t=(s,i)=>i.every(a=>X(s,a)>=-Jo),r=(s,i)=>i.every(a=>X(s,a)<=Jo);if(n.sides.some(s=>r(s,e.rays))||e.sides.some(s=>r(s,n.rays)))return!0;let o=(s,i)=>{let a=ts(s,i);return a!==void 0&&(t(a,n.rays)&&r(a,e.rays)||r(a,n.rays)&&t(a,e.rays))};return n.rays.some(s=>e.rays.some(i=>o(s,i)))}function es({corners:n,nearM:e},t,r){let o=Math.min(e,r),[s,i]=[1/0,-1/0];for(let a of n){let c=X(a,t);s=Math.min(s,c),i=Math.max(i,c)}return[s*(s<0?r:o),i*(i<0?o:r)]}function Gc(n,e,t){let r=z(e.apex,n.apex),o=t*n.reach+t*e.reach+T(r)+T(n.apex)+T(e.apex);if(!(o<=$1))return!1;let s=Ic*o,i=l=>{let[d,f]=es(n,l,t),[h,m]=es(e,l,t),p=X(r,l);return h+p-f>s||d-m-p>s},a=({axes:l,sides:d})=>[l[0],...d],c=({axes:l,rays:d})=>[l[1],l[2],...d];if(a(n).some(i)||a(e).some(i))return!0;let u=c(e);return c(n).some(l=>u.some(d=>{let f=ts(l,d);return f!==void 0&&i(f)}))}var kt=class{#e;#t;constructor(e){this.#e=e,this.#t=Zo(e)?Dc(e,Qo):void 0}sight(e){return this.#t===void 0||!Zo(e)?"partly":e.rays.every(t=>Bc(this.#e,t))?"inside":!Hc(this.#t,e)||!this.#r(e)?"partly":"missed"}#r(e){let t=xt(this.#e.apex,e.apex);return t===0||Gc(this.#e,e,2*t/Qo)}};var ns=6,[De,zc,V1]=[[1,0,0],[0,1,0],[0,0,1]],[rs,be,Et]=[[-1,0,0],[0,-1,0],[0,0,-1]],$c=[[De,Et,be],[rs,V1,be],[zc,De,V1],[be,De,Et],[V1,De,be],[Et,rs,be],[Et,De,be]];function os(n,[e,t],r){let[o,s,i,a]=r;return n===ns?{scale:[o,s],center:[i,a]}:{scale:[e/2,t/2],center:[e/2,t/2]}}function St({scale:n,center:e},t,r){let{fround:o}=Math,s=(c,u)=>o(o(c+.5-o(e[u]))/o(n[u])),[i,a]=[s(t,0),s(r,1)];return o(Math.sqrt(o(o(1+o(i*i))+o(a*a))))}function ss(n,e,[t,r]){let o=me(n.orientation),s=$c[e];if(o===void 0||s===void 0)return;let[i,a,c,u]=n.intrinsics,l=e===ns?(h,m)=>[(h-c)/i,(m-u)/a]:(h,m)=>[2*h/t-1,2*m/r-1],d=[...l(0,0),...l(1,1)].every(h=>Number.isFinite(h)),f=s.map(h=>pe(o,h));return d?{center:n.position,axes:f,plane:l}:void 0}function is({center:n,axes:e,plane:t},r,o,{margin:s,nearM:i}){let a=t(r[0]-s,r[1]-s),c=t(o[0]+s,o[1]+s),u=m=>[Math.min(a[m],c[m]),Math.max(a[m],c[m])],[l,d]=[u(0),u(1)],f=([m,p])=>Math.max(Math.abs(m),Math.abs(p)),h=Math.sqrt(1+f(l)**2+f(d)**2);return Be(n,e,{u:l,v:d},i/h)}function we({depth:n,color:e,alpha:t,material:r}){return[n,e,t,r].filter(o=>o!==void 0)}function W1({faces:n}){return n.map(t=>{let r=we(t),o=r.map(({firstFrame:s,frameCount:i})=>s+i-1);return[Math.max(...r.map(({firstFrame:s})=>s)),Math.min(...o)]}).filter(([t,r])=>t<=r)}function as(n,e){return W1(n).some(([t,r])=>t<=e&&e<=r)}function Vc({isHalf:n,transfer:e,exposureEv:t}){return n?{name:"light"}:{name:"codes",transfer:e,exposureEv:t}}function Wc(n,e){let[t,r]=e.size,o=we(e).find(s=>s.width!==t||s.height!==r);if(o!==void 0)throw new g(`Probe ${n}, face ${e.face}: ${o.kind} has ${o.width}x${o.height} pixels and depth ${t}x${r}; rendering takes images of one size.`)}function cs({streams:n,probes:e}){let t=new Map(n.map(s=>[`${s.probe} ${s.face} ${s.kind}`,s])),r=new Map,o;for(let s of n){let{header:i,probe:a,face:c,width:u,height:l}=s,d=x=>t.get(`${a} ${c} ${x}`),f=d("color");if(i.kind!=="depth"||f?.header.kind!=="color")continue;let h=Vc(f.header);if(o??=h,JSON.stringify(o)!==JSON.stringify(h))throw new g("Colors of this container are coded in more than one way; the player takes one.");let{name:m,orientation:p,intrinsics:w}=e[a],y=[u,l],v=os(c,y,w),E={face:c,size:y,map:v,depth:s,header:i,color:f,alpha:d("alpha"),material:d("material")};if(Wc(m,E),me(p)===void 0)throw new g(`Probe ${m}: its orientation is no rotation.`);let $=r.get(a)??{probe:a,faces:[],...jc(n,a)};$.faces.push(E),r.set(a,$)}if(o===void 0)throw new g("No probe of this container has both color and depth, which rendering takes.");return{views:[...r.values()],coding:o}}function jc(n,e){let[t,r]=[1/0,0];for(let{header:o,probe:s}of n)s===e&&o.kind==="depth"&&(t=Math.min(t,o.range.nearM),r=Math.max(r,o.range.farM));return{nearM:t,farM:r}}function us(n,e,t){let r=n.map(({view:o,position:s})=>({view:o,distanceM:xt(s,e)}));return r.sort((o,s)=>o.distanceM-s.distanceM||o.view-s.view),r.slice(0,Math.max(t,1)).map(({view:o})=>o)}function qc(n){let e=n&32768?-1:1,[t,r]=[n>>10&31,n&1023];return t===31?r===0?e*(1/0):NaN:e*(t===0?r*2**-24:(1024+r)*2**(t-25))}function At(n){let e=n<0?32768:0,t=Math.abs(n);if(!(t<65520))return e|(Number.isNaN(n)?0:31743);let r=Math.max(Math.floor(Math.log2(t)),-14),o=t*2**(10-r),s=Math.floor(o),i=o-s,a=i>.5||i===.5&&s%2===1?s+1:s;return e|(r+14)*1024+a}function Kc(n){let e=n&32767;return e<31744?n:e>31744?0:n&32768|31743}function Xc(n,e){return e===1?n:e>0?At(Math.fround(qc(n)/Math.fround(e))):0}function He(n,e){let t=n/255;return e==="linear"?t:t<=.04045?t/12.92:((t+.055)/1.055)**2.4}function Yc(n,e){let t=n<=.0031308?n*12.92:1.055*n**.4166666666666667-.055;return Math.min(Math.round((e==="linear"?n:t)*255),255)}function Qc(n){let e=new Uint8Array(65536);for(let t=1;t<256;t+=1)for(let r=0;r<256;r+=1)e[t*256+r]=t===255?r:Yc(He(r,n)*255/t,n);return e}var Rt=class{#e;constructor(e,t){this.#e=e.name==="codes"&&t?Qc(e.transfer):void 0}of(e,t,r){let[o,s,i,a]=t,c=e.pixels instanceof Uint16Array,u=c?new Uint16Array(4*i*a):new Uint8Array(4*i*a);for(let l=0;l<a;l+=1){let d=3*((s+l-e.rect[1])*e.rect[2]+o-e.rect[0]),f=r&&(s+l-r.rect[1])*r.rect[2]+o-r.rect[0];for(let h=4*l*i;h<4*(l+1)*i;h+=4){let m=r&&f!==void 0?Math.min(r.pixels[f++],255):255;for(let p=0;p<3;p+=1){let w=e.pixels[d++];c?u[h+p]=Xc(Kc(w),m/255):u[h+p]=this.#e?.[m*256+w]??w}u[h+3]=c?At(m/255):m}}return u}};var Jc=2,Zc=.99;function eu(n){let e=new Map;for(let{probe:t,header:r}of n)r.kind==="depth"&&e.set(t,Math.min(r.range.nearM,e.get(t)??1/0));return e}var j1=class{constructor(e,t,r,o){this.image=e;this.stream=t;this.nearM=r;this.viewers=o;this.#e=Math.ceil(t.width/t.unitWidth),this.#t=Math.ceil(t.height/t.unitHeight),this.seen=new Uint8Array(this.#e*this.#t);let s=1;for(;s<Math.max(this.#e,this.#t);)s*=2;this.#r([0,0],s,0)}image;stream;nearM;viewers;seen;#e;#t;#r([e,t],r,o){let s=[Math.min(e+r,this.#e),Math.min(t+r,this.#t)],i=is(this.image,this.#o([e,t]),this.#o(s),{margin:Jc,nearM:Zc*this.nearM});for(let a=o;a<this.viewers.length;a+=1){let c=this.viewers[a].sight(i);if(c==="partly"&&r>1){this.#n([e,t],r/2,a);return}if(c!=="missed"){for(let u=t;u<s[1];u+=1)this.seen.fill(1,u*this.#e+e,u*this.#e+s[0]);return}}}#n([e,t],r,o){for(let[s,i]of[[0,0],[r,0],[0,r],[r,r]])e+s<this.#e&&t+i<this.#t&&this.#r([e+s,t+i],r,o)}#o([e,t]){let{width:r,height:o,unitWidth:s,unitHeight:i}=this.stream;return[Math.min(e*s,r),Math.min(t*i,o)]}},Ge=class{#e;#t;#r=[];#n=[];#o=new Map;constructor(e){this.#e=e,this.#t=eu(e.streams)}look(e){e.length===this.#r.length&&e.every((r,o)=>Yo(r,this.#r[o]))||(this.#r=e,this.#n=e.map(({eye:r,axes:o,half:[s,i]})=>new kt(Be(r,o,{u:[-s,s],v:[-i,i]},0))),this.#o.clear())}units(e){let t=this.#o.get(e.index)??this.#s(e);return this.#o.set(e.index,t),t}sees(e,t){return this.units(e)[t]===1}#s(e){let t=this.#e.probes[e.probe],o=(this.#e.footage.poses.get(t.name)??[]).length>0?void 0:ss(t,e.face,[e.width,e.height]);return o===void 0?new Uint8Array(this.#e.unitCount(e.index)).fill(1):new j1(o,e,this.#t.get(e.probe)??0,this.#n).seen}};function Mt({shown:n,next:[e,t]},r){return r===n||r>=e&&r<=t}function Tt(n,e,t,r){let o=n.chunkIndex(e,t,r);if(o<0)return;let s=n.placeOf(o)==="last"?-1:o+1;return{unit:t,frame:r,chunk:o,next:s}}function ee({container:n,store:e},t,r){let o=n.chunks[t],s=e.get(o);if(s===void 0){r.push(o);return}return{chunk:o,stored:s,area:n.areaOf(t)}}var ls=64<<20,tu=8,Ct=class{constructor(e){this.decoding=e}decoding;#e=new Map;#t=new Set;#r=[];#n=new Set;#o=new Map;#s=0;#i=new Set;show(e,t){this.#t=new Set(e.map(ge));let r=[],o=0;for(let i of e){if(o+=this.#a(i),o>ls||this.#i.has(i.chunk))continue;let a=ge(i),c=this.#e.get(a);c!==void 0&&this.#c(a,c),(c?.chunk!==i.chunk||c.frame!==i.frame)&&r.push(i)}let s=i=>this.#o.get(ge(i))??-1;return this.#r=r.sort((i,a)=>s(i)-s(a)),this.#l(t),r.length}of(e,t){return this.#e.get(ge({stream:e,unit:t}))}clear(){this.#e.clear(),this.#t.clear(),this.#r=[],this.#o.clear()}#a({stream:e,unit:t}){let[,,r,o]=this.decoding.container.unitRect(e,t);return r*o}#l(e){this.#r=this.#r.filter(t=>{if(this.#n.has(ge(t))||this.#n.size>=tu)return!0;let r=ee(this.decoding,t.chunk,e);return r!==void 0&&this.#f(t,r),r===void 0})}#f(e,t){let r=ge(e),{chunk:o,frame:s}=e;this.#n.add(r),this.#o.set(r,this.#s+=1);let i=()=>this.#t.has(r),a=l=>{l!==void 0&&i()&&(this.#c(r,{chunk:o,frame:s,bytes:l}),this.#u())},c=()=>{this.#i.add(o)};this.decoding.pool.codings(t,s-t.chunk.firstFrame,i).then(a,c).then(()=>{this.#n.delete(r),this.#l([]),this.decoding.onReady()})}#c(e,t){this.#e.delete(e),this.#e.set(e,t)}#u(){let e=[...this.#e.values()].reduce((t,r)=>t+r.bytes.length,0);for(let[t,r]of this.#e){if(e<=ls)return;this.#e.delete(t),e-=r.bytes.length}}};function ge({stream:n,unit:e}){return`${n} ${e}`}var ru=8;function ds(n,{axes:e,half:t},r){let{views:o,coding:s,nearest:i,nearM:a,farM:c}=n;return{kind:"render",request:{camera:{axes:e,half:t},coding:s,nearM:a,farM:c,refine:ru,...r},views:o.map(({view:u,streams:l,fromEye:d,turn:f,cameraWeight:h})=>({view:u,fromEye:d,turn:f,cameraWeight:h,nearM:l.nearM})),nearest:i}}var nu=Uint8Array.from({length:4097},(n,e)=>{let t=e/4096;return Math.round(255*(t<=.0031308?12.92*t:1.055*t**.4166666666666667-.055))});function hs(n){return nu[Math.round(4096*Math.min(Math.max(n,0),1))]}function ou(n,e){let t=Math.max(n,0);switch(e){case"none":return t;case"reinhard":return t/(1+t);case"filmic":return t*(2.51*t+.03)/(t*(2.43*t+.59)+.14)}}function fs({rgba:n},{exposureEv:e,toneMap:t,marksHoles:r}){let o=new Uint8ClampedArray(n.length),s=2**e;for(let i=0;i<n.length;i+=1){if(i%4===3){o[i]=255;continue}let a=Math.min(Math.max(n[i-i%4+3],0),1),c=r&&i%4!==1?1:0;o[i]=hs(ou(c+a*(s*n[i]-c),t))}return o}function su(n,{rgba:e},t){for(let r=0;r<n.length;r+=1)r%4<3&&(n[r]=n[r]+t*(hs(e[r])-n[r]))}function ms(n,{eyes:[e,t],overlay:r},o){let s=n.getContext("2d");if(s===null)throw new Error("The canvas cannot be drawn to.");let[i,a]=e.size,c=fs(e,o),u=o.stereo==="side-by-side";[n.width,n.height]=o.size;let l=t&&fs(t,o);if(l!==void 0&&!u)for(let d=0;d<c.length;d+=4)c[d+1]=l[d+1],c[d+2]=l[d+2];[c,u?l:void 0].forEach((d,f)=>{d!==void 0&&(r!==void 0&&su(d,r,o.overlayShare),s.putImageData(new ImageData(d,i,a),f*(n.width-i),0))})}var iu=.01,ps=.1,bs=1e-18;function au({orientation:n}){let e=qo(me(n)??[0,0,0,1]);return[pe(e,[1,0,0]),pe(e,[0,1,0]),pe(e,[0,0,1])]}function cu({faces:n}){let e=n.flatMap(({size:[t,r],map:o})=>[0,t-1].flatMap(s=>[0,r-1].map(i=>St(o,s,i))));return Math.max(1,...e)}function Ot({views:n,coding:e},t,r,o){let s=u=>[Math.fround(u[0]),Math.fround(u[1]),Math.fround(u[2])],i=t.map(u=>{let l=n[u],d=o(l.probe);return{view:u,streams:l,fromEye:s(z(d.position,r)),turn:au(d),cameraWeight:1}}),a=i.map(({fromEye:u})=>T(u)),c=Math.max(0,...a);return c>0&&i.forEach((u,l)=>u.cameraWeight=1/(a[l]/c+iu)),{views:i,coding:e,nearest:a.indexOf(Math.min(...a)),nearM:Math.min(...i.map(({streams:u})=>u.nearM)),farM:Math.max(...i.map(({streams:u},l)=>a[l]+u.farM*cu(u)))}}function ws({nearM:n,farM:e},t,r){return uu(t,n/10,e,r)}function gs({distancesM:n}){let e=2**Math.ceil(Math.log2(n.length));return{longest:e,first:Math.max(e/4,1)}}function uu(n,e,t,r){let[o,s]=[Math.fround(e),Math.fround(t)],i=Math.log(s/o)/n,a=s>o?Float32Array.from({length:n+1},(u,l)=>o*Math.exp(i*l)):Float32Array.of(o),c=a.length>1?Math.log(a[1]/a[0]):0;return{distancesM:a,logStep:c,uncertainty:-Math.log1p(Math.expm1(-c)*.5**r)}}var q1=["none","raw","biquadratic","platelet","bc4w","values","one value","blocks","background","plane","changed plane","quarters","pixels"],ys=63,_s=64,vs=128,c5=Object.fromEntries(q1.map((n,e)=>[n,e]));var K1=[{color:[213,94,0],codings:["raw","values","pixels"],name:"Raw codes; pixel by pixel"},{color:[240,228,66],codings:["biquadratic","plane"],name:"Biquadratic; plane carried on"},{color:[0,114,178],codings:["platelet","changed plane"],name:"Platelet; plane with a change"},{color:[204,121,167],codings:["bc4w","blocks","quarters"],name:"BC4w or BC5 block; quarters"},{color:[0,158,115],codings:["one value","background"],name:"One value; background"}],lu=.45,du=.3;function xs(){return Array.from({length:256},(n,e)=>{let t=q1[e&ys],r=K1.find(({codings:s})=>s.includes(t)),o=((e&_s)!==0?lu:1)*((e&vs)!==0?du:1);return r?.color.map(s=>Math.round(s*o))})}var X1=[18,20,26],fu=[255,255,255],hu=[255,176,0],ks=[60,220,90],mu=[255,120,40],pu=[40,90,200],bu=["probes","nodes","units","keyframes","fetched"],Pt={name:"codes",transfer:"srgb",exposureEv:0},Nt=.55;function Ft({overlays:n}){return bu.filter(e=>n.has(e))}var ye=class{constructor(e,t,r){this.container=e;this.catalogue=t;this.send=r}container;catalogue;send;#e=new Map;#t=Uint32Array.from(xs(),e=>e===void 0?0:ze(e));forget(e){this.catalogue.views[e].faces.forEach(({depth:t})=>this.#e.delete(t.index))}paint(e,t){for(let r of t.views)for(let o of this.catalogue.views[r].faces){let s=new Y1(o.size);e.forEach(i=>this.#r(i,{view:r,streams:o},t,s));for(let i of s.changesTo(this.#e.get(o.depth.index)))this.send({view:r,face:o.face},i,s.texels(i));s.forgetMaps(),this.#e.set(o.depth.index,s)}}#r(e,{view:t,streams:r},{view:{frame:o},isFresh:s,codings:i},a){let{depth:c,color:u}=r;e==="probes"?a.fill([0,0,...r.size],wu(t/this.catalogue.views.length)):e==="nodes"?this.#n(c,(l,d)=>{let f=i(c.index,d),h=f===void 0?"":`${f.chunk} ${f.frame}`;a.map(l,{key:h,bytes:f?.bytes,words:this.#t})}):e==="units"?(this.#n(u,l=>a.frame(l,hu)),this.#n(c,l=>a.frame(l,fu))):(this.#n(c,(l,d)=>{let f=this.container.chunkIndex(c.index,d,o);if(!(f<0))if(e==="fetched")a.fill(l,s(f)?ks:X1);else{let{firstFrame:h,frameCount:m}=this.container.chunks[f],p=(o-h)/Math.max(1,m-1);a.fill(l,mu.map((w,y)=>Math.round(w+(pu[y]-w)*p)))}}),e==="fetched"&&this.#n(u,(l,d)=>{let f=this.container.chunkIndex(u.index,d,o);f>=0&&s(f)&&a.frame(l,ks)}))}#n({index:e},t){for(let r=0;r<this.container.unitCount(e);r+=1)t(this.container.unitRect(e,r),r)}};function wu(n){let e=t=>Math.round(255*(.55+.4*Math.cos(2*Math.PI*(n-t))));return[e(0),e(1/3),e(2/3)]}var Y1=class{constructor(e){this.size=e}size;#e=[];get#t(){return this.#e.map(({rect:e,color:t,isFrame:r})=>[...e,...t,r].join()).join(" ")}changesTo(e){return e===void 0||e.#t!==this.#t?[[0,0,...this.size]]:this.#e.filter(({map:t},r)=>t?.key!==e.#e[r].map?.key).map(({rect:t})=>t)}fill(e,t){this.#e.push({rect:e,color:t,isFrame:!1})}frame(e,t){this.#e.push({rect:e,color:t,isFrame:!0})}map(e,t){this.#e.push({rect:e,color:X1,isFrame:!1,map:t})}forgetMaps(){this.#e.forEach(({map:e})=>e&&(e.bytes=void 0))}texels(e){let[t,r,o,s]=e,i=new Uint8Array(4*o*s),a=new Uint32Array(i.buffer);a.fill(ze(X1));for(let c of this.#e){let[u,l,d,f]=c.rect,[h,m]=[Math.max(u,t),Math.min(u+d,t+o)];for(let p=Math.max(l,r);p<Math.min(l+f,r+s)&&h<m;p+=1){let w=(p-r)*o+h-t;gu(c,p,[h,m],a.subarray(w,w+m-h))}}return i}};function gu(n,e,[t,r],o){let[s,i,a,c]=n.rect;if(n.map!==void 0){let{bytes:u,words:l}=n.map,d=(e-i)*a+t-s;for(let f=0;u!==void 0&&f<o.length;f+=1)o[f]=l[u[d+f]]||o[f]}else!n.isFrame||e===i||e===i+c-1?o.fill(ze(n.color)):(t===s&&(o[0]=ze(n.color)),r===s+a&&(o[o.length-1]=ze(n.color)))}function ze([n,e,t]){return(n|e<<8|t<<16|255<<24)>>>0}function $e({view:{size:n,stereo:e}}){return[e==="side-by-side"?Math.ceil(n[0]/2):n[0],n[1]]}function yu(n,e){let[t,r]=[Math.max(n[0],e[0]),Math.max(n[1],e[1])],[o,s]=[Math.min(n[0]+n[2],e[0]+e[2]),Math.min(n[1]+n[3],e[1]+e[3])];return t<o&&r<s?[t,r,o-t,s-r]:void 0}function Ut(n,e){if(n===void 0)return e;let[t,r]=[Math.min(n[0],e[0]),Math.min(n[1],e[1])],[o,s]=[Math.max(n[0]+n[2],e[0]+e[2]),Math.max(n[1]+n[3],e[1]+e[3])];return[t,r,o-t,s-r]}function Es(n,e){let t=n===0?1:0,r=[...e].sort((s,i)=>s[t]-i[t]||s[n]-i[n]),o=[];for(let s of r){let i=o.at(-1);i!==void 0&&i[t]===s[t]&&i[t+2]===s[t+2]&&i[n]+i[n+2]===s[n]?i[n+2]+=s[n+2]:o.push([...s])}return o}function Ss(n){return Es(1,Es(0,n))}function*_e(n,e){let{width:t,unitWidth:r,unitHeight:o}=n,[s,i,a,c]=e,u=Math.ceil(t/r);for(let l=Math.floor(i/o);l*o<i+c;l+=1)for(let d=Math.floor(s/r);d*r<s+a;d+=1){let f=yu(S(n,l*u+d),e);f!==void 0&&(yield[l*u+d,f])}}var Lt=class{constructor(e){this.stream=e;this.#e=new Uint8Array(N(e))}stream;#e;isKnown(e){return this.#e[e]===1}setKnown(e,t){let r=this.#e[e];return this.#e[e]=Number(t),r!==Number(t)}},ve=class{constructor(e){this.streams=e;this.depth=new Lt(e.depth),this.others=[e.color,e.alpha,e.material].filter(t=>t!==void 0).map(t=>new Lt(t))}streams;depth;others;#e=new Set;#t=[];setKnown(e,t,r){let o=e.setKnown(t,r);e===this.depth&&r?this.#e.add(t):o&&this.#t.push(S(e.stream,t))}takeParts(){let e=new Map;for(let t of this.#e)e.set(t,[S(this.streams.depth,t)]);for(let t of this.#t)for(let[r,o]of _e(this.depth.stream,t))this.#e.has(r)||e.set(r,[...e.get(r)??[],o]);return this.#e.clear(),this.#t=[],[...e].flatMap(([t,r])=>this.#r(t,r))}#r(e,t){let r=t.map(s=>({rect:s,isKnown:this.depth.isKnown(e)}));for(let s of this.others)r=r.flatMap(({rect:i,isKnown:a})=>[..._e(s.stream,i)].map(([c,u])=>({rect:u,isKnown:a&&s.isKnown(c)})));let o=[...new Map(r.map(s=>[s.rect.join(),s])).values()];return[!0,!1].flatMap(s=>{let i=o.filter(a=>a.isKnown===s).map(({rect:a})=>a);return Ss(i).map(a=>({rect:a,tile:e,isKnown:s}))})}},xe=class{#e=new Map;#t=new Map;load(e,t){this.#e.set(e,t);for(let r of t)[r.depth,...r.others].forEach(o=>this.#t.set(o.stream.index,{face:r,units:o}))}unload(e){let t=this.ofView(e);for(let{depth:r,others:o}of t)[r,...o].forEach(({stream:s})=>this.#t.delete(s.index));return this.#e.delete(e),t}views(){return this.#e.entries()}ofView(e){let t=this.#e.get(e);if(t===void 0)throw new Error(`View ${e} is not loaded`);return t}ofStream(e){let t=this.#t.get(e);if(t===void 0)throw new Error(`Stream ${e} is of no loaded view`);return t}isKnown(e,t){return this.ofStream(e).units.isKnown(t)}setKnown(e,t,r){let{face:o,units:s}=this.ofStream(e);o.setKnown(s,t,r)}};var Q1=class extends ve{constructor(t,r,o){super(t);this.view=r;this.codes=o}view;codes},It=class{constructor(e,t){this.catalogue=e;this.send=t}catalogue;send;#e=new xe;load(e,t){let{faces:r}=this.catalogue.views[e];this.#e.load(e,r.map(s=>new Q1(s,e,t)));let o=r.map(({face:s,size:i,map:a,header:{range:c,isDistance:u}})=>({face:s,size:i,map:a,range:c,isDistance:u}));this.send({kind:"load",view:e,faces:o,isLight:this.catalogue.coding.name==="light"})}unload(e){this.#e.unload(e),this.send({kind:"unload",view:e})}isKnown(e,t){return this.#e.isKnown(e,t)}written(e,t){this.#e.setKnown(e,t,!0)}forget(e,t){this.#e.setKnown(e,t,!1)}uploadColor(e,t,r){let{view:o,streams:s}=this.#e.ofStream(e).face;this.send({kind:"color",area:{view:o,face:s.face,rect:t},texels:r})}uploadMaterial(e,t){this.written(e,t)}isSpecular(){return!1}update(){for(let[e,t]of this.#e.views())for(let r of t){let{depth:o,face:s}=r.streams;for(let{rect:i,tile:a,isKnown:c}of r.takeParts()){let u=c?_u(r.codes(o.index,a),S(o,a),i):void 0;this.send({kind:"depth",area:{view:e,face:s,rect:i},codes:u})}}}};function _u(n,[e,t,r],o){let s=new Uint16Array(o[2]*o[3]);for(let i=0;i<o[3];i+=1){let a=(o[1]-t+i)*r+o[0]-e;s.set(n.subarray(a,a+o[2]),i*o[2])}return s}var vu=320*180,xu=128,Bt=class{constructor(e){this.scene=e;this.#e=new Worker(new URL("./cpu_worker.js",import.meta.url),{type:"module"}),this.#e.onmessage=({data:r})=>{this.#r?.resolve(r),this.#r=void 0},this.#e.onerror=({message:r})=>this.#s(r??"it did not load"),this.#e.onmessageerror=()=>this.#s("its answer cannot be read");let t=r=>this.#e.postMessage(r);this.texels=new It(e.catalogue,t),this.#t=new ye(e.container,e.catalogue,(r,o,s)=>{t({kind:"overlay",area:{...r,rect:o},texels:s})})}scene;texels;name="cpu";mostPixels=vu;hasEffects=!1;onFailed=()=>{};#e;#t;#r;#n;#o={size:[0,0],rgba:new Float32Array};load(e,t,r){return this.#t.forget(e),this.texels.load(e,(o,s)=>r(o,s)),Promise.resolve([])}async draw(e,t){let{view:r,cameras:o}=e,s=[];for(let f of o)s.push(await this.#a(e,f,!1));let i=$e(e),a=Ft(r),c;a.length>0&&(this.#t.paint(a,e),c={size:i,rgba:(await this.#a(e,o[0],!0)).rgba});let u=s.map(({rgba:f})=>({size:i,rgba:f}));[this.#o]=u;let l={...r,marksHoles:r.overlays.has("holes"),overlayShare:Nt};ms(this.scene.canvas,{eyes:u,overlay:c},l),t();let[{counts:d}]=s;return{counters:{...d},decodeMs:0,marchMs:s.reduce((f,{ms:h})=>f+h,0)}}decodeMs(){return Promise.resolve(0)}pixels(){let{size:e,rgba:t}=this.#o;return Promise.resolve({size:[...e],rgba:t})}close(){this.#e.terminate(),this.#i("The film was closed.")}#s(e){let t=`The worker that renders failed: ${e}`;this.#i(t),this.onFailed(t)}#i(e){this.#n??=e,this.#r?.reject(new Error(e)),this.#r=void 0}#a(e,t,r){let{container:o,catalogue:s}=this.scene,{view:i,views:a}=e,c=Ot(s,a,t.eye,d=>o.probeAt(d,i.frame)),u=r?Pt:c.coding,l=ds({...c,coding:u},t,{size:$e(e),steps:Math.min(i.steps,xu),showsOverlay:r,looksBehindHoles:!i.overlays.has("holes")});return new Promise((d,f)=>{if(this.#n!==void 0)throw new Error(this.#n);this.#r?.reject(new Error("Another picture was ordered.")),this.#r={resolve:d,reject:f},this.#e.postMessage(l)})}};function Dt(n,e){let{keyframes:t,weights:r}=n,[o,s]=[0,t.length];for(;o<s;){let c=o+s>>1;t[c]<=e?o=c+1:s=c}let i=Math.max(o-1,0),a=e<r.length?r[e]:0;return{keyframe:i,weight:a,needsNext:a>0&&i+1===t.length}}function J1(n,e,t,r){if(t===void 0)return r;let{frameSets:o,framePixels:s}=n;if(s.length===0){let[c,u]=[Dt(n,t),Dt(n,e)];return c.keyframe===u.keyframe&&c.weight===u.weight?0:r}let i=(c,u)=>(o[4*c+(u>>5)]>>>(u&31)&1)===1,a=0;for(let c=0;c<s.length;c++)i(c,e)&&!i(c,t)&&(a+=s[c]);return a}var Rs=Int32Array.of(362,362,362,362,361,361,360,360,359,358,357,356,355,354,353,351,350,348,346,345,343,341,339,337,334,332,330,327,325,322,319,316,314,311,307,304,301,298,294,291,287,284,280,276,272,268,264,260,256,252,247,243,239,234,230,225,220,216,211,206,201,196,191,186,181,176,171,165,160,155,149,144,139,133,128,122,116,111,105,99,94,88,82,76,71,65,59,53,47,41,35,30,24,18,12,6,0),ku=8,te=[1,2,3,4,6,8,12,16,24];var Eu=Uint8Array.from({length:97},(n,e)=>{let t=te.indexOf(e);return t<0?te.length:t});function Z1(n){return Eu[n]}function er(n,e,t){if(e===0)return 1<<ku;let r=(2*t+1)*e*(96/n)%384,o=r>192?384-r:r;return o>96?-Rs[192-o]:Rs[o]}var O5=te.map(As),P5=[4,8,16,32].map(As);function As(n){return Int32Array.from({length:n*n},(e,t)=>er(n,t%n,Math.floor(t/n)))}var Su=[0,1,2,2,3,3,3,4,4,4,4,4],tr=[4,8,16,32].map(n=>{let e=[];for(let t=0;t<2*n-1;t++)for(let r=0;r<=t;r++){let o=t%2===1?r:t-r;o<n&&t-o<n&&e.push([t-o,o])}return{places:Uint16Array.from(e,([t,r])=>32*r+t),magnitudes:Uint16Array.from(e,([t,r])=>34*r+t),classes:Uint8Array.from(e,([t,r])=>Su[t+r]??5)}});var Ht=Uint8Array.of(0,1,2,3,4,5,5,6,6,6,6,7),z5=Ht.length-1;var Ms=[4096,4277,4467,4664,4871,5087,5312,5547,5793,6049,6317,6597,6889,7194,7512,7845],Ts=[4096,2896,2365,2048,1672,1448,1182,1024,836],rr=[new Uint8Array(128),Uint8Array.of(1,3,5,7,8,9,10,10,11,12,12,13,13,14,14,15,15,15,16,16,16,17,17,17,18,18,18,18,19,19,19,19,19,20,20,20,20,20,21,21,21,21,21,21,22,22,22,22,22,22,22,23,23,23,23,23,23,23,23,24,24,24,24,24,2,5,8,10,12,14,15,16,18,19,20,20,21,22,23,23,24,25,25,26,26,27,27,28,28,29,29,29,30,30,30,31,31,31,32,32,32,33,33,33,34,34,34,34,35,35,35,35,36,36,36,36,36,37,37,37,37,37,38,38,38,38,38,38)];var Ru=-8,Au=-Ru;var Cs=96;var Mu=32,Os=118,sh=Os*16;function Ps(n){let e=n.flatMap(({coding:s})=>s.name==="transform"?[s.tables]:[]);if(e.length===0)return{words:new Uint32Array,firstSets:[]};let t=Ou(),r=[],o=e.map(s=>{let i=r.find(c=>Tu(c.tables,s));if(i!==void 0)return i.first;let a=t.length;return r.push({tables:s,first:a}),co(s).forEach(c=>Cu(t,c)),a});return{words:Uint32Array.from(t),firstSets:o}}function Tu(n,e){return n.own.length===e.own.length&&n.own.every(({starts:t},r)=>t.every((o,s)=>o===e.own[r].starts[s]))}function Cu(n,{starts:e}){for(let t=0;t<Os;t++){let r=t*17;for(let o=0;o<16;o++)n.push(e[r+o]|e[r+o+1]<<16)}}function Ou(){let n=tr.flatMap(({places:i,classes:a})=>Array.from(i,(c,u)=>c|a[u]<<16)),e=Array.from(rt().distributionOf,i=>i*16),t=Array(Cs+1).fill(te.length),r=[...Ms,...Ts,...rr.flatMap(i=>[...i])],o=t.length+Ht.length+n.length+e.length+r.length,s=[];for(let i of[...te,Mu]){t[i]=Z1(i)|o+s.length<<8;for(let a=0;a<i*i;a++)s.push(er(i,Math.floor(a/i),a%i)>>>0)}return[...t,...Ht,...n,...e,...r,...s]}function Ns(n,e,t,r){if(e===t)return[];if(r===0)return[nr(n,t)-1];let o=e===void 0||e>t,s=o?[0]:[],i=o?0:e;for(;i<t;){let a=nr(n,i),c=Math.min(a<n.length?n[a]:t,t);i+=Math.floor((c-i-1)/r)*r,i+=Math.min(r,t-i);let u=nr(n,i)-1;n[u]===i&&s.push(u)}return s}function nr(n,e){let t=0,r=n.length;for(;t<r;){let o=t+r>>>1;n[o]<=e?t=o+1:r=o}return t}var Pu={bc1:"cells-bc1",bc7:"cells-bc7",bc6h:"cells-bc6h"};function Nu(n){switch(n.kind){case"alpha":throw new g("Alpha is not decoded on the graphics device.");case"material":return n.inBlocks?"boxes-bc1":"boxes-material";case"depth":switch(n.coding.name){case"boxes":return n.coding.inBlocks?"boxes-bc5":"boxes-codes";case"predictive":return"boxes-codes";default:return"nodes"}case"color":return n.coding.name==="transform"?n.isHalf?"transform-half":"transform-8bit":n.coding.blocks!==void 0?Pu[n.coding.blocks]:n.isHalf?"cells-half":"cells-8bit"}}function ke(n){let e=Nu(n);if(n.kind!=="color")return{kernel:e,keyframes:void 0,plan:"plan-records",words:n.kind==="material"?"bytes":"codes",isColor:!1};let t=n.isHalf?"cells-half":"cells-8bit";return{kernel:e,keyframes:n.coding.name==="transform"?t:void 0,plan:"plan-cells",words:n.isHalf?"halves":"bytes",isColor:!0}}function Gt(n,e,t){switch(n.words){case"codes":return Math.ceil(e/2);case"halves":return 2*e;case"bytes":return n.isColor?Math.ceil(e/t)*t:e}}function Fs(n,e){let t=ke(n.header),r=Math.min(n.unitWidth,n.width);return(Math.floor(n.width/r)*Gt(t,r,e)+Gt(t,n.width%r,e))*n.height}function Us(n){let e={window:0,domain:0,base:0,scale:0};if(n.kind==="material")return{...e,window:n.window};if(n.kind!=="depth")return e;let{coding:t}=n;switch(t.name){case"boxes":return{...e,window:t.window};case"predictive":return{...e,window:1};case"nodes":return{window:t.window,domain:t.domain.kind,base:t.domain.base,scale:t.domain.scale};case"blocks":return e}}var F=Oe.constants,zt=2,Fu={u32:["u32",1,1],i32:["i32",1,1],f32:["f32",1,1],"vec2<f32>":["f32",2,2],"vec3<f32>":["f32",3,4],"array<u32, 8>":["u32",8,1]};function Uu(n){let e=new Map,[t,r]=[0,1];for(let o of n){let[s="",i=""]=o.split(": "),a=Fu[i];if(a===void 0)throw new Error(`shaders/kernels.json: ${i} is no type of a member`);let[c,u,l]=a,d=Math.ceil(t/l)*l;e.set(s,{scalar:c,offset:d,words:u}),t=d+u,r=Math.max(r,l)}return{members:e,words:Math.ceil(t/r)*r}}var Lu=new Map(Oe.structs.map(n=>[n.name,Uu(n.members)]));function Ls(n){let e=Lu.get(n);if(e===void 0)throw new Error(`shaders/kernels.json has no struct ${n}`);return e}function Is(n,e){let t=Ls(n).members.get(e);if(t===void 0)throw new Error(`shaders/kernels.json: ${n} has no member ${e}`);return t}function U(n){return Ls(n).words}function M(n,e){return Is(n,e).offset}function Ve(n,e,t,r){for(let[o,s]of Object.entries(r)){let{scalar:i,offset:a,words:c}=Is(t,o),u=typeof s=="number"?[s]:s;if(u.length!==c)throw new Error(`${t}.${o} has ${c} words and not ${u.length}`);i==="f32"?new Float32Array(n.buffer,n.byteOffset,n.length).set(u,e+a):n.set(u,e+a)}}function J(n,e){let t=U(n),r=new Uint32Array(e.length*t);return e.forEach((o,s)=>Ve(r,s*t,n,o)),r}function $t(n,e){let t=new Uint32Array(zt+e.length);return t.set(n),t.set(e,zt),t}var Iu=16384,Ee=class{label;buffer;bytesSent=0;#e;#t=0;#r=[];#n=0;constructor(e,t){this.#e=e,this.label=t,this.buffer=e.buffer(t,Iu)}get taken(){return this.#t-this.#n}hasRoom(e,t){return this.#r.some(r=>r.words>=e)||this.#t+e<=t}put(e){let t=this.#o(e.length);return this.#e.write(this.buffer,4*t,e),this.bytesSent+=e.byteLength,t}#o(e){let t;for(let o of this.#r)o.words>=e&&(t===void 0||o.words<t.words)&&(t=o);if(t!==void 0&&e>0){let{at:o}=t;return t.at+=e,t.words-=e,this.#n-=e,this.#r=this.#r.filter(s=>s.words>0),o}let r=this.#t;return this.#s(r+e),this.#t=r+e,r}#s(e){let t=this.buffer;if(4*e<=t.size)return;let r=Math.floor(this.#e.maxBindingBytes/4),o=Math.max(Math.min(2**Math.ceil(Math.log2(e)),r),e);this.buffer=this.#e.buffer(this.label,o),this.#e.submit(s=>s.copyBufferToBuffer(t,0,this.buffer,0,t.size)),this.#e.release(t)}free({at:e,words:t}){if(t===0)return;let r=this.#r.findIndex(l=>l.at>e),o=r<0?this.#r.length:r,[s,i]=[this.#r[o-1],this.#r[o]],a={at:e,words:t},[c,u]=[o,0];s!==void 0&&s.at+s.words===e&&(a.at=s.at,a.words+=s.words,c-=1,u+=1),i!==void 0&&i.at===e+t&&(a.words+=i.words,u+=1),this.#r.splice(c,u,a),this.#n+=t,a.at+a.words===this.#t&&(this.#r.pop(),this.#n-=a.words,this.#t=a.at)}destroy(){this.#e.release(this.buffer)}},re={words:U("Record"),at:M("Record","at"),first:M("Record","first"),work:M("Record","work")},or={words:U("BoxRow"),at:M("BoxRow","at")},Vt=U("Chunk"),sr=4;function Ds(n){return Math.ceil(n.length/sr)*sr}function Bu(n){if(n.length%sr===0)return n;let e=new Uint32Array(Ds(n));return e.set(n),e}function Bs(n,e,t){let r=n.slice();for(let[o,s]of t)for(let i=o;i<r.length;i+=e)r[i]+=s;return r}var Wt=class{#e;#t;#r;#n;#o=new Map;#s;constructor(e,t){this.#e=new Ee(e,"stream"),this.#t=new Ee(e,"records"),this.#r=new Ee(e,"boxes"),this.#n=new Ee(e,"chunks"),this.#s=t}get#i(){return[this.#e,this.#t,this.#r,this.#n]}buffer(e){return this.#i.find(t=>t.label===e)?.buffer}chunk(e){return this.#o.get(e)}get streamWords(){return this.#e.taken}get bytes(){return this.#i.reduce((e,t)=>e+t.buffer.size,0)}get bytesSent(){return this.#i.reduce((e,t)=>e+t.bytesSent,0)}hasRoom({stream:e,records:t,boxes:r}){let o=[Ds(e),t.length,r.length,Vt];return this.#i.every((s,i)=>s.hasRoom(o[i]??0,this.#s))}place(e,t,r){let o=Bu(t.stream),s=this.#e.put(o),i=Bs(t.boxes,or.words,[[or.at,4*s]]),a=this.#r.put(i),c=Bs(t.records,re.words,[[re.at,t.isNodes?s:4*s],[re.first,a/or.words]]),u=this.#t.put(c),[l,d]=t.weights,f=new Uint32Array(Vt);Ve(f,0,"Chunk",{first_record:u/re.words,record_count:c.length/re.words,weights_at:l+4*s,weight_count:d});let h=this.#n.put(f),m=0;for(let p=re.work;p<c.length;p+=re.words)m=Math.max(m,c[p]??0);this.#o.set(e,{row:h/Vt,mostWork:m,kernel:t.kernel,passes:t.passes,timeline:t.timeline,lastUsed:r,places:[{at:s,words:o.length},{at:u,words:c.length},{at:a,words:i.length},{at:h,words:Vt}]})}drop(e,t){let r=[...this.#o].filter(([o])=>!e.has(o));r.sort(([o,{lastUsed:s}],[i,{lastUsed:a}])=>s-a||o-i);for(let[o,{places:s}]of r){if(this.streamWords<=t)return;this.#o.delete(o),this.#i.forEach((i,a)=>i.free(s[a]??{at:0,words:0}))}}destroy(){this.#i.forEach(e=>e.destroy()),this.#o.clear()}};var Du=64,Hu=16384,Gu=2**31,zu=2**27,W={words:U("Unit"),picture:M("Unit","picture"),width:M("Unit","width"),height:M("Unit","height"),stride:M("Unit","stride"),window:M("Unit","window")};function $u(n,e,t,r){let o=[],s=new Uint32Array(n.reduce((c,u)=>c+N(u),0)*W.words),[i,a]=[0,0];return n.forEach((c,u)=>{o.push(i);let l=Us(c.header),d=t[u]??l.base;for(let f=0;f<N(c);f+=1){let[,,h,m]=S(c,f),p=Gt(e,h,r);Ve(s,i*W.words,"Unit",{...l,base:d,picture:a,width:h,height:m,stride:p}),a+=p*m,i+=1}}),{firstUnits:o,rows:s}}function Vu(n,e){return n.reduce((t,r)=>t+Fs(r,e),0)}function Wu(n,{reader:e}){let t=n.map(({width:r,height:o,unitWidth:s,unitHeight:i})=>Math.ceil(Math.min(s,r)/32)*Math.ceil(Math.min(i,o)/32));return e===void 0?0:Math.max(0,...t)*F.SCRATCH_WORDS}var jt=class n{streams;family;pictures;pixelsWritten=0;pixelsWanted=0;#e;#t;#r;#n;#o=new Map;#s;#i;#a;#l;#f=0;#c=0;constructor(e,t,r,o,s){let i=ke(t[0].header),a=Ps(t.map(({header:l})=>l).filter(l=>l.kind==="color")),c=Vu(t,s),u=t.reduce((l,d)=>l+N(d),0);e.check("pictures",c),e.check("scratch",Wu(t,o.codec)),e.check("units",u*W.words),this.#e=e,this.streams=t,this.family=i,this.#t=r,this.#r=o,this.#n=$u(t,i,a.firstSets,s),this.pictures=e.buffer("pictures",c),this.#i={units:e.filled("units",this.#n.rows),states:e.buffer("states",u*U("State")),log2_table:e.filled("log2_table",ho),tables:e.filled("tables",a.words),dispatch:e.buffer("dispatch",U("Dispatch"),GPUBufferUsage.INDIRECT)},this.#a=e.buffer("items",0),this.#l=e.buffer("jobs",0),this.#s=new Wt(e,Math.floor(e.maxBindingBytes/4))}static async create(e,t,r=1){let[o,...s]=t.map(l=>ke(l.header));if(o===void 0||s.some(({kernel:l})=>l!==o.kernel))throw new O("Streams of different families cannot be decoded together.");let i=async l=>{let{reader:d}=se(l),[f,h]=await Promise.all([e.pipeline(l),d===void 0?void 0:e.pipeline(d)]);return{kernel:f,reader:h}},[a,c,u]=await Promise.all([e.pipeline(o.plan),i(o.kernel),i(o.keyframes??o.kernel)]);return new n(e,t,a,{codec:c,keyframes:u},r)}has(e){return this.#s.chunk(e)!==void 0}add(e,t){return this.has(e)?!0:this.#s.hasRoom(t)?(this.#s.place(e,t,this.#c),!0):!1}drop(e,t){this.#s.drop(e,t)}get chunkWords(){return this.#s.streamWords}get bytes(){let e=[this.pictures,this.#a,this.#l,...Object.values(this.#i)];return this.#s.bytes+e.reduce((t,r)=>t+r.size,0)}get bytesSent(){return this.#s.bytesSent+this.#f}needsNext({key:e,frame:t,firstFrame:r}){let o=this.#s.chunk(e);return this.family.isColor&&o!==void 0&&Dt(o.timeline,t-r).needsNext}shows(e){let t=this.#o.get(this.#u(e.stream,e.unit));if(t?.key!==e.key)return!1;let r=e.frame-e.firstFrame;return t.frame===r||this.family.isColor&&J1(t.timeline,r,t.frame,1)===0}showsAny(e,t){return this.#o.has(this.#u(e,t))}unit(e,t){let r=this.#u(e,t)*W.words,o=s=>this.#n.rows[r+s]??0;return{picture:o(W.picture),stride:o(W.stride),width:o(W.width),height:o(W.height)}}decode(e,t){this.#c+=1;let r={written:[],pixels:0,missing:[],behind:[],refused:[]},o=[];for(let s of e){let{width:i,height:a}=this.unit(s.stream,s.unit);this.pixelsWanted+=i*a,this.#d(s,o,r)}return this.pixelsWritten+=r.pixels,o.forEach(s=>this.#x(s,t)),r}destroy(){this.#s.destroy(),[this.pictures,this.#a,this.#l,...Object.values(this.#i)].forEach(e=>this.#e.release(e))}#u(e,t){return(this.#n.firstUnits[e]??0)+t}#d(e,t,r){let o=this.#u(e.stream,e.unit),s=e.frame-e.firstFrame,i=this.#o.get(o);if(i?.key===e.key&&i.frame===s)return;let a=this.#s.chunk(e.key),c=this.needsNext(e)?this.#s.chunk(e.nextKey??0):a;if(a===void 0||c===void 0){r.missing.push(e);return}a.lastUsed=this.#c,c.lastUsed=this.#c;let u=this.#m(e,a.timeline);if(u===void 0){r.refused.push(e);return}let l=t.findLast(({kernel:d})=>d===a.kernel);(l===void 0||l.work+a.mostWork>this.#h(a.kernel))&&(l={kernel:a.kernel,items:[],rounds:0,passes:0,work:0},t.push(l)),l.items.push({unit:o,chunk:a.row,next:c===a?F.NONE:c.row,frame:s,key:e.key}),l.work+=a.mostWork,l.rounds=Math.max(l.rounds,u.rounds),l.passes=Math.max(l.passes,a.passes),this.#o.set(o,{key:e.key,frame:u.reached,timeline:a.timeline}),r.pixels+=u.pixels,r.written.push({wanted:e,pixels:u.pixels}),u.reached!==s&&r.behind.push(e)}#h(e){return this.#r[e].reader===void 0?Gu:Math.floor(Math.min(zu,this.#e.maxBindingBytes)/(4*F.SCRATCH_WORDS))}#m(e,t){let r=this.#u(e.stream,e.unit),o=this.#o.get(r),s=o?.key===e.key?o.frame:void 0,i=e.frame-e.firstFrame,{width:a,height:c}=this.unit(e.stream,e.unit),u=a*c;if(this.family.isColor)return{rounds:1,pixels:J1(t,i,s,u),reached:i};let l=this.#n.rows[r*W.words+W.window]??0;if(l===0)return{rounds:1,pixels:u,reached:i};let d=Ns(t.recordFrames,s,i,l);if(d.length>Hu)return;let f=d.slice(0,Du),h=f.at(-1),m=f.length<d.length&&h!==void 0;return{rounds:Math.max(f.length,1),pixels:f.reduce((p,w)=>p+(t.recordPixels[w]??0),0),reached:m?t.recordFrames[h]??i:i}}#x({kernel:e,items:t,rounds:r,passes:o,work:s},i){let a=$t([t.length,0],J("Item",t));this.#a=this.#b(this.#a,a.length),this.#l=this.#b(this.#l,zt+t.length*U("Job")),this.#e.write(this.#a,0,a),this.#f+=a.byteLength;let{reader:c,kernel:u}=this.#r[e];c!==void 0&&this.#e.scratch(s*F.SCRATCH_WORDS);let[l,d]=[0,4*M("Dispatch","part_x")],f=[...c===void 0?[]:[{...c,times:o,size:l}],{...u,times:1,size:c===void 0?l:d}].map(m=>({...m,group:this.#p(m)})),h=this.#p(this.#t);this.#e.submit(m=>{let p=m.beginComputePass(i===void 0?{}:{timestampWrites:i});for(let w=0;w<r;w+=1){p.setPipeline(this.#t.pipeline),p.setBindGroup(0,h),p.dispatchWorkgroups(1);for(let{pipeline:y,group:v,times:E,size:$}of f){p.setPipeline(y),p.setBindGroup(0,v);for(let x=0;x<E;x+=1)p.dispatchWorkgroupsIndirect(this.#i.dispatch,$)}}p.end()})}#b(e,t){if(4*t<=e.size)return e;let r=this.#e.buffer(e.label,t);return this.#e.release(e),r}#p(e){let t={...this.#i,items:this.#a,jobs:this.#l,scratch:this.#e.scratch(0),pictures:this.pictures};return this.#e.bind(e,r=>{let o=t[r]??this.#s.buffer(r);if(o===void 0)throw new O(`No buffer of a decoder is named ${r}.`);return{buffer:o}})}};function Hs({nearM:n,farM:e}){let t=Math.log(e/n),r=new Float32Array(65536);for(let o=0;o<65534;o+=1)r[o]=1/Math.fround(n*Math.exp(t*o/65534));return r[0]=1/n,r[65534]=1/e,new Uint32Array(r.buffer)}var Se=64,Gs=2139095040,zs=1900671690,ju=64,qu=[[0,6],[8,3],[11,2],[13,1]],cr=13,$s=[0,1,2,3,4,5],qt=class{#e=new Map;of(e){let t=`${e.nearM} ${e.farM}`,r=this.#e.get(t)??Hs(e);return this.#e.set(t,r),r}};function Ku(n,e,t){let r=e,o=[n.size,...yt(n.size)].map(l=>{let d={at:r,pitch:Math.ceil(l[0]/Se)*Se,size:l};return r+=d.pitch*l[1],d});o[o.length-1].at=n.face;let{header:s,size:i,map:a}=n,c=t.add(`${s.range.nearM} ${s.range.farM}`,()=>t.depths.of(s.range)),u=s.isDistance?t.add([...i,...a.scale,...a.center].join(),()=>Xu(n)):F.NONE;return{planes:{levels:o,table:c,rayLengths:u},end:r}}function Xu({size:[n,e],map:t}){let r=new Float32Array(n*e);for(let o=0;o<e;o+=1)for(let s=0;s<n;s+=1)r[o*n+s]=St(t,s,o);return new Uint32Array(r.buffer)}var ir=class{constructor(e){this.depths=e}depths;parts=[];words=0;#e=new Map;add(e,t){let r=this.#e.get(e);if(r!==void 0)return r;let o=this.words,s=t();return this.parts.push(s),this.words+=s.length,this.#e.set(e,o),o}all(){let e=new Uint32Array(this.words),t=0;for(let r of this.parts)e.set(r,t),t+=r.length;return e}};function Vs(n,e,[t,r,o,s],i){return{below:n.at,below_pitch:n.pitch,below_width:n.size[0],below_height:n.size[1],left:t,top:r,width:o,output:e.at,pitch:e.pitch,limit:F.NONE,end:i+o*s}}var ar=class{steps=[];#e=[];#t=0;add(e,t,r,o){let s=r.at(-1)?.end??0;if(s>0){let i=$t([s,r.length],J(t,r));this.steps.push({kernel:e,pictures:o,at:this.#t,words:i.length,invocations:s}),this.#e.push(i),this.#t+=Math.ceil(i.length/Se)*Se}}all(){let e=new Uint32Array(this.#t);return this.steps.forEach(({at:t},r)=>e.set(this.#e[r],t)),e}},Kt=class{constructor(e,t,r,o){this.gpu=e;this.kernels=t;let s=new ir(o),i=ju;for(let c of r){let{planes:u,end:l}=Ku(c,i,s);this.#t.set(c.face,u),i=l}e.check("planes",i),e.check("tables",s.words);let a=new Uint32Array(i).fill(Gs);a[cr]=zs,this.planes=e.filled("planes",a),this.#e=e.filled("tables",s.all()),this.#r=e.buffer("jobs",0),this.hasGreatest=this.#t.size===$s.length&&$s.every(c=>this.#t.has(c))}gpu;kernels;planes;hasGreatest;#e;#t=new Map;#r;get bytes(){return this.planes.size+this.#e.size+this.#r.size}levels(e){return this.#t.get(e)?.levels??[]}write(e){let t=new ar,r=new Map;for(let{pictures:o,parts:s}of e){let i=0,a=s.map(c=>(i+=c.rect[2]*c.rect[3],r.set(c.face,Ut(r.get(c.face),c.rect)),{...this.#n(c),end:i}));t.add("texels","DepthJob",a,o)}return this.#o(r,t),t.steps.length>0&&this.#s(t),r}destroy(){[this.planes,this.#e,this.#r].forEach(e=>this.gpu.release(e))}#n({face:e,rect:[t,r,o],picture:s,corner:i}){let{levels:a,table:c,rayLengths:u}=this.#t.get(e),[{at:l,pitch:d,size:f}]=a,h={width:o,output:l+r*d+t,pitch:d};return s===void 0?{...h,picture:F.NONE,table:Gs,ray_length:F.NONE}:{...h,picture:s.picture,stride:s.stride,left:t-i[0],top:r-i[1],table:c,ray_length:u===F.NONE?u:u+r*f[0]+t,ray_length_pitch:f[0]}}#o(e,t){let r=Math.max(0,...[...e.keys()].map(o=>this.levels(o).length));for(let o=1;o<r;o+=1){let s=[];for(let[i,a]of e){let[c,u]=this.levels(i).slice(o-1,o+1);u!==void 0&&s.push(Vs(c,u,_t(a,o-1),s.at(-1)?.end??0))}t.add("squares","PyramidJob",s)}if(this.hasGreatest&&e.size>0){let o=qu.map(([s,i])=>({at:s,pitch:i,size:[i,1]}));for(let s=1;s<o.length;s+=1){let i=Vs(o[s-1],o[s],[0,0,o[s].size[0],1],0);t.add("squares","PyramidJob",[{...i,limit:zs}])}}}#s(e){let t=e.all();this.#r.size<4*t.length&&(this.gpu.release(this.#r),this.#r=this.gpu.buffer("jobs",t.length)),this.gpu.write(this.#r,0,t),this.gpu.submit(r=>{let o=r.beginComputePass({label:"planes"});for(let s of e.steps){let i=this.kernels[s.kernel],c={jobs:{buffer:this.#r,offset:4*s.at,size:4*s.words},tables:{buffer:this.#e},planes:{buffer:this.planes},...s.pictures&&{pictures:{buffer:s.pictures}}};o.setPipeline(i.pipeline),o.setBindGroup(0,this.gpu.bind(i,d=>c[d]));let u=Math.ceil(s.invocations/se(s.kernel).workgroup),l=Math.min(u,F.MAX_GROUPS);o.dispatchWorkgroups(l,Math.ceil(u/l))}o.end()})}};var js={steps:1024,refine:8,samples:1,holes:"behind",maxBounces:4,effects:!0},Yu=1e30,Qu=(2-2**-23)*2**127,Ju=4294967295,Zu=8,e3=8,Ws={light:0,srgb:1,linear:2},t3={blank:0,nearest:1,behind:2},r3=7,n3=0;function o3(n){return n.name==="light"?{coding:Ws.light,gain:1}:{coding:Ws[n.transfer],gain:2**-n.exposureEv}}function s3(n,e,t){let{texels:r,pyramid:o,layer:s}=t.origin(e,n.face);return{column:r[0],row:r[1],layer:s,has_material:+(n.material!==void 0),width:n.size[0],height:n.size[1],pyramid_column:o[0],pyramid_row:o[1],levels:yt(n.size).length,number:n.face,scale:n.map.scale,centre:n.map.center,has_alpha:+(n.alpha!==void 0)}}function i3({coding:n,views:e,nearest:t},{axes:[r,o,s],half:i},a,c){let u=a.distancesM.length,l=gs(a);return{forward:r,right:k(o,i[0]),down:k(s,i[1]),samples:c.samples,view_count:e.length,distance_count:u,refine:c.refine,tolerance:ps+a.uncertainty,holes:t3[c.holes],...o3(n),max_bounces:Math.min(c.maxBounces,e3),longest_segment:l.longest,first_segment:l.first,near_m:0,far_m:Qu,log_step:a.logStep,nearest_view:t,refinements:r3,background:n3}}function qs(n,e,[t,r],o,s){let i=ws(n,o.steps,o.refine),a=[],c=n.views.map(({view:l,streams:d,fromEye:f,turn:h,cameraWeight:m})=>{let p=new Array(Zu).fill(Ju);for(let E of d.faces)p[E.face]=a.length,a.push(s3(E,l,s));let[w,y,v]=h;return{from_eye:f,near_m:d.nearM,turn_x:w,camera_weight:m,turn_y:y,greatest_inverse_depth:Yu,turn_z:v,faces:p}}),u={width:t,height:r,pyramid_rows:s.arrays.pyramidRows};return{scene:J("Scene",[{...i3(n,e,i,o),...u}]),views:J("View",c),faces:J("Face",a),distancesM:new Uint32Array(i.distancesM.buffer)}}var Xt=["primary_rays","march_steps","refine_steps","secondary_rays","normal_evals","material_samples","hole_rays","background_rays"],Re=8,a3=-1,c3=2**28,u3=256,l3=50;function Ks([n,e]){return Math.ceil(n/Re)*Math.ceil(e/Re)*Xt.length}function d3(n){let e=r=>Math.min(u3,4**r),t=0;for(let r=0;r<n;r+=1)t+=3*e(r)+e(r+1);return t}function Xs(n,e,t,r){let o=t.steps+1+t.refine,s=t.samples**2*n*o*e*(1+r);return Math.max(Math.floor(c3/(s*Re)),1)*Re}var Ae=class{constructor(e){this.gpu=e;this.#e=e.buffer("pixels",0),this.#t=e.buffer("counts",0)}gpu;size=[0,0];#e;#t;get pixels(){return this.#e}get counts(){return this.#t}resize([e,t]){e===this.size[0]&&t===this.size[1]||(this.gpu.check("pixels",4*e*t),this.destroy(),this.#e=this.gpu.buffer("pixels",4*e*t),this.#t=this.gpu.buffer("counts",Ks([e,t])),this.size=[e,t])}async readPixels(){let e=await this.gpu.read(this.#e,0,4*this.size[0]*this.size[1]),t=new Float32Array(e.buffer);for(let r=3;r<t.length;r+=4)if(t[r]===a3)throw new O("The graphics device ended loops before they were done; take fewer steps.");return t}async readCounters(){let e=await this.gpu.read(this.#t,0,Ks(this.size)),t=new Array(Xt.length).fill(0);return e.forEach((r,o)=>t[o%Xt.length]+=r),Object.fromEntries(Xt.map((r,o)=>[r,t[o]]))}destroy(){this.gpu.release(this.#e),this.gpu.release(this.#t)}},Yt=class{constructor(e,t){this.gpu=e;this.texels=t}gpu;texels;#e=new Map;async render(e,t){let{active:r,camera:o,size:s,settings:i}=t,a=i.effects&&r.views.some(({view:w})=>this.texels.isSpecular(w)),c=await this.gpu.pipeline(a?"render-effects":"render-pyramid");e.resize(s),this.#t(qs(r,o,s,i,this.texels)),this.#r(r);let u=this.#n(c,e,t.colors),[l,d]=s,f=Xs(l,r.views.length,i,0),h=a?d3(i.maxBounces):0,m=Xs(l,r.views.length,i,h),p=m;for(let w=0;w<d;){let y=Math.min(p,d-w),v=performance.now();this.#o({pipeline:c,group:u,width:l,rows:[w,y]},t.timing?.()),w+=y,a&&w<d&&(await this.gpu.queue.onSubmittedWorkDone(),p=performance.now()-v<l3?Math.min(2*p,f):m)}}#t({scene:e,views:t,faces:r,distancesM:o}){for(let[s,i]of Object.entries({scene:e,views:t,faces:r,distances_m:o})){let a=this.#e.get(s);(a===void 0||a.size<i.byteLength)&&(a!==void 0&&this.gpu.release(a),a=this.gpu.buffer(s,i.length),this.#e.set(s,a)),this.gpu.write(a,0,i)}}#r({views:e}){let t=this.#e.get("views"),r=M("View","greatest_inverse_depth");this.gpu.submit(o=>{e.forEach(({view:s,streams:i},a)=>{let c=this.texels.planes(s);if(c.hasGreatest&&i.nearM>=bs){let u=4*(a*U("View")+r);o.copyBufferToBuffer(c.planes,4*cr,t,u,4)}})})}#n(e,t,r){let o=new Map([...this.#e,["pixels",t.pixels],["counts",t.counts]]);return this.gpu.bind(e,s=>{let i=o.get(s);if(i!==void 0)return{buffer:i};let a=s==="colors"&&r!==void 0?r:this.texels.arrays.view(s);if(a===void 0)throw new O(`No input of rendering is named ${s}.`);return a})}#o(e,t){let{pipeline:r,group:o,width:s,rows:i}=e,a=this.#e.get("scene");["first_row","rows"].forEach((c,u)=>{this.gpu.write(a,4*M("Scene",c),Uint32Array.of(i[u]))}),this.gpu.submit(c=>{let u=c.beginComputePass({label:"render",...t&&{timestampWrites:t}});u.setPipeline(r.pipeline),u.setBindGroup(0,o),u.dispatchWorkgroups(Math.ceil(s/Re),Math.ceil(i[1]/Re)),u.end()})}};var Qt={none:0,reinhard:1,filmic:2},Jt={mono:0,"side-by-side":1,anaglyph:2};var Ys=`// Shows pictures of linear light on a canvas.
 
 struct PresentOptions {
   // Columns and rows of the pictures, then of the canvas.
@@ -7871,5 +7885,5 @@ fn show(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
   let marked = overlay[min(mark.y * u32(options.picture.x) + mark.x, arrayLength(&overlay) - 1u)].rgb;
   return vec4(mix(coded(toned(color)), coded(marked), options.overlay), 1.0);
 }
-`;var hu={TONE_REINHARD:Qt.reinhard,TONE_FILMIC:Qt.filmic,EYES_SIDE_BY_SIDE:Jt["side-by-side"],EYES_ANAGLYPH:Jt.anaglyph},Qs=10,Zt=class n{constructor(e,t,r){this.gpu=e;this.canvas=t;this.#e=r.context,this.#t=r.pipeline;let o=GPUBufferUsage.UNIFORM|GPUBufferUsage.COPY_DST;this.#r=e.device.createBuffer({label:"options",size:4*Qs,usage:o})}gpu;canvas;#e;#t;#r;static async create(e,t){let r=t.getContext("webgpu");if(r===null)throw new O("The canvas cannot be drawn to by the graphics device.");let o=navigator.gpu.getPreferredCanvasFormat();r.configure({device:e.device,format:o,alphaMode:"opaque"});let s=e.device.createShaderModule({label:"present",code:Ys}),i=await e.device.createRenderPipelineAsync({label:"present",layout:"auto",vertex:{module:s,entryPoint:"corner"},fragment:{module:s,entryPoint:"show",constants:hu,targets:[{format:o}]}});return new n(e,t,{context:r,pipeline:i})}show([e,t,r],o){let s=new Uint32Array(Qs),i=new Float32Array(s.buffer);i.set([...e.size,this.canvas.width,this.canvas.height,2**o.exposureEv]),s.set([Qt[o.toneMap],Jt[o.stereo],Number(o.marksHoles)],5),i[8]=o.overlay,this.gpu.write(this.#r,0,s);let a=[this.#r,e.pixels,t.pixels,r.pixels],c=this.gpu.device.createBindGroup({layout:this.#t.getBindGroupLayout(0),entries:a.map((u,l)=>({binding:l,resource:{buffer:u}}))});this.gpu.submit(u=>{let l=this.#e.getCurrentTexture().createView(),d=u.beginRenderPass({colorAttachments:[{view:l,loadOp:"clear",storeOp:"store"}]});d.setPipeline(this.#t),d.setBindGroup(0,c),d.draw(3),d.end()})}};var ur=class extends ve{constructor(t,r,o){super(t);this.tile=r;this.pictures=o;this.copied=[0,0,...t.size]}tile;pictures;staleCells=new Set;specular=new Set;copied;get depthPictures(){return this.pictures.get(this.streams.depth.index)}takeDepths(){let{decoder:t,position:r}=this.depthPictures;return this.takeParts().map(({rect:o,tile:s,isKnown:i})=>{let[a,c]=S(this.streams.depth,s),u=i?t.unit(r,s):void 0;return{face:this.streams.face,rect:o,picture:u,corner:[a,c]}})}},e1=class n{constructor(e,t,r,o){this.gpu=e;this.kernels=t;this.catalogue=r;this.arrays=new vt(e,r,o)}gpu;kernels;catalogue;arrays;#e=new Kt;#t=new Map;#r=new xe;static async create(e,t,r){let[o,s]=await Promise.all([e.pipeline("texels"),e.pipeline("squares")]);return new n(e,{texels:o,squares:s},t,r)}load(e,t){let{faces:r}=this.catalogue.views[e],o=new qt(this.gpu,this.kernels,r,this.#e),s=r.map(()=>this.arrays.take()),i=r.flatMap((a,c)=>{let u=s[c];return u===void 0?[]:[new ur(a,u,t)]});if(i.length<r.length)throw i.forEach(({tile:a})=>this.arrays.free(a)),o.destroy(),new O("The textures have no room for another probe.");this.#t.set(e,o),this.#r.load(e,i)}unload(e){this.planes(e).destroy(),this.#t.delete(e),this.#r.unload(e).forEach(({tile:t})=>this.arrays.free(t))}get bytes(){return[...this.#t.values()].reduce((e,{bytes:t})=>e+t,0)}isKnown(e,t){return this.#r.isKnown(e,t)}written(e,t){let{face:r}=this.#r.ofStream(e);this.#r.setKnown(e,t,!0),e!==r.streams.depth.index&&r.pictures.has(e)&&r.staleCells.add(t)}forget(e,t){this.#r.setKnown(e,t,!1)}uploadColor(e,t,r){this.arrays.upload("colors",this.#r.ofStream(e).face.tile,t,r)}uploadMaterial(e,t,r){let{face:o,units:s}=this.#r.ofStream(e),i=new Uint8Array(r.length/3*4),a=!1;for(let c=0,u=0;c<r.length;c+=3,u+=4)i.set([r[c],r[c+1],r[c+2]],u),a||=r[c]>0||r[c+1]>0;o.specular.delete(t),a&&o.specular.add(t),this.arrays.upload("materials",o.tile,S(s.stream,t),i),this.written(e,t)}isSpecular(e){return this.#t.has(e)&&this.#r.ofView(e).some(({specular:t})=>t.size>0)}update(){let e=this.gpu.device.createCommandEncoder({label:"texels"}),t=!1;for(let[r,o]of this.#r.views()){let s=this.planes(r),i=new Map;for(let c of o){let{pictures:u}=c.depthPictures.decoder,l=i.get(u)??{pictures:u,parts:[]};l.parts.push(...c.takeDepths()),i.set(u,l)}let a=s.write([...i.values()]);for(let c of o){let u=this.#n(e,{planes:s,face:c},a.get(c.streams.face));t||=u}}t&&this.gpu.queue.submit([e.finish()])}origin(e,t){return this.arrays.origin(this.tile(e,t))}tile(e,t){let r=this.#r.ofView(e).find(({streams:o})=>o.face===t);if(r===void 0)throw new Error(`View ${e} has no face ${t}`);return r.tile}planes(e){let t=this.#t.get(e);if(t===void 0)throw new Error(`View ${e} is not loaded`);return t}#n(e,{planes:t,face:r},o){let s=o===void 0?r.copied:Ft(r.copied,o);r.copied=void 0,s!==void 0&&this.arrays.copyDepth(e,r.tile,s,{planes:t,face:r.streams.face});let i=s!==void 0||r.staleCells.size>0,{color:a}=r.streams;for(let c of r.staleCells){let{decoder:u,position:l}=r.pictures.get(a.index),{picture:d,stride:f}=u.unit(l,c),h=S(a,c);this.arrays.copyColor(e,r.tile,h,{buffer:u.pictures,at:d,pitch:f})}return r.staleCells.clear(),i}};var t1=class{constructor(e,t,r,o){this.decoder=e;this.decoding=t;this.keptWords=r;this.timing=o}decoder;decoding;keptWords;timing;#e=[];#t=new Set;#r=new Set;#n=new Set;#o=new Set;#s=!1;units(e){return new lr(this,e)}shows(e,t){return this.decoder.shows(this.#i(e,t))}#i(e,{unit:t,frame:r,chunk:o,next:s}){let{firstFrame:i}=this.decoding.container.chunks[o];return{stream:e,unit:t,frame:r,key:o+1,firstFrame:i,nextKey:s+1}}ask(e,t,r){let o=this.prepare(e,t,r);return o==="ready"&&this.#e.push(this.#i(e,t)),o}prepare(e,t,r){let{chunk:o,next:s}=t,i=this.#i(e,t);if(this.decoder.shows(i))return"shown";let a=[this.#a(o,r)];return a[0]==="shown"&&s>=0&&this.decoder.needsNext(i)&&a.push(this.#a(s,r)),a.every(c=>c==="shown")?"ready":["broken","missing","working"].find(c=>a.includes(c))??"working"}decode(){let[e,t]=[this.#e,this.#r];this.#e=[],this.#t=t,this.#r=new Set;let r=this.decoder.decode(e,e.length>0?this.timing():void 0);return r.refused.forEach(({key:o})=>this.#o.add(o)),this.decoder.drop(t,this.keptWords),{changed:r.written.map(({wanted:o})=>o),pixels:r.pixels,behind:r.behind.length}}close(){this.#s=!0,this.decoder.destroy()}#a(e,t){let r=e+1;if(this.#r.add(r),this.decoder.has(r))return"shown";if(this.#o.has(r))return"broken";if(this.#n.has(r))return"working";let o=ee(this.decoding,e,t);return o===void 0?"missing":(this.#n.add(r),this.decoding.pool.prepare(o,()=>!0).then(s=>{this.#n.delete(r),!this.#s&&(s!==void 0&&!this.decoder.add(r,s)&&(this.decoder.drop(this.#t,0),this.decoder.add(r,s)||(this.#o.add(r),this.decoding.onBroken("The graphics device has no room for the chunks of a frame."))),this.decoding.onReady())},s=>{this.#n.delete(r),this.#o.add(r),this.decoding.onBroken(s.message),this.decoding.onReady()}),"working")}},lr=class{constructor(e,t){this.family=e;this.position=t}family;position;get stream(){return this.family.decoder.streams[this.position]}hasPicture(e){return this.family.decoder.showsAny(this.position,e)}shows(e){return this.family.shows(this.position,e)}ask(e,t){return this.family.ask(this.position,e,t)}prepare(e,t){return this.family.prepare(this.position,e,t)}};var r1=class{#e;#t;#r;#n=[];constructor(e){if(this.#e=e,e.hasTimestamps){this.#t=e.device.createQuerySet({type:"timestamp",count:2*256});let t=GPUBufferUsage.QUERY_RESOLVE|GPUBufferUsage.COPY_SRC;this.#r=e.device.createBuffer({label:"timestamps",size:4096,usage:t})}}pass(e){if(this.#t===void 0||this.#n.length===256)return;let t=2*this.#n.length;return this.#n.push(e),{querySet:this.#t,beginningOfPassWriteIndex:t,endOfPassWriteIndex:t+1}}async read(){let e=new Map,[t,r,o]=[this.#t,this.#r,this.#n];if(this.#n=[],t===void 0||r===void 0||o.length===0)return e;this.#e.submit(a=>a.resolveQuerySet(t,0,2*o.length,r,0));let s=await this.#e.read(r,0,4*o.length),i=new BigUint64Array(s.buffer);return o.forEach((a,c)=>{let[u,l]=[i[2*c],i[2*c+1]],d=u>0n&&l>u?Number(l-u)/1e6:0;e.set(a,(e.get(a)??0)+d)}),e}};var mu=256<<20;function pu({color:{header:n},alpha:e}){return n.kind==="color"&&!n.isHalf&&n.coding.name==="cells"&&e===void 0}var n1=class n{constructor(e,t,r,o){this.gpu=e;this.scene=t;this.texels=r;this.presenter=o;this.#e=new Yt(e,r),this.#t=new r1(e),this.#r=[new Ae(e),new Ae(e),new Ae(e)],e.onError=s=>this.onFailed(`The graphics device failed: ${s}`),e.lost.then(s=>this.onFailed(`The graphics device was lost: ${s}`))}gpu;scene;texels;presenter;name="gpu";mostPixels=1/0;onFailed=()=>{};#e;#t;#r;#n;static async create(e,t){e.pipeline("render-pyramid");let[r,o]=await Promise.all([e1.create(e,t.catalogue,t.mostImages),Zt.create(e,t.canvas)]);return new n(e,t,r,o)}get hasEffects(){return!this.gpu.isSoftware}async load(e,t){let{decoding:r,mostViews:o}=this.scene,s=new Map;for(let d of t.flatMap(f=>[f.depth,...pu(f)?[f.color]:[]])){let{kernel:f}=ke(d.header);s.set(f,[...s.get(f)??[],d])}let i=Math.floor(mu/4/(2*o)),a=[...s.values()].map(d=>jt.create(this.gpu,d,Se)),c=()=>this.#t.pass("decode"),u=(await Promise.all(a)).map(d=>new t1(d,r,i,c)),l=new Map;for(let{decoder:d}of u)d.streams.forEach(({index:f},h)=>l.set(f,{decoder:d,position:h}));return this.texels.load(e,l),this.#n?.painter.forget(e),u}async draw(e,t){let{view:r,cameras:o,views:s}=e,i=performance.now(),{container:a,catalogue:c,canvas:u}=this.scene,l=ze(e),d=r.overlays.has("holes"),f={...js,steps:r.steps,holes:d?"nearest":"behind",effects:this.hasEffects},[h,m,p]=this.#r,w=C=>{let $=k1=>a.probeAt(k1,r.frame);return{active:Ot(c,s,C.eye,$),camera:C,size:l,settings:f}},y=()=>this.#t.pass("march");for(let[C,$]of o.entries())await this.#e.render(this.#r[C],{...w($),timing:y});let v=Lt(r);if(v.length>0){this.#n??=this.#o(),this.#n.painter.paint(v,e);let C=w(o[0]),$=C.active.coding.name==="light"?C.active.coding:Pt;await this.#e.render(p,{...C,active:{...C.active,coding:$},colors:this.#n.view})}[u.width,u.height]=r.size;let E=v.length>0;this.presenter.show([h,o.length>1?m:h,E?p:h],{exposureEv:r.exposureEv,toneMap:r.toneMap,stereo:r.stereo,marksHoles:d,overlay:E?Nt:0}),t();let z=await h.readCounters(),x=performance.now()-i,Y=await this.#t.read();return{counters:z,decodeMs:Y.get("decode")??0,marchMs:Y.get("march")??x}}async decodeMs(){return(await this.#t.read()).get("decode")??0}async pixels(){let[e]=this.#r;return{size:[...e.size],rgba:await e.readPixels()}}close(){this.gpu.destroy()}#o(){let{container:e,catalogue:t}=this.scene,{arrays:r}=this.texels,o=r.colorTexture("overlay");return{painter:new ye(e,t,({view:i,face:a},c,u)=>{let l=r.colorFormat==="rgba8unorm"?u:bu(u);r.upload(o,this.texels.tile(i,a),c,l)}),view:o.createView({dimension:"2d-array"})}}};function bu(n){let e=Array.from({length:256},(t,r)=>At(He(r,"srgb")));return Uint16Array.from(n,t=>e[t])}var wu={cacheBytes:256<<20,parallel:6,requestBytes:2<<20,retryDelayMs:200,maxDelayMs:1e4},gu=4,Js=1e3;function yu({offset:n,storedBytes:e}){return{key:ne({offset:n,storedBytes:e}),offset:n,bytes:e}}function ne({offset:n,storedBytes:e}){return`${n} ${e}`}var o1=class{constructor(e,t=wu){this.source=e;this.settings=t}source;settings;kept=new Map;wanted=new Map;wantedAt=new Map;inUse=new Set;pending=new Set;requests=new Set;everFetched=new Set;arrivals=[];timer;failures=0;closed=!1;counts={bytesFetched:0,requests:0,chunksFetched:0,chunksRefetched:0};cachedBytes=0;onChunk=()=>{};onProblem=()=>{};want(e,t=[]){let r=e.filter(({storedBytes:o})=>o>0).map(yu);this.wanted=new Map(r.map(o=>[o.key,o])),this.wantedAt=new Map(r.map(o=>[o.offset,o])),this.inUse=new Set(t.map(ne));for(let o of[...this.inUse,...this.wanted.keys()])this.touch(o);this.trim(),this.pump()}get(e){return e.storedBytes===0?new Uint8Array(0):this.kept.get(ne(e))}get stats(){let e=performance.now();for(;this.arrivals.length>0&&this.arrivals[0].at<e-Js;)this.arrivals.shift();let t=this.arrivals.reduce((r,o)=>r+o.bytes,0);return{...this.counts,cacheBytes:this.cachedBytes,fetchRate:t*1e3/Js}}close(){this.closed=!0,clearTimeout(this.timer),this.requests.forEach(e=>e.abort.abort())}touch(e){let t=this.kept.get(e);t!==void 0&&(this.kept.delete(e),this.kept.set(e,t))}trim(){for(let[e,t]of this.kept){if(this.cachedBytes<=this.settings.cacheBytes)return;!this.wanted.has(e)&&!this.inUse.has(e)&&(this.kept.delete(e),this.cachedBytes-=t.length)}}isMissing(e){return e!==void 0&&!this.kept.has(e.key)&&!this.pending.has(e.key)}pump(){if(!(this.closed||this.timer!==void 0))for(let e of this.wanted.values()){if(this.requests.size>=this.settings.parallel)return;this.isMissing(e)&&this.fetch(this.runFrom(e))}}runFrom(e){let t=[e],r=e.offset+e.bytes;for(;;){let o=this.wantedAt.get(r);if(!this.isMissing(o)||r+o.bytes-e.offset>this.settings.requestBytes)return t;t.push(o),r+=o.bytes}}async fetch(e){let t={ranges:e,abort:new AbortController},r=e.reduce((s,{bytes:i})=>s+i,0);this.requests.add(t),e.forEach(({key:s})=>this.pending.add(s)),this.counts.requests+=1;let o;try{let s=await this.source.read(e[0].offset,r,t.abort.signal);this.closed||(this.failures=0,this.arrive(e,s))}catch(s){o=s}this.requests.delete(t),e.forEach(({key:s})=>this.pending.delete(s)),!this.closed&&(o!==void 0?this.fail(o):e.filter(({key:s})=>this.wanted.has(s)).forEach(({key:s})=>this.onChunk(s)),this.pump())}arrive(e,t){let r=0;for(let{key:o,bytes:s}of e)this.kept.set(o,t.slice(r,r+s)),this.cachedBytes+=s,this.counts.chunksFetched+=1,this.counts.chunksRefetched+=Number(this.everFetched.has(o)),this.everFetched.add(o),r+=s;this.counts.bytesFetched+=t.length,this.arrivals.push({at:performance.now(),bytes:t.length}),this.trim()}fail(e){if(e instanceof Re){this.closed=!0,this.requests.forEach(t=>t.abort.abort()),this.onProblem({fatal:!0,message:e.message});return}if(!(e instanceof D)){this.closed=!0,this.onProblem({fatal:!0,message:e instanceof Error?e.message:String(e)});return}if(this.failures+=1,this.failures>=gu&&this.onProblem({fatal:!1,passes:!0,message:`${e.message}; trying again`}),this.timer===void 0){let t=this.settings.retryDelayMs*2**Math.min(this.failures-1,16);this.timer=setTimeout(()=>{this.timer=void 0,this.pump()},Math.min(t,this.settings.maxDelayMs))}}};function _u({streams:n}){let e=n.reduce((r,{firstFrame:o})=>Math.min(r,o),1/0),t=n.reduce((r,{firstFrame:o,frameCount:s})=>Math.max(r,o+s-1),-1/0);return n.length===0?[0,0]:[e,t]}function vu([n,e,t,r]){let o=[-2*(n*t+r*e),2*(r*n-e*t),2*(n*n+e*e)-1],s=Math.asin(Math.max(-1,Math.min(1,o[1])));return{yaw:Math.atan2(-o[0],-o[2]),pitch:s}}function xu(n){let e=[0,1,2],t=s=>n.map(i=>i[s]),r=e.map(s=>t(s).reduce((i,a)=>Math.min(i,a),1/0)),o=e.map(s=>t(s).reduce((i,a)=>Math.max(i,a),-1/0));return{least:r,greatest:o}}function Zs(n,e){return n.reduce((t,r,o)=>t+(r-e[o])**2,0)}function ei(n,e){let[t,r]=_u(n),s=(f=>e.map(h=>n.probeAt(h,f)))(t),i=n.footage.poses,a=e.flatMap(f=>i.get(n.probes[f].name)??[]),c=xu([...s,...a].map(({position:f})=>f)),u=c.least.map((f,h)=>(f+c.greatest[h])/2),l=s.reduce((f,h)=>Zs(h.position,u)<Zs(f.position,u)?h:f),d={eye:[...l.position],...vu(l.orientation)};return{name:n.name,fileBytes:n.source.byteCount,framesPerSecond:n.fps,firstFrame:t,frameCount:r-t+1,headBox:c,probes:s.map(({name:f,position:h})=>({name:f,position:h})),start:d,streams:ku(n)}}function ku({streams:n,chunks:e}){let t=new Float64Array(n.length),r=new Set;for(let s of e){let i=ne(s);t[s.stream]+=r.has(i)?0:s.storedBytes,r.add(i)}let o=new Map;for(let{index:s,kind:i,codec:a}of n){let c=`${i} ${a}`,u=o.get(c)??{kind:i,codec:a,count:0,bytes:0};o.set(c,{...u,count:u.count+1,bytes:u.bytes+t[s]})}return[...o.values()]}var s1=class{#e;#t;next(e,t,r){let o=this.#e,s=t&&o!==void 0&&!o.isWhole&&e>o.frame&&!this.#r(o,r);return(o===void 0||o.frame!==e&&!s)&&(this.#e={frame:e,sinceMs:r,isWhole:!1}),this.#e.frame}get shown(){return this.#t}show(e,t,r){let o=this.#e;return o.isWhole=e,(e||!t||this.#t===void 0||this.#r(o,r))&&(this.#t=o.frame),this.#t}#r({sinceMs:e},t){return t-e>=500}};var Ve=class{constructor(e,t){this.stream=e;this.decoding=t}stream;decoding;#e=new Set;#t=new Map;#r=new Set;#n=new Set;hasPicture(e){return this.#t.get(e)?.shown!==void 0}shows({unit:e,chunk:t,frame:r}){let o=this.#t.get(e)?.shown;return o?.chunk===t&&o.frame===r}frame(e){return this.#t.get(e)?.shown?.frame}pixels(e){return this.#t.get(e)?.shown?.pixels}takeChanged(){let e=[...this.#e];return this.#e=new Set,e}ask(e,t){let{ready:r}=this.#o(e.unit);[...r.keys()].filter(i=>!Mt(this.decoding.frames,i)).forEach(i=>r.delete(i));let s=this.prepare(e,t);return s==="ready"&&(this.#s(e.unit,r.get(e.frame)),r.delete(e.frame)),s}prepare(e,t){return this.shows(e)?"shown":this.#o(e.unit).ready.get(e.frame)?.chunk===e.chunk?"ready":this.#i(e,t)}#o(e){let t=this.#t.get(e)??{shown:void 0,ready:new Map,working:new Set};return this.#t.set(e,t),t}#s(e,t){this.#o(e).shown=t,this.#e.add(e)}#i(e,t){if(this.#r.has(e.chunk))return"broken";let r=this.#o(e.unit),o=ee(this.decoding,e.chunk,t),s=e.next>=0&&this.#n.has(e.chunk),i=s?ee(this.decoding,e.next,t):void 0;if(o===void 0||s&&i===void 0)return"missing";if(!r.working.has(e.frame)){r.working.add(e.frame);let a=e.frame-o.chunk.firstFrame;this.decoding.pool.decode(o,a,()=>Mt(this.decoding.frames,e.frame),i).then(u=>this.#a(e,u),u=>this.#l(e,u))}return"working"}#a(e,t){let r=this.#o(e.unit);if(r.working.delete(e.frame),t==="next")this.#n.add(e.chunk);else if(t!==void 0){let o={pixels:t,chunk:e.chunk,frame:e.frame},{frames:s}=this.decoding;e.frame===s.shown||r.shown===void 0?this.#s(e.unit,o):Mt(s,e.frame)?r.ready.set(e.frame,o):(r.shown.frame>s.shown||r.shown.frame<e.frame&&e.frame<s.shown)&&this.#s(e.unit,o)}this.decoding.onReady()}#l(e,t){this.#o(e.unit).working.delete(e.frame),this.#r.add(e.chunk),this.decoding.onBroken(t.message),this.decoding.onReady()}};var i1=class n{constructor(e,t,r,o){this.context=e;this.view=t;this.streams=r;this.#e=o.families,this.#t=o.sources;let{container:s}=e.decoding;this.#r=s.footage.poses.has(s.probes[r.probe].name)}context;view;streams;#e;#t;#r;#n=[];lastUsed=0;static async load(e,t,r){let{renderer:o,decoding:s}=e,i=new Map,a=await o.load(t,r.faces,(u,l)=>i.get(u)?.pixels(l)),c=new Map;for(let u of a)u.decoder.streams.forEach((l,d)=>c.set(l,u.units(d)));for(let u of r.faces.flatMap(we).filter(l=>!c.has(l))){let l=new Ve(u,s);i.set(u.index,l),c.set(u,l)}return new n(e,t,r,{families:a,sources:c})}ask(e,{sees:t,fetch:r,counts:o}){this.#n=[],this.#o(e,t,(s,i,a,c)=>{c!==void 0&&(o[i.ask(c,r)]+=1),this.#r&&this.#n.push({stream:s,source:i,unit:a,wanted:c})})}prepare(e,{sees:t,fetch:r,counts:o}){this.#o(e,t,(s,i,a,c)=>{c!==void 0&&(o[i.prepare(c,r)]+=1)})}#o(e,t,r){let{container:o}=this.context.decoding;for(let[s,i]of this.#t)for(let a=0;a<o.unitCount(s.index);a+=1)r(s,i,a,t(s,a)?Rt(o,s.index,a,e):void 0)}update(){let{texels:e}=this.context.renderer,[t,r,o]=[0,0,0];for(let s of this.#e){let i=s.decode();r+=i.pixels,o+=i.behind,t+=i.changed.length;for(let{stream:a,unit:c}of i.changed)e.written(s.decoder.streams[a].index,c)}for(let s of this.streams.faces){let i=this.#a(s);t+=i.length,r+=i.reduce((a,[c,u])=>{let[,,l,d]=this.context.decoding.container.unitRect(c.index,u);return a+l*d},0)}return this.#s(),{units:t,pixels:r,behind:o}}#s(){let{texels:e}=this.context.renderer;for(let{stream:t,source:r,unit:o,wanted:s}of this.#n){let i=s!==void 0&&r.shows(s);i&&!e.isKnown(t.index,o)?e.written(t.index,o):!i&&r.hasPicture(o)&&e.forget(t.index,o)}this.#n=[]}unload(){this.context.renderer.texels.unload(this.view),this.#e.forEach(e=>e.close())}#i(e){let t=e&&this.#t.get(e);return t instanceof Ve?t:void 0}#a({depth:e,color:t,alpha:r,material:o}){let{texels:s}=this.context.renderer,[i,a,c]=[t,r,o].map(m=>this.#i(m)),l=(this.#i(e)?.takeChanged()??[]).map(m=>[e,m]);for(let m of c?.takeChanged()??[])s.uploadMaterial(c.stream.index,m,c.pixels(m)),l.push([c.stream,m]);let d=i?.takeChanged()??[],f=a?.takeChanged()??[],h=f.flatMap(m=>[..._e(t,this.#f(a,m).rect)]);for(let m of new Set([...d,...h.map(([p])=>p)]))i!==void 0&&i.hasPicture(m)&&this.#l(i,m,a)&&l.push([t,m]);return l.push(...f.map(m=>[a.stream,m])),l.forEach(([m,p])=>s.written(m.index,p)),l}#l(e,t,r){let{renderer:o,colors:s}=this.context,{texels:i}=o,a=this.#f(e,t);if(r===void 0)return i.uploadColor(e.stream.index,a.rect,s.of(a,a.rect)),!0;let c=!0;for(let[u,l]of _e(r.stream,a.rect))r.frame(u)===e.frame(t)?i.uploadColor(e.stream.index,l,s.of(a,l,this.#f(r,u))):c=!1;return c}#f(e,t){return{pixels:e.pixels(t),rect:this.context.decoding.container.unitRect(e.stream.index,t)}}};var a1=class{constructor(e,t,r){this.outline=r;this.members=Array.from({length:e},()=>this.member(t()))}outline;members;nextId=0;onFailed=()=>{};get pending(){return this.members.reduce((e,{queue:t,sent:r})=>e+t.length+r.size,0)}async prepare(e,t){let r=await this.run({...e,id:this.nextId++},t);return r&&"prepared"in r?r.prepared:void 0}async decode(e,t,r,o){let s={...e,id:this.nextId++,frame:t,...o&&{next:o}},i=await this.run(s,r);return i&&"needsNext"in i?"next":i&&"pixels"in i?i.pixels:void 0}async codings(e,t,r){let o=await this.run({...e,id:this.nextId++,frame:t,asksCodings:!0},r);return o&&"pixels"in o?o.pixels:void 0}close(){this.members.forEach(({worker:e})=>e.terminate()),this.members.forEach(e=>e.queue=[])}member(e){let t={worker:e,knows:new Set,queue:[],sent:new Map,failure:void 0};return e.onmessage=({data:r})=>this.finish(t,r),e.onerror=({message:r})=>this.fail(t,`A worker of the player failed: ${r??"it did not load"}`),e.onmessageerror=()=>this.fail(t,"A worker of the player failed: its answer cannot be read"),t}async run(e,t){let{stream:r,unit:o}=e.chunk,s=this.members[(r+o)%this.members.length],i=await new Promise(a=>{s.queue.push({job:e,isWanted:t,resolve:a}),this.pump(s)});if(i&&"error"in i)throw new Error(i.error);return i}pump(e){for(;e.sent.size<8&&e.queue.length>0;){let t=e.queue.shift(),{job:r}=t;if(e.failure!==void 0){t.resolve({id:r.id,error:e.failure});continue}if(!t.isWanted()){t.resolve(void 0);continue}e.sent.set(r.id,t);let{stream:o}=r.chunk,s=e.knows.has(o)?void 0:this.outline(o);e.knows.add(o),e.worker.postMessage({...r,...s&&{outline:s}})}}fail(e,t){e.failure===void 0&&(e.failure=t,this.onFailed(t)),[...e.sent.keys()].forEach(r=>this.finish(e,{id:r,error:t})),this.pump(e)}finish(e,t){let r=e.sent.get(t.id);e.sent.delete(t.id),r?.resolve(t),this.pump(e)}};var Eu=5,Su=200;async function je(n){for(let e=1;;e+=1)try{return await n()}catch(t){if(!(t instanceof D)||e===Eu)throw t;await new Promise(r=>setTimeout(r,Su*2**(e-1)))}}var ti=1<<30,Tu=4,Au=512<<20,Mu=4,Ru=3,Cu=3,Ou=2,Pu=.5,Nu=6,Lu=300,Fu=1e3,Uu=1500;async function ri(n,e,t){let[r,o]=await Promise.allSettled([Iu(t),je(()=>gt.open(n))]);if(r.status==="rejected")throw r.reason;let s=r.value,i,a;try{if(o.status==="rejected")throw o.reason;let c=o.value,u=cs(c),l=s===void 0?Bu(u):u,d=Math.max(...l.views.map(({faces:m})=>m.length)),f=Du(l,d,s===void 0);i=Hu(c);let h={container:c,catalogue:l,canvas:e,decoding:i,mostViews:f,mostImages:f*d};return a=s===void 0?new Dt(h):await n1.create(s,h),new dr({renderer:a,decoding:i,catalogue:l,mostViews:f})}catch(c){throw i?.store.close(),i?.pool.close(),a?.close(),s?.destroy(),c}}function Bu({views:n,coding:e}){let t=({faces:r,...o})=>({...o,faces:r.map(s=>({...s,material:void 0}))});return{views:n.map(t),coding:e}}function Du(n,e,t){let{views:r}=n,o=e*Ru*jo(n);if(t&&o>ti)throw new g("The images of a probe are larger than the processor draws; a graphics device may.");let s=Math.max(1,Math.floor(ti/o));return Math.min(r.length,s,t?Mu:1/0)}async function Iu(n){if(n==="cpu")return;let e=await M1();return n==="auto"&&R1(e)?void 0:Je.open(e)}function Hu(n){let e=Math.max(1,Math.min(Tu,(navigator.hardwareConcurrency||2)-1)),t={keptBytes:Au/e},r=()=>{let i=new Worker(new URL("./worker.js",import.meta.url),{type:"module"});return i.postMessage(t),i},o=new a1(e,r,i=>{let{kind:a,codec:c,face:u,width:l,height:d,unitWidth:f,unitHeight:h,headerBytes:m}=n.streams[i];return{stream:{kind:a,codec:c,face:u,width:l,height:d,unitWidth:f,unitHeight:h},headerBytes:m}}),s=new o1(n.source);return{container:n,frames:{shown:0,next:[0,0]},store:s,pool:o,onReady:()=>{},onBroken:()=>{}}}var dr=class{film;onProblem=()=>{};onShown=()=>{};#e;#t;#r;#n;#o;#s;#i;#a=new Map;#l;#f=new Map;#c;#u=0;#d=new s1;#h;#m;#x=performance.now();#b=!1;#p=0;#k={cells_decoded:0,pixels_decoded:0};#E;#w=()=>{};#g=!1;constructor({renderer:e,decoding:t,catalogue:r,mostViews:o}){let{container:s,store:i,pool:a}=t;this.#e=e,this.#t=s,this.#r=r,this.#n=t,this.#l=o,this.film=ei(s,r.views.map(({probe:u})=>u)),this.#m=this.film.firstFrame,i.onChunk=u=>{this.#f.set(u,performance.now()),this.#w()},i.onProblem=u=>this.#y(u),this.#c=new Ct(t),a.onFailed=u=>this.#y({fatal:!0,message:u}),e.onFailed=u=>this.#y({fatal:!0,message:u}),t.onReady=()=>this.#w(),t.onBroken=u=>this.#y({fatal:!1,message:u});let c=r.views.some(({faces:u})=>u.some(({alpha:l})=>l!==void 0));this.#o={renderer:e,decoding:t,colors:new Tt(r.coding,c)},this.#s=new Ge(s),this.#i=new Ge(s)}get renderer(){return this.#e.name}get mostPixels(){return this.#e.mostPixels}async draw(e){let t=await this.#A(e),{counts:r,active:o}=t,s=r.missing+r.working;this.#b||=s===0||performance.now()-this.#x>Uu;let i=this.#b?await this.#T(t):void 0;this.#m=s===0?t.view.frame:this.#m;let a=this.#n.store.stats;return{...a,counters:{...i?.counters,...this.#k,cells_unchanged:r.shown,bytes_read:a.bytesFetched,active_probes:o.length},decodeMs:i?.decodeMs??await this.#e.decodeMs(),marchMs:i?.marchMs??0,unitsMissing:s,unitsBroken:r.broken,overlayMissing:this.#u,shownFrame:this.#m}}async settle(e){for(;;){let t=new Promise(o=>this.#w=o),{counts:r}=await this.#A(e);if(r.missing+r.working===0||this.#g)return;await Promise.all([t,this.#e.decodeMs()])}}fetched(){let{firstFrame:e,frameCount:t}=this.film,r=this.#E;if(r===void 0)return[];let o=this.#R(r.pose.eye,r.frame),s=(l,d)=>this.#s.sees(l,d),i=this.#_(o,s,[0,1/0]).filter(l=>this.#n.store.get(l)===void 0).map(l=>[l.firstFrame,l.firstFrame+l.frameCount-1]).sort((l,d)=>l[0]-d[0]),a=[],c=e;for(let[l,d]of i)l>c&&a.push([c,l-1]),c=Math.max(c,d+1);let u=e+t-1;return c<=u?[...a,[c,u]]:a}pixels(){return this.#e.pixels()}close(){this.#g=!0,this.#w(),this.#n.store.close(),this.#n.pool.close(),this.#e.close()}#y(e){this.#g||this.onProblem(e)}async#A(e){let{playing:t}=e,r=this.#d.next(this.#M(e.frame),t,performance.now());this.#p+=1,this.#E=e,this.#P(e);let o=this.#S(e),s=this.#R(e.pose.eye,r);await this.#N(s),this.#s.look(o);let{renderer:i,decoding:a}=this.#o,{texels:c}=i,u=()=>i.hasEffects&&s.some(x=>c.isSpecular(x)),l=u(),d=(x,Y)=>l||this.#s.sees(x,Y),f=s.map(x=>this.#a.get(x)),h=[],m=(x,Y,C)=>{let $={shown:0,ready:0,working:0,missing:0,broken:0};return f.forEach(k1=>k1[x](Y,{sees:d,fetch:C,counts:$})),$},p=[r,r+(t?Cu:0)];a.frames={shown:this.#d.shown??r,next:p};let w=m("prepare",r,h),y=this.#d.show(w.missing+w.working===0,t,performance.now());a.frames={shown:y,next:p};let v=m("ask",y,h);for(let x=r+1;x<=p[1];x+=1)m("prepare",x,[]);let E={...e,frame:y};this.#u=this.#O(E,s,h);let z=[...new Set([r,y])].flatMap(x=>this.#_(s,d,[x,x]));a.store.want([...h,...this.#L({...e,frame:r},s,o)],z);for(let x of f){let{units:Y,pixels:C,behind:$}=x.update();v.working+=$,this.#k.cells_decoded+=Y,this.#k.pixels_decoded+=C}return c.update(),v.working+=Number(u()&&!l),v.working>0&&a.pool.pending===0&&this.#w(),{view:E,active:s,cameras:o,counts:y===r?v:w}}#O({overlays:e,frame:t},r,o){if(!e.has("nodes"))return this.#c.clear(),0;let s=[];for(let{depth:i}of r.flatMap(a=>this.#r.views[a].faces))for(let a=0;a<this.#t.unitCount(i.index);a+=1){let c=this.#s.sees(i,a)&&Rt(this.#t,i.index,a,t);c&&s.push({...c,stream:i.index})}return this.#c.show(s,o)}#S(e){let[t,r]=e.size,o=e.stereo==="side-by-side",s=qo(e.pose,e.fovDeg,(o?t/2:t)/r);return e.stereo==="mono"?[s]:Xo(s,e.eyeDistance)}#P({pose:{eye:e}}){let t=performance.now(),r=this.#h;if(r===void 0)this.#h={eye:[...e],ms:t,velocity:[0,0,0]};else if(r.eye.join()!==e.join()){let o=Math.max((t-r.ms)/1e3,.01),s=k(W(e,r.eye),1/o);this.#h={eye:[...e],ms:t,velocity:R(s)<=Nu?s:[0,0,0]}}else t-r.ms>Lu&&(r.velocity=[0,0,0])}#M(e){let t=this.#r.views.flatMap(V1);if(t.some(([o,s])=>o<=e&&e<=s))return e;let r=t.map(([,o])=>o).filter(o=>o<e);return r.length>0?Math.max(...r):Math.min(...t.map(([o])=>o))}#R(e,t){let r=this.#r.views.flatMap((o,s)=>{let{position:i}=this.#t.probeAt(o.probe,t);return as(o,t)?[{view:s,position:i}]:[]});return us(r,e,this.#l)}async#N(e){for(let t of e.filter(r=>!this.#a.has(r))){for(;this.#a.size>=this.#l;){let r=[...this.#a].filter(([i])=>!e.includes(i)),[o,s]=r.reduce((i,a)=>a[1].lastUsed<i[1].lastUsed?a:i);s.unload(),this.#a.delete(o)}this.#a.set(t,await i1.load(this.#o,t,this.#r.views[t]))}e.forEach(t=>this.#a.get(t).lastUsed=this.#p)}#L(e,t,r){let{frame:o}=e,s=[],i=this.#h?.velocity??[0,0,0];if(R(i)>0){let a=q(e.pose.eye,k(i,Pu));this.#i.look(r.map(c=>({...c,eye:a}))),s.push(...this.#_(t,(c,u)=>this.#i.sees(c,u),[o,o]))}if(e.playing){let a=o+Math.ceil(Ou*this.film.framesPerSecond),c=this.#_(t,(u,l)=>this.#s.sees(u,l),[o+1,a]);s.push(...c.sort((u,l)=>u.firstFrame-l.firstFrame))}return s}#_(e,t,r){let o=[];for(let s of e.flatMap(i=>this.#r.views[i].faces).flatMap(we))for(let i=0;i<this.#t.unitCount(s.index);i+=1)if(t(s,i)){let[a,c]=this.#t.chunksAmong(s.index,i,r);o.push(...this.#t.chunks.slice(a,c))}return o}#T({view:e,active:t,cameras:r}){let o=performance.now(),s=a=>{let c=this.#f.get(ne(this.#t.chunks[a]));return c!==void 0&&o-c<Fu},i=(a,c)=>this.#c.of(a,c);return this.#e.draw({view:e,cameras:r,views:t,isFresh:s,codings:i},()=>this.onShown())}};var ni=2**28,oi=2**30,Gu=12,ii=24,Wu=[137,80,78,71,13,10,26,10];function zu(n,e){let t=new DataView(n.buffer,n.byteOffset,n.byteLength);if(!(n.length>=ii&&Wu.every((s,i)=>n[i]===s))||t.getUint32(12)!==1229472850)throw new _(`${e} is no PNG picture.`);let o=[t.getUint32(16),t.getUint32(20)];if(o[0]===0||o[1]===0||o[0]*o[1]>ni)throw new g(`${e} has ${o[0]}x${o[1]} pixels; the player shows up to ${ni}.`);return o}function si(n,e,t){let r=Math.floor(t[0]/e.columns),o=Math.floor(t[1]/e.rows),s=e.rows-1-Math.floor(n/e.columns);return[n%e.columns*r,s*o,r,o]}function $u(n,e){let t=Math.min(n[0],n[1]*e);return[Math.max(1,Math.round(t)),Math.max(1,Math.round(t/e))]}async function ai(n,e,{name:t,layout:r}){if(n.byteCount>oi)throw new g(`The quilt has ${n.byteCount} bytes; the player reads up to ${oi}.`);let o=performance.now(),s=await n.read(0,n.byteCount),i=zu(s.subarray(0,ii),"The quilt");if(i[0]<r.columns||i[1]<r.rows)throw new _(`The quilt has fewer pixels than its ${r.columns}x${r.rows} tiles.`);let a=await createImageBitmap(new Blob([s],{type:"image/png"})).catch(()=>{throw new _("The quilt is a damaged PNG picture, or one that this browser does not read.")}),c=document.createElement("canvas");[,,c.width,c.height]=si(0,r,i);let[u,l]=[e.getContext("2d"),c.getContext("2d")];if(u===null||l===null)throw new g("The browser has no memory for a picture.");let d=performance.now()-o,f=r.columns*r.rows,h={eye:[0,0,0],yaw:0,pitch:0},m=w=>({counters:{views:f,width:i[0],height:i[1]},decodeMs:d,marchMs:0,fetchRate:0,bytesFetched:s.length,requests:1,chunksFetched:1,chunksRefetched:0,cacheBytes:4*i[0]*i[1],unitsMissing:0,unitsBroken:0,overlayMissing:0,shownFrame:w}),p={film:{name:t,fileBytes:n.byteCount,framesPerSecond:Gu,firstFrame:0,frameCount:f,headBox:{least:[0,0,0],greatest:[0,0,0]},probes:[],start:{...h,eye:[0,0,0]},streams:[{kind:"quilt",codec:"PNG",count:f,bytes:s.length}]},draw(w){let[y,v]=$u(w.size,r.aspect);[e.width,e.height]=[y,v];let[E,z]=si(w.frame,r,i);return l.clearRect(0,0,c.width,c.height),l.drawImage(a,-E,-z),u.imageSmoothingQuality="high",u.drawImage(c,0,0,y,v),p.onShown(),Promise.resolve(m(w.frame))},settle:()=>Promise.resolve(),fetched:()=>[[0,f-1]],pixels(){let{data:w}=u.getImageData(0,0,e.width,e.height),y=Float32Array.from(w,(v,E)=>E%4===3?v/255:He(v,"srgb"));return Promise.resolve({size:[e.width,e.height],rgba:y})},onProblem:()=>{},onShown:()=>{},close:()=>a.close()};return p}var Vu=["probes","nodes","holes","units","keyframes","fetched"],ju="./glb.js";async function Ku(n,e){let t=await je(()=>Ce.open(n.url)),{openScene:r}=await import(ju),o=await r(t,e,n.name),s={player:o,marks:["overdraw"],isFixed:!1,showOverdraw:i=>o.showOverdraw(i)};return await o.hasHeadset()&&(s.enterHeadset=i=>o.enterHeadset(i)),s}async function ci(n,e,t){if(n.kind==="glb")return Ku(n,e);let r=await je(()=>Ce.open(n.url));if(n.kind==="lfold")return{player:await ri(r,e,t),marks:Vu,isFixed:!1};if(n.quilt===void 0)throw new A("film.json, quilt: columns and rows were expected.");return{player:await ai(r,e,{name:n.name,layout:n.quilt}),marks:[],isFixed:!0}}function c1({least:n,greatest:e}){let t=n.map((r,o)=>e[o]-r);return Math.max(.1*Math.max(...t),.1)}function ui(n,e,[t,r],o){if(e<0)return-ui(-n,-e,[-r,-t],o);let s=Math.min(e,Math.max(r-n,0)),i=r+o,a=e-s;if(a===0)return n+s;let c=Math.max(n,r);return i-Math.max(i-c,0)*Math.exp(-a/o)}function li(n,e,t){let r=c1(t),o=s=>ui(n[s],e[s],[t.least[s],t.greatest[s]],r);return[o(0),o(1),o(2)]}function Ke(n,e){let t=c1(e),r=o=>Math.min(Math.max(n[o],e.least[o]-t),e.greatest[o]+t);return[r(0),r(1),r(2)]}var di=[.0002777777777777778,1e4];function qu(n){return Math.min(Math.max(n||0,di[0]),di[1])}var u1=class{#e;#t=0;#r=0;#n=!1;#o=1;isLooped=!0;constructor(e){this.#e={...e,framesPerSecond:qu(e.framesPerSecond)}}get isPlaying(){return this.#n}get lastFrame(){return this.#e.firstFrame+this.#e.frameCount-1}frame(e){let{firstFrame:t,frameCount:r}=this.#e,o=this.#i(e);return o>=r&&(this.isLooped?o%=r:(o=r-1,this.#n=!1),this.#t=o,this.#r=e),t+Math.floor(o)}play(e){let t=!this.isLooped&&this.frame(e)===this.lastFrame;this.#s(t?0:this.#i(e),e),this.#n=this.#e.frameCount>1}pause(e){this.#s(this.frame(e)-this.#e.firstFrame,e),this.#n=!1}seek(e,t){let r=Math.round(e)-this.#e.firstFrame;this.#s(Math.min(Math.max(r,0),this.#e.frameCount-1),t)}step(e,t){this.pause(t);let{frameCount:r}=this.#e,o=this.#t+e,s=(o%r+r)%r;this.#t=this.isLooped?s:Math.min(Math.max(o,0),r-1)}setSpeed(e,t){this.#s(this.#i(t),t),this.#o=e}#s(e,t){this.#t=e,this.#r=t}#i(e){let t=this.#n?Math.max(e-this.#r,0):0;return this.#t+t/1e3*this.#o*this.#e.framesPerSecond}};var qe=89*Math.PI/180;function fr({yaw:n,pitch:e}){return[-Math.sin(n)*Math.cos(e),Math.sin(e),-Math.cos(n)*Math.cos(e)]}function Xu({yaw:n}){return[Math.cos(n),0,-Math.sin(n)]}function hr(n){let e=Math.round(n/(2*Math.PI));return n-e*2*Math.PI}function fi(n,e,t){let r=Math.min(Math.max(n.pitch+t,-qe),qe);return{eye:n.eye,yaw:hr(n.yaw+e),pitch:r}}function hi(n,[e,t,r]){let o=Xu(n),s=fr(n);return[e*o[0]+r*s[0],e*o[1]+t+r*s[1],e*o[2]+r*s[2]]}var U={exposureEv:0,toneMap:"none",fovDeg:60,stereo:"mono",eyeDistance:.063,steps:1024,scale:1,speed:1,isLooped:!0,marks:new Set,renderer:"auto"},Yu={exposureEv:[-10,10],fovDeg:[20,120],eyeDistance:[0,.5],steps:[32,4096],scale:[.125,1],speed:[.25,2]},l1=["none","reinhard","filmic"],d1=["mono","side-by-side","anaglyph"],f1=["auto","gpu","cpu"],mr=["probes","nodes","holes","units","keyframes","fetched","overdraw"];function oe(n,e){let[t,r]=Yu[n],o=Math.min(Math.max(e,t),r);return n==="steps"?Math.round(o):o}var Qu=2e3,Ju=1e9,Zu=/^-?(\d+(\.\d*)?|\.\d+)(e[+-]?\d{1,2})?$/i,pi=[["ev","exposureEv"],["fov","fovDeg"],["eyes","eyeDistance"],["steps","steps"],["scale","scale"],["speed","speed"]];function br(n){return n!==null&&n.length<=40&&Zu.test(n)?Number(n):void 0}function mi(n,e,t){let o=(n?.split(",",e+1)??[]).map(br),s=i=>i!==void 0&&Math.abs(i)<=t;return o.length===e&&o.every(s)?o:void 0}function pr(n,e){return n.find(t=>t===e)}function el(n){if(n===null)return;let e=new Set(n.split(","));return new Set(mr.filter(t=>e.has(t)))}function tl(n){return Object.fromEntries(Object.entries(n).filter(([,e])=>e!==void 0))}function Xe(n){if(n.length>Qu)return{settings:{}};let e=new URLSearchParams(n.replace(/^#/,"")),t=mi(e.get("eye"),3,Ju),r=mi(e.get("look"),2,1e6),o=br(e.get("frame")),s=tl({toneMap:pr(l1,e.get("tone")),stereo:pr(d1,e.get("stereo")),isLooped:e.get("loop")===null?void 0:e.get("loop")!=="0",marks:el(e.get("show")),renderer:pr(f1,e.get("renderer"))});for(let[a,c]of pi){let u=br(e.get(a));u!==void 0&&(s[c]=oe(c,u))}let i={settings:s};if(t!==void 0&&(i.eye=t),r!==void 0){let[a,c]=r.map(u=>u*Math.PI/180);i.look=[hr(a),Math.min(Math.max(c,-qe),qe)]}return o!==void 0&&Number.isSafeInteger(o)&&o>=0&&(i.frame=o),i}function B(n,e){return String(Number(n.toFixed(e))+0)}function bi(n,e,t){let r=[n.yaw,n.pitch].map(i=>B(i*180/Math.PI,3)),o=[`eye=${n.eye.map(i=>B(i,5)).join(",")}`,`look=${r.join(",")}`];o.push(`frame=${e}`);let s=(i,a,c)=>{a!==c&&o.push(`${i}=${a}`)};for(let[i,a]of pi)s(i,B(t[a],4),B(U[a],4));return s("tone",t.toneMap,U.toneMap),s("stereo",t.stereo,U.stereo),s("loop",t.isLooped?"1":"0",U.isLooped?"1":"0"),s("renderer",t.renderer,U.renderer),s("show",mr.filter(i=>t.marks.has(i)).join(","),""),`#${o.join("&")}`}var wi=/[\u0000-\u001f\u007f-\u009f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]/;function rl(n){return[...new TextEncoder().encode(n)].map(t=>`\\${t.toString(8).padStart(3,"0")}`).join("")}function nl(n){let e=n.startsWith("-")?`./${n}`:n;return wi.test(e)?`$'${e.replace(/[\\']/g,"\\$&").replace(new RegExp(wi,"g"),rl)}'`:`'${e.replaceAll("'","'\\''")}'`}function wr(n,e){let t=["lightfold","render",nl(n)];if(e!==void 0){let{pose:r,stereo:o}=e,s=fr(r),i=c=>c.map(u=>B(u,5)).join(",");t.push("--eye",i(r.eye)),t.push("--look-at",i(r.eye.map((c,u)=>c+s[u]))),t.push("--fov",B(e.fovDeg,3));let a=o==="side-by-side"?2:1;t.push("--size",`${Math.max(1,Math.round(e.size[0]/a))}x${e.size[1]}`),a===2&&t.push("--stereo","side-by-side","--eye-distance",B(e.eyeDistance,4)),e.frame!==void 0&&t.push("--frames",String(e.frame))}return t.push("-o","view.png"),t.join(" ")}var ol=new Map([[" ","play"],["k","play"],[",","step-back"],[".","step-forward"],["Home","first"],["End","last"],["l","loop"],["[","slower"],["]","faster"],["0","reset"],["r","reset"],["m","lock-pointer"],["v","settings"],["i","inspector"],["h","help"],["?","help"],["f","full-screen"],["c","screenshot"]]),yr=new Set(["Home","End","ArrowLeft","ArrowRight","ArrowUp","ArrowDown"]),gi=new Set([...yr," ","Enter"]),sl={picture:new Set,panel:yr,slider:yr,widget:gi,text:gi};function _r(n,e){return!(n.ctrlKey||n.altKey||n.metaKey)&&e!=="text"&&!sl[e].has(n.key)}function yi(n,e){let t=n.key.length===1?n.key.toLowerCase():n.key;return _r(n,e)?ol.get(t):void 0}var _i=new Map([["KeyW",[0,0,1]],["KeyS",[0,0,-1]],["KeyA",[-1,0,0]],["KeyD",[1,0,0]],["KeyE",[0,1,0]],["KeyQ",[0,-1,0]]]),vi=new Map([["ArrowLeft",[1,0]],["ArrowRight",[-1,0]],["ArrowUp",[0,1]],["ArrowDown",[0,-1]]]);function xi(n){return _i.has(n)||vi.has(n)}function vr(n){let e={step:[0,0,0],turn:[0,0]};for(let t of n)_i.get(t)?.forEach((r,o)=>e.step[o]+=r),vi.get(t)?.forEach((r,o)=>e.turn[o]+=r);return e}var gr=.15;function h1(n){let e=Math.abs(n??0);return e<gr?0:Math.sign(n??0)*Math.min((e-gr)/(1-gr),1)}function ki({axes:n,buttons:e}){let t=(e[7]?.value??0)-(e[6]?.value??0);return{step:[h1(n[0]),t,-h1(n[1])],turn:[-h1(n[2]),-h1(n[3])]}}var Ei=[[0,"play"],[3,"reset"],[4,"step-back"],[5,"step-forward"]];function Si(n){let e=[...n],t=e.reduce((s,i)=>s+i.x,0)/e.length,r=e.reduce((s,i)=>s+i.y,0)/e.length,o=e.reduce((s,i)=>s+Math.hypot(i.x-t,i.y-r),0)/e.length;return{x:t,y:r,spread:o}}var m1=class{#e;#t;#r=new Map;constructor(e,t){this.#e=e,this.#t=t,e.addEventListener("pointerdown",o=>this.#n(o)),e.addEventListener("pointermove",o=>this.#s(o));let r=o=>this.#o(o);e.addEventListener("pointerup",r),e.addEventListener("pointercancel",r),e.addEventListener("dblclick",()=>this.toggleLock()),e.addEventListener("wheel",o=>this.#i(o),{passive:!1})}toggleLock(){if(document.pointerLockElement===this.#e){document.exitPointerLock();return}this.#e.requestPointerLock()?.catch(()=>{})}#n(e){e.button!==0||document.pointerLockElement===this.#e||(this.#e.setPointerCapture(e.pointerId),this.#r.set(e.pointerId,{x:e.clientX,y:e.clientY}),this.#e.classList.add("dragged"))}#o(e){this.#r.delete(e.pointerId),this.#e.classList.toggle("dragged",this.#r.size>0)}#s(e){if(document.pointerLockElement===this.#e){let c=.0022*this.#t.fovDeg()/60;this.#t.turn(-e.movementX*c,-e.movementY*c);return}let t=this.#e.getBoundingClientRect();if(this.#t.hover(Math.min(Math.max((e.clientX-t.left)/Math.max(t.width,1),0),1)),!this.#r.has(e.pointerId))return;let r=Si(this.#r.values());this.#r.set(e.pointerId,{x:e.clientX,y:e.clientY});let o=Si(this.#r.values()),[s,i]=[o.x-r.x,o.y-r.y],a=Math.max(t.height,1);if(this.#r.size===1){let c=this.#t.fovDeg()*Math.PI/180/a;this.#t.turn(s*c,i*c)}else{let c=this.#t.reach()/a;this.#t.move([-s*c,i*c,2*(o.spread-r.spread)*c])}}#i(e){if(e.ctrlKey)return;e.preventDefault();let t=e.deltaMode===WheelEvent.DOM_DELTA_PIXEL?e.deltaY:e.deltaY*32;this.#t.zoom(Math.exp(Math.min(Math.max(t,-300),300)*.001))}};var il=70,al=4,Ti=.5;function cl(n){return CSS.supports("selector(:open)")&&n.matches(":open")}function ul(n){if(!(n instanceof HTMLElement))return"picture";if(n instanceof HTMLSelectElement)return cl(n)?"text":"widget";if(n instanceof HTMLInputElement){let e=["checkbox","radio","button"].includes(n.type);return n.type==="range"?"slider":e?"widget":"text"}return n.matches("aside, aside h2")?"panel":n.closest("button, a, summary, pre, aside")===null?"picture":"widget"}var p1=class{#e;#t;#r=new Map;#n=0;#o=new Set;#s=!1;constructor(e,t){this.#e=t,this.#t=new m1(e,t),window.addEventListener("keydown",s=>this.#i(s)),window.addEventListener("keyup",s=>this.#a(s)),window.addEventListener("blur",()=>{this.#r.clear(),this.#s=!1});let r=!1;window.addEventListener("pointerdown",()=>r=!0,{capture:!0}),window.addEventListener("keydown",()=>r=!1,{capture:!0});let o=({target:s},i)=>{r&&s instanceof Element&&s.closest(i)!==null&&e.focus({preventScroll:!0})};window.addEventListener("click",s=>o(s,"#tools button:not([aria-expanded='true']), #transport button")),window.addEventListener("change",s=>o(s,"select"))}advance(e){let t=Math.min(Math.max(e,0),Ti);this.#n=performance.now(),this.#l(vr(this.#r.keys()),this.#s,t);for(let r of navigator.getGamepads?.()??[])r?.mapping==="standard"&&(this.#l(ki(r),r.buttons[10]?.pressed===!0,t),this.#f(r))}toggleLock(){this.#t.toggleLock()}#i(e){this.#s=e.shiftKey;let t=ul(e.target),r=yi(e,t);r!==void 0?(e.preventDefault(),(!e.repeat||r.startsWith("step"))&&this.#e.act(r)):xi(e.code)&&_r(e,t)&&(e.preventDefault(),this.#r.set(e.code,this.#r.get(e.code)??performance.now()))}#a(e){let t=this.#r.get(e.code);if(t!==void 0){let r=(performance.now()-Math.max(t,this.#n))/1e3;this.#l(vr([e.code]),this.#s,Math.min(Math.max(r,0),Ti)),this.#r.delete(e.code)}this.#s=e.shiftKey}#l({step:e,turn:t},r,o){if(e.some(s=>s!==0)){let s=Math.max(1,Math.hypot(...e)),i=(r?al:1)*this.#e.moveSpeed()*o/s;this.#e.move(e.map(a=>a*i))}if(t.some(s=>s!==0)){let s=il*Math.PI/180*o*this.#e.fovDeg()/60;this.#e.turn(t[0]*s,t[1]*s)}}#f(e){for(let[t,r]of Ei){let o=`${e.index} ${t}`,s=e.buttons[t]?.pressed===!0;s&&!this.#o.has(o)?(this.#o.add(o),this.#e.act(r)):s||this.#o.delete(o)}}};var ll="http://www.w3.org/2000/svg",dl=2e3,fl=.011,hl=.02,ml=.3;function Me(n,e,t){let r=document.createElementNS(ll,e);return Object.entries(t).forEach(([o,s])=>r.setAttribute(o,String(s))),n.appendChild(r)}var b1=class{#e;#t=1;#r={least:[0,0,0],greatest:[0,0,0]};#n;#o;constructor(e){this.#e=e}setFilm({headBox:e,probes:t}){this.#r=e;let r=c1(e),[o,,s]=e.least,[i,a]=[e.greatest[0]-o,e.greatest[2]-s],c=1.15*(Math.max(i,a)+2*r),u=[o+i/2,s+a/2];this.#t=c,this.#e.replaceChildren();let l=100/c;this.#e.setAttribute("viewBox",[-80,-50,160,100].join(" "));let d=Me(this.#e,"g",{transform:`scale(${l}) translate(${-u[0]} ${-u[1]})`}),f=h=>({x:o-h,y:s-h,width:i+2*h,height:a+2*h});Me(d,"rect",{...f(r),class:"margin"}),Me(d,"rect",{...f(0),class:"box"});for(let{position:h}of t.slice(0,dl))Me(d,"circle",{cx:h[0],cy:h[2],r:c*fl,class:"probe"});this.#n=Me(d,"path",{class:"cone"}),this.#o=Me(d,"circle",{r:c*hl,class:"eye"})}showPose({eye:e,yaw:t},r){let[o,,s]=Ke(e,this.#r),i=Math.min(r,170)*Math.PI/360,a=c=>{let u=this.#t*ml;return`${o-Math.sin(c)*u} ${s-Math.cos(c)*u}`};this.#n?.setAttribute("d",`M${o} ${s}L${a(t+i)}L${a(t-i)}Z`),this.#o?.setAttribute("cx",String(o)),this.#o?.setAttribute("cy",String(s))}};function pl({stats:n,pictureMs:e,size:t},r){let o=[["Picture",et(e)],["Decoding",et(n.decodeMs)]];return r!=="quilt"&&o.push(["Rendering",et(n.marchMs)]),o.push(["Size",`${t[0]}×${t[1]}`]),r==="lfold"&&o.push(["Frame shown",String(n.shownFrame)],["Tiles and cells not loaded",I(n.unitsMissing)],["Tiles and cells damaged",I(n.unitsBroken)],["Rate",`${(n.fetchRate/1e6).toFixed(2)} MB/s`],["Requests",I(n.requests)],["Chunks",I(n.chunksFetched)],["Chunks fetched again",I(n.chunksRefetched)]),o.push(["Fetched",ie(n.bytesFetched)],["Cache",ie(n.cacheBytes)]),o}function xr(n){let e=b(n,HTMLTableElement);return e.tBodies[0]??e.createTBody()}function bl(){let n=q1.map(({color:e,name:t})=>{let r=document.createElement("li"),o=r.appendChild(document.createElement("span"));return o.style.backgroundColor=`rgb(${e.join()})`,r.append(t),r});b("nodes-legend",HTMLUListElement).prepend(...n)}var w1=class{#e=new b1(b("map",SVGSVGElement));#t=[...b("marks",HTMLFieldSetElement).querySelectorAll("input")];#r=b("command",HTMLElement);#n;constructor(e,t){this.#n=e;for(let o of this.#t)o.addEventListener("change",()=>t(o.value,o.checked));bl();let r=P("copy-command",()=>{ae(this.#r.textContent??"",r,this.#r)})}setFilm(e,t){this.#e.setFilm(e),b("marks",HTMLElement).hidden=t.length===0;for(let o of this.#t){let s=o.closest("label");s!==null&&(s.hidden=!t.some(i=>i===o.value))}let r=e.streams.map(({kind:o,codec:s,count:i,bytes:a})=>[o,s,I(i),ie(a)]);Ze(xr("streams"),r)}showMarks(e){for(let t of this.#t)t.checked=[...e].some(r=>r===t.value)}show(e){let{pose:t,stats:r}=e;Ze(xr("figures"),pl(e,this.#n));let o=Object.entries(r.counters).map(([a,c])=>[a,I(c)]);Ze(xr("counters"),o),this.#e.showPose(t,e.fovDeg);let s=[t.yaw,t.pitch].map(a=>`${(a*180/Math.PI).toFixed(1)}°`),i=t.eye.map(a=>(Number(a.toFixed(3))+0).toFixed(3)).join("  ");T(b("eye",HTMLElement),`Eye ${i} m
-Yaw ${s[0]}  Pitch ${s[1]}`),T(this.#r,e.command??""),b("command-part",HTMLElement).hidden=e.command===void 0}};var kr=class{#e=.25;factor(e){return e?this.#e:1}note(e,t){e>this.#e?this.#e=t<=100?e:this.#e:e===this.#e&&t>100?this.#e=Math.max(e/2,.125):e===this.#e&&t<20&&(this.#e=Math.min(e*2,1))}},g1=class{#e;#t=new kr;#r=!0;#n=!0;#o=!1;#s=!1;#i=!1;#a=0;#l=-1/0;#f=-1/0;constructor(e){this.#e=e}change(){this.#r=!0}move(){this.#r=!0,this.#f=this.#e.now()}get isStill(){return this.#e.now()-this.#f>=180}get isSettled(){return!this.#s&&!this.#r&&!this.#n&&this.#a===1}tick(){let e=this.#e.now(),t=this.#t.factor(!this.isStill||this.#n),r=(this.#n||this.#o)&&e-this.#l>=100;this.#s||this.#i||!(this.#r||r||t>this.#a)||this.#c(t,e)}async#c(e,t){this.#s=!0,this.#r=!1;try{let r=await this.#e.draw(e);this.#l=this.#e.now(),this.#a=e,this.#n=r.unitsMissing>0,this.#o=r.overlayMissing>0,(r.unitsMissing===0||r.marchMs>0)&&this.#t.note(e,this.#l-t),this.#e.onDrawn(r,this.#l-t)}catch(r){this.#i=!0,this.#e.onFailed(r)}finally{this.#s=!1}}};var wl=/[^\p{L}\p{N}._-]+/gu;function Ai(n,e){return`${n.replace(/\.[a-z0-9]{1,8}$/i,"").replace(wl,"_").replace(/^[._-]+|[._-]+$/g,"").slice(0,100)||"film"}_${String(e).padStart(4,"0")}.png`}async function Mi(n,e){let t=document.createElement("canvas");[t.width,t.height]=[n.width,n.height],t.getContext("2d")?.drawImage(n,0,0);let r=await new Promise(s=>t.toBlob(s,"image/png"));if(r===null)throw new Error("The picture cannot be saved: the browser gives no memory for it.");let o=document.createElement("a");o.href=URL.createObjectURL(r),o.download=e,o.click(),setTimeout(()=>URL.revokeObjectURL(o.href),1e4)}var Ri=[["exposureEv","exposure",n=>`${n>0?"+":""}${B(n,2)}`],["fovDeg","fov",n=>`${B(n,1)}°`],["eyeDistance","eye-distance",n=>`${B(n*1e3,0)} mm`]],Ci=[["scale","scale"],["steps","steps"],["speed","speed"]];function gl(n,e){[...n.options].some(t=>t.value===e)||n.add(new Option(e,e)),n.value=e}function Er(n,e,t){let r=b(n,HTMLSelectElement);r.addEventListener("change",()=>{let o=e.find(s=>s===r.value);o!==void 0&&t(o)})}var y1=class{constructor(e){for(let[t,r]of Ri){let o=b(r,HTMLInputElement);o.addEventListener("input",()=>e({[t]:oe(t,Number(o.value))}))}for(let[t,r]of Ci){let o=b(r,HTMLSelectElement);o.addEventListener("change",()=>e({[t]:oe(t,Number(o.value))}))}Er("tone-map",l1,t=>e({toneMap:t})),Er("stereo",d1,t=>e({stereo:t})),Er("renderer",f1,t=>e({renderer:t})),P("reset-settings",()=>{let{exposureEv:t,toneMap:r,fovDeg:o,stereo:s,eyeDistance:i,steps:a,scale:c}=U;e({exposureEv:t,toneMap:r,fovDeg:o,stereo:s,eyeDistance:i,steps:a,scale:c})})}show(e){for(let[t,r,o]of Ri)b(r,HTMLInputElement).value=String(e[t]),b(r,HTMLInputElement).setAttribute("aria-valuetext",o(e[t])),T(b(`${r}-value`,HTMLOutputElement),o(e[t]));for(let[t,r]of Ci)gl(b(r,HTMLSelectElement),String(e[t]));b("tone-map",HTMLSelectElement).value=e.toneMap,b("stereo",HTMLSelectElement).value=e.stereo,b("renderer",HTMLSelectElement).value=e.renderer,b("eye-distance",HTMLInputElement).disabled=e.stereo==="mono",b("loop",HTMLButtonElement).setAttribute("aria-pressed",String(e.isLooped))}};var yl=["settings","inspector","help"],_1=class{#e=b("side",HTMLElement);#t=b("stage",HTMLElement);#r;#n;#o;constructor(e){this.#r=e,this.#e.addEventListener("keydown",t=>{t.key==="Escape"&&this.#n!==void 0&&this.toggle(this.#n)})}get open(){return this.#n}restore(){this.#e.hidden=this.#n===void 0}toggle(e){if(b(`open-${e}`,HTMLButtonElement).hidden)return;let t=document.activeElement,r=this.#e.contains(t);r||(this.#o=t instanceof HTMLElement&&t!==document.body?t:this.#t),this.#n=this.#n===e?void 0:e,this.restore();for(let o of yl)b(o,HTMLElement).hidden=o!==this.#n,b(`open-${o}`,HTMLButtonElement).setAttribute("aria-expanded",String(o===this.#n));if(this.#n!==void 0){let o=b(`${e}-title`,HTMLElement);this.#e.setAttribute("aria-labelledby",o.id),this.#e.scrollTop=0,o.focus()}else r&&this.#o?.focus();this.#r()}};function Oi(n,e,t){return t>1?(n-e)/(t-1):0}function _l(n,[e,t],r){let o=r-14,s=[];for(let[i,a]of n){let c=Math.max(i,e),u=Math.min(a,e+t-1);if(c<=u){let l=7+o*Math.max(Oi(c-.5,e,t),0),d=7+o*Math.min(Oi(u+.5,e,t),1);s.push(t>1?[l,d-l]:[7,o])}}return s}function vl(n,e){let t=Math.max(1,Math.round(e)),r=Math.floor(n/t),o=i=>String(i).padStart(2,"0"),s=Math.floor(r/60);return[Math.floor(s/60),s%60,r%60,n%t].map(o).join(":")}var v1=class{#e;#t=0;#r=1;#n=24;#o="Frame";#s="";constructor(e,t){this.#e=e,e.slider.addEventListener("input",()=>t(Number(e.slider.value)))}setFilm({firstFrame:e,frameCount:t,framesPerSecond:r},o){[this.#t,this.#r,this.#n]=[e,t,r],this.#o=o;let{slider:s,time:i}=this.#e;s.min=String(e),s.max=String(e+t-1),s.disabled=t<2,s.ariaLabel=o,i.hidden=o==="View",this.#s=""}showFrame(e,t){let{slider:r,label:o,time:s}=this.#e,i=t===e?"":` (shown: ${t})`,a=`${this.#o} ${e} of ${this.#t}–${this.#t+this.#r-1}`;o.textContent!==a&&(r.value=String(e),o.textContent=a,s.textContent=` · ${vl(e-this.#t,this.#n)}`),r.setAttribute("aria-valuetext",`${this.#o} ${e}${i}`)}showFetched(e){let{canvas:t}=this.#e,[r,o]=[t.clientWidth,t.clientHeight],s=window.devicePixelRatio,i=JSON.stringify([e,r,o,s]),a=t.getContext("2d");if(!(i===this.#s||a===null)){this.#s=i,t.width=Math.round(r*s),t.height=Math.round(o*s),a.scale(s,s),a.fillStyle=getComputedStyle(t).color;for(let[c,u]of _l(e,[this.#t,this.#r],r))a.fillRect(c,0,u,o)}}};var xl=400,kl=200,El=8192,Sl=.4,Pi=[.15,3],Tl=1e4,Al=15e3,Ml=400,Ye=[.25,.5,1,1.5,2],x1=class{#e;#t;#r=b("stage",HTMLElement);#n=new tt;#o=new ue(()=>{this.load()},()=>{this.#v({renderer:"cpu"}),this.load()});#s=new _1(()=>this.#g=-1/0);#i=new y1(e=>this.#v(e));#a;#l;#f;#c={...U};#u;#d;#h;#m;#x=!1;#b;#p=!0;#k=!1;#E=0;#w=-1/0;#g=-1/0;#y=-1/0;constructor(e,t){this.#e=e,this.#t=t,this.#a=new w1(e.kind,(s,i)=>this.#W(s,i)),document.title=`⁨${e.name}⁩ · lightfold`;let r=b("film-name",HTMLElement);r.title=e.name,T(r,e.name);let o={slider:b("timeline",HTMLInputElement),canvas:b("fetched",HTMLCanvasElement),label:b("frame-label",HTMLElement),time:b("time-code",HTMLElement)};this.#l=new v1(o,s=>this.#C(s)),this.#f=new p1(this.#r,{act:s=>this.#U(s),turn:(s,i)=>this.#I(s,i),move:s=>this.#H(s),zoom:s=>this.#v({fovDeg:oe("fovDeg",this.#c.fovDeg*s)}),hover:s=>this.#G(s),fovDeg:()=>this.#c.fovDeg,moveSpeed:()=>this.#B(),reach:()=>this.#B()*2}),this.#V(),this.#c={...U,...Xe(location.hash).settings},this.#i.show(this.#c),this.#a.showMarks(this.#c.marks),window.addEventListener("hashchange",()=>this.#z()),new ResizeObserver(()=>this.#u?.loop.change()).observe(this.#r),requestAnimationFrame(s=>this.#M(s))}async load(){if(this.#x)return;this.#x=!0;let{renderer:e}=this.#c;this.#b=e,this.#S(),this.#o.opening(this.#e.name);let t=document.createElement("canvas");this.#r.replaceChildren(t);try{this.#A(await this.#t(this.#e,t,e),t),this.#o.hide(),this.#s.restore()}catch(r){this.#S(),this.#r.replaceChildren(),T(b("film-facts",HTMLElement),""),this.#o.failed(r,this.#T()),this.#d!==void 0&&this.#F(this.#h??0)}finally{this.#x=!1}this.#e.kind==="lfold"&&e!==this.#c.renderer&&await this.load()}#A(e,t){let{player:r}=e,{film:o}=r,s=new u1(o),i=d=>{this.#u?.player===r&&this.#P(d)},a=performance.now(),c=!1,u=new g1({draw:d=>(c=d===1,r.draw(this.#L(d))),onDrawn:(d,f)=>{this.#u?.player===r&&(this.#m={stats:d,pictureMs:f,size:[t.width,t.height]},this.#p||=performance.now()-a>Tl)},onFailed:d=>i({fatal:!0,message:ce(d)}),now:()=>performance.now()});this.#u={...e,canvas:t,loop:u,clock:s},r.onProblem=i,r.onShown=()=>{this.#k&&(c||s.isPlaying)&&(this.#k=!1,this.#R(t))};let l=Xe(location.hash);this.#d??=this.#D(o.start,l),this.#d={...this.#d,eye:Ke(this.#d.eye,o.headBox)},s.isLooped=this.#c.isLooped,s.setSpeed(this.#c.speed,performance.now()),s.seek(this.#h??l.frame??o.firstFrame,performance.now()),this.#O(e),e.showOverdraw?.(this.#c.marks.has("overdraw"))}#O({player:{film:e,renderer:t},marks:r,isFixed:o,enterHeadset:s}){let i=e.frameCount<2,a=this.#e.kind==="quilt";Rl(this.#e.kind),this.#r.classList.toggle("fits",o),a&&(this.#r.ariaDescription="The pointer chooses the view, Space plays, H opens help."),["transport","help-playing"].forEach(p=>b(p,HTMLElement).hidden=i),b("headset",HTMLButtonElement).hidden=s===void 0,this.#l.setFilm(e,a?"View":"Frame"),this.#a.setFilm(e,r),b("steps",HTMLSelectElement).disabled=t==="cpu";let c=Number(e.framesPerSecond.toFixed(3)),u=a?`${e.frameCount} views`:`${e.frameCount} frames at ${c}/s`,l=i?"still":u,{length:d}=e.probes,f=d===0?[]:[`${I(d)} ${d===1?"probe":"probes"}`],h=b("film-facts",HTMLElement),m=t==="cpu"?["small pictures, drawn on the processor"]:[];h.title=[...f,l,ie(e.fileBytes),...m].join(" · "),T(h,h.title),T(b("headset-help",HTMLElement),Cl(this.#e,s!==void 0))}#S(){let e=this.#u;e!==void 0&&(this.#h=e.clock.frame(performance.now()),this.#u=void 0,this.#m=void 0,e.player.close())}#P({fatal:e,passes:t,message:r}){if(!e){this.#n.say(r,t===!0?Al:1/0);return}this.#S(),this.#p?(this.#p=!1,this.#n.say(`${r.replace(/\.$/,"")}; the film is loaded again`),this.load()):(this.#r.replaceChildren(),this.#o.failed(r,this.#T()))}#M(e){requestAnimationFrame(i=>this.#M(i));let t=(e-this.#E)/1e3;this.#E=e;let r=this.#u;if(r===void 0)return;this.#f.advance(t);let o=performance.now(),s=r.clock.frame(o);s!==this.#h&&(this.#h=s,r.loop.move()),this.#c.marks.has("fetched")&&(this.#m?.stats.fetchRate??0)>0&&r.loop.change(),r.loop.tick(),this.#r.ariaBusy=String(!r.loop.isSettled),this.#l.showFrame(s,this.#m?.stats.shownFrame??s),b("play",HTMLButtonElement).classList.toggle("playing",r.clock.isPlaying),b("play",HTMLButtonElement).ariaLabel=r.clock.isPlaying?"Pause":"Play",o-this.#g>=kl&&(this.#g=o,this.#N(r)),o-this.#w>=xl&&r.loop.isStill&&!r.clock.isPlaying&&(this.#w=o,this.#F(s))}#R(e){Mi(e,Ai(this.#e.name,this.#h??0)).catch(r=>this.#n.say(ce(r)))}#N(e){this.#l.showFetched(e.player.fetched());let t=this.#m?.stats.unitsMissing??0,r=b("state",HTMLElement),o=performance.now();if(this.#y=t===0?o:this.#y,r.hidden=this.#m!==void 0&&o-this.#y<Ml,T(r,this.#m?`${I(t)} tiles and cells not loaded yet`:"Loading the first picture"),this.#m!==void 0&&this.#d!==void 0&&this.#s.open==="inspector"){let[s,i]=this.#_(1),a=Math.tan(this.#c.fovDeg*Math.PI/360)*(s/i),c=2*Math.atan(a)*180/Math.PI;this.#a.show({...this.#m,pose:this.#d,fovDeg:c,command:this.#T()})}}#L(e){let{marks:t,fovDeg:r,stereo:o,eyeDistance:s,exposureEv:i,toneMap:a,steps:c}=this.#c,u=new Set((this.#u?.marks??[]).flatMap(m=>m!=="overdraw"&&t.has(m)?[m]:[])),[l,d,f]=[this.#d??Sr,this.#h??0,this.#_(e,this.#u?.player.mostPixels)],h=this.#u?.clock.isPlaying??!1;return{pose:l,frame:d,playing:h,size:f,fovDeg:r,stereo:o,eyeDistance:s,exposureEv:i,toneMap:a,overlays:u,steps:c}}#_(e,t=1/0){let[r,o]=[this.#r.clientWidth,this.#r.clientHeight],s=window.devicePixelRatio*this.#c.scale,i=e*Math.min(s,El/Math.max(r,o,1),Math.sqrt(t/(r*o)));return[Math.max(2,2*Math.round(r*i/2)),Math.max(1,Math.round(o*i))]}#T(){let{kind:e,name:t}=this.#e;if(e==="quilt")return;let r=Xe(location.hash),o=r.eye&&r.look&&{eye:r.eye,yaw:r.look[0],pitch:r.look[1]},s=this.#d??o;if(s===void 0)return wr(t);let{fovDeg:i,stereo:a,eyeDistance:c}=this.#c,u={pose:s,fovDeg:i,stereo:a,eyeDistance:c,size:this.#_(1/this.#c.scale)},l=this.#h??r.frame;return wr(t,e==="glb"||l===void 0?u:{...u,frame:l})}#B(){let e=this.#u?.player.film.headBox,t=e===void 0?[0]:e.least.map((r,o)=>e.greatest[o]-r);return Math.min(Math.max(Sl*Math.max(...t),Pi[0]),Pi[1])}#I(e,t){this.#d===void 0||this.#u===void 0||this.#e.kind==="quilt"||(this.#d=fi(this.#d,e,t),this.#u.loop.move())}#H(e){if(this.#d===void 0||this.#u===void 0||this.#e.kind==="quilt")return;let t=li(this.#d.eye,hi(this.#d,e),this.#u.player.film.headBox);this.#d={...this.#d,eye:t},this.#u.loop.move()}#G(e){let t=this.#u;if(this.#e.kind==="quilt"&&t!==void 0&&!t.clock.isPlaying){let{firstFrame:r,frameCount:o}=t.player.film;t.clock.seek(r+e*(o-1),performance.now())}}#C(e){this.#u?.clock.pause(performance.now()),this.#u?.clock.seek(e,performance.now())}#v(e){let t={...this.#c,...e};this.#c=t,this.#i.show(t),this.#a.showMarks(t.marks),this.#g=-1/0;let r=this.#u;r!==void 0&&(r.clock.isLooped=t.isLooped,r.clock.setSpeed(t.speed,performance.now()),r.showOverdraw?.(t.marks.has("overdraw")),r.loop.move()),this.#e.kind==="lfold"&&t.renderer!==this.#b&&this.load()}#W(e,t){let r=[...this.#c.marks].filter(o=>o!==e);this.#v({marks:new Set(t?[...r,e]:r)})}#D(e,{eye:t,look:r}){let o=this.#u?.player.film.headBox;return{eye:t!==void 0&&o!==void 0?Ke(t,o):e.eye,yaw:r?.[0]??e.yaw,pitch:r?.[1]??e.pitch}}#z(){let e=Xe(location.hash),t=this.#u;this.#d=t&&this.#D(t.player.film.start,e),this.#h=void 0,t!==void 0&&this.#C(e.frame??t.player.film.firstFrame),this.#v({...U,...e.settings}),this.#u?.loop.move()}#F(e){let t=bi(this.#d??Sr,e,this.#c);t!==location.hash&&history.replaceState(null,"",t)}#U(e){let[t,r]=[this.#u,performance.now()];t!==void 0&&(e==="settings"||e==="inspector"||e==="help"?this.#s.toggle(e):e==="full-screen"?Ol().catch(()=>this.#n.say("The browser allows no full screen here.")):this.#$(t,e,r))}#$({clock:e,player:t,loop:r},o,s){let{film:i}=t;switch(o){case"play":return r.change(),e.isPlaying?e.pause(s):e.play(s);case"step-back":return e.step(-1,s);case"step-forward":return e.step(1,s);case"first":return this.#C(i.firstFrame);case"last":return this.#C(e.lastFrame);case"loop":return this.#v({isLooped:!this.#c.isLooped});case"slower":return this.#v({speed:Ye.findLast(a=>a<this.#c.speed)??Ye[0]});case"faster":return this.#v({speed:Ye.find(a=>a>this.#c.speed)??Ye[Ye.length-1]});case"reset":return this.#d=i.start,r.move();case"lock-pointer":return this.#f.toggleLock();case"screenshot":return this.#k=!0,r.change()}}#V(){["play","step-back","step-forward","first","last","loop","screenshot","full-screen"].forEach(r=>P(r,()=>this.#U(r)));for(let r of["settings","inspector","help"])P(`open-${r}`,()=>this.#U(r));let t=P("copy-link",()=>{this.#u!==void 0&&this.#F(this.#h??0),ae(location.href,t)});P("headset",()=>{this.#u?.enterHeadset?.(this.#d??Sr)?.catch(o=>this.#n.say(`The headset does not open: ${ce(o)}`))})}},Sr={eye:[0,0,0],yaw:0,pitch:0};function Rl(n){document.querySelectorAll("[data-kinds]").forEach(e=>{e.hidden=!(e.dataset.kinds??"").split(" ").includes(n)})}function Cl({kind:n},e){return n==="glb"?e?"The button Headset shows this scene in WebXR.":"This scene plays in WebXR, by a button that appears where the browser finds a headset.":n==="quilt"?"Quilts are for displays of Looking Glass; headsets show other forms of light fields.":"This page does not show light fields in headsets: WebXR takes pictures of WebGL in most browsers, and these are made by WebGPU. lightfold render --projection vr180 --stereo side-by-side makes pictures for headsets; lightfold simplify makes a scene (.glb) of a frame, which this page shows in WebXR."}async function Ol(){await(document.fullscreenElement===null?document.documentElement.requestFullscreen():document.exitFullscreen())}var Ni=()=>location.reload();async function Pl(){try{let n=new URL("film.json",document.baseURI);await new x1(await Ur(n.href),ci).load()}catch(n){new ue(Ni,Ni).failed(n,void 0)}}Pl();
+`;var h3={TONE_REINHARD:Qt.reinhard,TONE_FILMIC:Qt.filmic,EYES_SIDE_BY_SIDE:Jt["side-by-side"],EYES_ANAGLYPH:Jt.anaglyph},Qs=10,Zt=class n{constructor(e,t,r){this.gpu=e;this.canvas=t;this.#e=r.context,this.#t=r.pipeline;let o=GPUBufferUsage.UNIFORM|GPUBufferUsage.COPY_DST;this.#r=e.device.createBuffer({label:"options",size:4*Qs,usage:o})}gpu;canvas;#e;#t;#r;static async create(e,t){let r=t.getContext("webgpu");if(r===null)throw new O("The canvas cannot be drawn to by the graphics device.");let o=navigator.gpu.getPreferredCanvasFormat();r.configure({device:e.device,format:o,alphaMode:"opaque"});let s=e.device.createShaderModule({label:"present",code:Ys}),i=await e.device.createRenderPipelineAsync({label:"present",layout:"auto",vertex:{module:s,entryPoint:"corner"},fragment:{module:s,entryPoint:"show",constants:h3,targets:[{format:o}]}});return new n(e,t,{context:r,pipeline:i})}show([e,t,r],o){let s=new Uint32Array(Qs),i=new Float32Array(s.buffer);i.set([...e.size,this.canvas.width,this.canvas.height,2**o.exposureEv]),s.set([Qt[o.toneMap],Jt[o.stereo],Number(o.marksHoles)],5),i[8]=o.overlay,this.gpu.write(this.#r,0,s);let a=[this.#r,e.pixels,t.pixels,r.pixels],c=this.gpu.device.createBindGroup({layout:this.#t.getBindGroupLayout(0),entries:a.map((u,l)=>({binding:l,resource:{buffer:u}}))});this.gpu.submit(u=>{let l=this.#e.getCurrentTexture().createView(),d=u.beginRenderPass({colorAttachments:[{view:l,loadOp:"clear",storeOp:"store"}]});d.setPipeline(this.#t),d.setBindGroup(0,c),d.draw(3),d.end()})}};var ur=class extends ve{constructor(t,r,o){super(t);this.tile=r;this.pictures=o;this.copied=[0,0,...t.size]}tile;pictures;staleCells=new Set;specular=new Set;copied;get depthPictures(){return this.pictures.get(this.streams.depth.index)}takeDepths(){let{decoder:t,position:r}=this.depthPictures;return this.takeParts().map(({rect:o,tile:s,isKnown:i})=>{let[a,c]=S(this.streams.depth,s),u=i?t.unit(r,s):void 0;return{face:this.streams.face,rect:o,picture:u,corner:[a,c]}})}},e1=class n{constructor(e,t,r,o){this.gpu=e;this.kernels=t;this.catalogue=r;this.arrays=new vt(e,r,o)}gpu;kernels;catalogue;arrays;#e=new qt;#t=new Map;#r=new xe;static async create(e,t,r){let[o,s]=await Promise.all([e.pipeline("texels"),e.pipeline("squares")]);return new n(e,{texels:o,squares:s},t,r)}load(e,t){let{faces:r}=this.catalogue.views[e],o=new Kt(this.gpu,this.kernels,r,this.#e),s=r.map(()=>this.arrays.take()),i=r.flatMap((a,c)=>{let u=s[c];return u===void 0?[]:[new ur(a,u,t)]});if(i.length<r.length)throw i.forEach(({tile:a})=>this.arrays.free(a)),o.destroy(),new O("The textures have no room for another probe.");this.#t.set(e,o),this.#r.load(e,i)}unload(e){this.planes(e).destroy(),this.#t.delete(e),this.#r.unload(e).forEach(({tile:t})=>this.arrays.free(t))}get bytes(){return[...this.#t.values()].reduce((e,{bytes:t})=>e+t,0)}isKnown(e,t){return this.#r.isKnown(e,t)}written(e,t){let{face:r}=this.#r.ofStream(e);this.#r.setKnown(e,t,!0),e!==r.streams.depth.index&&r.pictures.has(e)&&r.staleCells.add(t)}forget(e,t){this.#r.setKnown(e,t,!1)}uploadColor(e,t,r){this.arrays.upload("colors",this.#r.ofStream(e).face.tile,t,r)}uploadMaterial(e,t,r){let{face:o,units:s}=this.#r.ofStream(e),i=new Uint8Array(r.length/3*4),a=!1;for(let c=0,u=0;c<r.length;c+=3,u+=4)i.set([r[c],r[c+1],r[c+2]],u),a||=r[c]>0||r[c+1]>0;o.specular.delete(t),a&&o.specular.add(t),this.arrays.upload("materials",o.tile,S(s.stream,t),i),this.written(e,t)}isSpecular(e){return this.#t.has(e)&&this.#r.ofView(e).some(({specular:t})=>t.size>0)}update(){let e=this.gpu.device.createCommandEncoder({label:"texels"}),t=!1;for(let[r,o]of this.#r.views()){let s=this.planes(r),i=new Map;for(let c of o){let{pictures:u}=c.depthPictures.decoder,l=i.get(u)??{pictures:u,parts:[]};l.parts.push(...c.takeDepths()),i.set(u,l)}let a=s.write([...i.values()]);for(let c of o){let u=this.#n(e,{planes:s,face:c},a.get(c.streams.face));t||=u}}t&&this.gpu.queue.submit([e.finish()])}origin(e,t){return this.arrays.origin(this.tile(e,t))}tile(e,t){let r=this.#r.ofView(e).find(({streams:o})=>o.face===t);if(r===void 0)throw new Error(`View ${e} has no face ${t}`);return r.tile}planes(e){let t=this.#t.get(e);if(t===void 0)throw new Error(`View ${e} is not loaded`);return t}#n(e,{planes:t,face:r},o){let s=o===void 0?r.copied:Ut(r.copied,o);r.copied=void 0,s!==void 0&&this.arrays.copyDepth(e,r.tile,s,{planes:t,face:r.streams.face});let i=s!==void 0||r.staleCells.size>0,{color:a}=r.streams;for(let c of r.staleCells){let{decoder:u,position:l}=r.pictures.get(a.index),{picture:d,stride:f}=u.unit(l,c),h=S(a,c);this.arrays.copyColor(e,r.tile,h,{buffer:u.pictures,at:d,pitch:f})}return r.staleCells.clear(),i}};var t1=class{constructor(e,t,r,o){this.decoder=e;this.decoding=t;this.keptWords=r;this.timing=o}decoder;decoding;keptWords;timing;#e=[];#t=new Set;#r=new Set;#n=new Set;#o=new Set;#s=!1;units(e){return new lr(this,e)}shows(e,t){return this.decoder.shows(this.#i(e,t))}#i(e,{unit:t,frame:r,chunk:o,next:s}){let{firstFrame:i}=this.decoding.container.chunks[o];return{stream:e,unit:t,frame:r,key:o+1,firstFrame:i,nextKey:s+1}}ask(e,t,r){let o=this.prepare(e,t,r);return o==="ready"&&this.#e.push(this.#i(e,t)),o}prepare(e,t,r){let{chunk:o,next:s}=t,i=this.#i(e,t);if(this.decoder.shows(i))return"shown";let a=[this.#a(o,r)];return a[0]==="shown"&&s>=0&&this.decoder.needsNext(i)&&a.push(this.#a(s,r)),a.every(c=>c==="shown")?"ready":["broken","missing","working"].find(c=>a.includes(c))??"working"}decode(){let[e,t]=[this.#e,this.#r];this.#e=[],this.#t=t,this.#r=new Set;let r=this.decoder.decode(e,e.length>0?this.timing():void 0);return r.refused.forEach(({key:o})=>this.#o.add(o)),this.decoder.drop(t,this.keptWords),{changed:r.written.map(({wanted:o})=>o),pixels:r.pixels,behind:r.behind.length}}close(){this.#s=!0,this.decoder.destroy()}#a(e,t){let r=e+1;if(this.#r.add(r),this.decoder.has(r))return"shown";if(this.#o.has(r))return"broken";if(this.#n.has(r))return"working";let o=ee(this.decoding,e,t);return o===void 0?"missing":(this.#n.add(r),this.decoding.pool.prepare(o,()=>!0).then(s=>{this.#n.delete(r),!this.#s&&(s!==void 0&&!this.decoder.add(r,s)&&(this.decoder.drop(this.#t,0),this.decoder.add(r,s)||(this.#o.add(r),this.decoding.onBroken("The graphics device has no room for the chunks of a frame."))),this.decoding.onReady())},s=>{this.#n.delete(r),this.#o.add(r),this.decoding.onBroken(s.message),this.decoding.onReady()}),"working")}},lr=class{constructor(e,t){this.family=e;this.position=t}family;position;get stream(){return this.family.decoder.streams[this.position]}hasPicture(e){return this.family.decoder.showsAny(this.position,e)}shows(e){return this.family.shows(this.position,e)}ask(e,t){return this.family.ask(this.position,e,t)}prepare(e,t){return this.family.prepare(this.position,e,t)}};var r1=class{#e;#t;#r;#n=[];constructor(e){if(this.#e=e,e.hasTimestamps){this.#t=e.device.createQuerySet({type:"timestamp",count:2*256});let t=GPUBufferUsage.QUERY_RESOLVE|GPUBufferUsage.COPY_SRC;this.#r=e.device.createBuffer({label:"timestamps",size:4096,usage:t})}}pass(e){if(this.#t===void 0||this.#n.length===256)return;let t=2*this.#n.length;return this.#n.push(e),{querySet:this.#t,beginningOfPassWriteIndex:t,endOfPassWriteIndex:t+1}}async read(){let e=new Map,[t,r,o]=[this.#t,this.#r,this.#n];if(this.#n=[],t===void 0||r===void 0||o.length===0)return e;this.#e.submit(a=>a.resolveQuerySet(t,0,2*o.length,r,0));let s=await this.#e.read(r,0,4*o.length),i=new BigUint64Array(s.buffer);return o.forEach((a,c)=>{let[u,l]=[i[2*c],i[2*c+1]],d=u>0n&&l>u?Number(l-u)/1e6:0;e.set(a,(e.get(a)??0)+d)}),e}};var m3=256<<20;function p3({color:{header:n},alpha:e}){return n.kind==="color"&&!n.isHalf&&n.coding.name==="cells"&&e===void 0}var n1=class n{constructor(e,t,r,o){this.gpu=e;this.scene=t;this.texels=r;this.presenter=o;this.#e=new Yt(e,r),this.#t=new r1(e),this.#r=[new Ae(e),new Ae(e),new Ae(e)],e.onError=s=>this.onFailed(`The graphics device failed: ${s}`),e.lost.then(s=>this.onFailed(`The graphics device was lost: ${s}`))}gpu;scene;texels;presenter;name="gpu";mostPixels=1/0;onFailed=()=>{};#e;#t;#r;#n;static async create(e,t){e.pipeline("render-pyramid");let[r,o]=await Promise.all([e1.create(e,t.catalogue,t.mostImages),Zt.create(e,t.canvas)]);return new n(e,t,r,o)}get hasEffects(){return!this.gpu.isSoftware}async load(e,t){let{decoding:r,mostViews:o}=this.scene,s=new Map;for(let d of t.flatMap(f=>[f.depth,...p3(f)?[f.color]:[]])){let{kernel:f}=ke(d.header);s.set(f,[...s.get(f)??[],d])}let i=Math.floor(m3/4/(2*o)),a=[...s.values()].map(d=>jt.create(this.gpu,d,Se)),c=()=>this.#t.pass("decode"),u=(await Promise.all(a)).map(d=>new t1(d,r,i,c)),l=new Map;for(let{decoder:d}of u)d.streams.forEach(({index:f},h)=>l.set(f,{decoder:d,position:h}));return this.texels.load(e,l),this.#n?.painter.forget(e),u}async draw(e,t){let{view:r,cameras:o,views:s}=e,i=performance.now(),{container:a,catalogue:c,canvas:u}=this.scene,l=$e(e),d=r.overlays.has("holes"),f={...js,steps:r.steps,holes:d?"nearest":"behind",effects:this.hasEffects},[h,m,p]=this.#r,w=C=>{let V=k1=>a.probeAt(k1,r.frame);return{active:Ot(c,s,C.eye,V),camera:C,size:l,settings:f}},y=()=>this.#t.pass("march");for(let[C,V]of o.entries())await this.#e.render(this.#r[C],{...w(V),timing:y});let v=Ft(r);if(v.length>0){this.#n??=this.#o(),this.#n.painter.paint(v,e);let C=w(o[0]),V=C.active.coding.name==="light"?C.active.coding:Pt;await this.#e.render(p,{...C,active:{...C.active,coding:V},colors:this.#n.view})}[u.width,u.height]=r.size;let E=v.length>0;this.presenter.show([h,o.length>1?m:h,E?p:h],{exposureEv:r.exposureEv,toneMap:r.toneMap,stereo:r.stereo,marksHoles:d,overlay:E?Nt:0}),t();let $=await h.readCounters(),x=performance.now()-i,Y=await this.#t.read();return{counters:$,decodeMs:Y.get("decode")??0,marchMs:Y.get("march")??x}}async decodeMs(){return(await this.#t.read()).get("decode")??0}async pixels(){let[e]=this.#r;return{size:[...e.size],rgba:await e.readPixels()}}close(){this.gpu.destroy()}#o(){let{container:e,catalogue:t}=this.scene,{arrays:r}=this.texels,o=r.colorTexture("overlay");return{painter:new ye(e,t,({view:i,face:a},c,u)=>{let l=r.colorFormat==="rgba8unorm"?u:b3(u);r.upload(o,this.texels.tile(i,a),c,l)}),view:o.createView({dimension:"2d-array"})}}};function b3(n){let e=Array.from({length:256},(t,r)=>At(He(r,"srgb")));return Uint16Array.from(n,t=>e[t])}var w3={cacheBytes:256<<20,parallel:6,requestBytes:2<<20,retryDelayMs:200,maxDelayMs:1e4},g3=4,Js=1e3;function y3({offset:n,storedBytes:e}){return{key:ne({offset:n,storedBytes:e}),offset:n,bytes:e}}function ne({offset:n,storedBytes:e}){return`${n} ${e}`}var o1=class{constructor(e,t=w3){this.source=e;this.settings=t}source;settings;kept=new Map;wanted=new Map;wantedAt=new Map;inUse=new Set;pending=new Set;requests=new Set;everFetched=new Set;arrivals=[];timer;failures=0;closed=!1;counts={bytesFetched:0,requests:0,chunksFetched:0,chunksRefetched:0};cachedBytes=0;onChunk=()=>{};onProblem=()=>{};want(e,t=[]){let r=e.filter(({storedBytes:o})=>o>0).map(y3);this.wanted=new Map(r.map(o=>[o.key,o])),this.wantedAt=new Map(r.map(o=>[o.offset,o])),this.inUse=new Set(t.map(ne));for(let o of[...this.inUse,...this.wanted.keys()])this.touch(o);this.trim(),this.pump()}get(e){return e.storedBytes===0?new Uint8Array(0):this.kept.get(ne(e))}get stats(){let e=performance.now();for(;this.arrivals.length>0&&this.arrivals[0].at<e-Js;)this.arrivals.shift();let t=this.arrivals.reduce((r,o)=>r+o.bytes,0);return{...this.counts,cacheBytes:this.cachedBytes,fetchRate:t*1e3/Js}}close(){this.closed=!0,clearTimeout(this.timer),this.requests.forEach(e=>e.abort.abort())}touch(e){let t=this.kept.get(e);t!==void 0&&(this.kept.delete(e),this.kept.set(e,t))}trim(){for(let[e,t]of this.kept){if(this.cachedBytes<=this.settings.cacheBytes)return;!this.wanted.has(e)&&!this.inUse.has(e)&&(this.kept.delete(e),this.cachedBytes-=t.length)}}isMissing(e){return e!==void 0&&!this.kept.has(e.key)&&!this.pending.has(e.key)}pump(){if(!(this.closed||this.timer!==void 0))for(let e of this.wanted.values()){if(this.requests.size>=this.settings.parallel)return;this.isMissing(e)&&this.fetch(this.runFrom(e))}}runFrom(e){let t=[e],r=e.offset+e.bytes;for(;;){let o=this.wantedAt.get(r);if(!this.isMissing(o)||r+o.bytes-e.offset>this.settings.requestBytes)return t;t.push(o),r+=o.bytes}}async fetch(e){let t={ranges:e,abort:new AbortController},r=e.reduce((s,{bytes:i})=>s+i,0);this.requests.add(t),e.forEach(({key:s})=>this.pending.add(s)),this.counts.requests+=1;let o;try{let s=await this.source.read(e[0].offset,r,t.abort.signal);this.closed||(this.failures=0,this.arrive(e,s))}catch(s){o=s}this.requests.delete(t),e.forEach(({key:s})=>this.pending.delete(s)),!this.closed&&(o!==void 0?this.fail(o):e.filter(({key:s})=>this.wanted.has(s)).forEach(({key:s})=>this.onChunk(s)),this.pump())}arrive(e,t){let r=0;for(let{key:o,bytes:s}of e)this.kept.set(o,t.slice(r,r+s)),this.cachedBytes+=s,this.counts.chunksFetched+=1,this.counts.chunksRefetched+=Number(this.everFetched.has(o)),this.everFetched.add(o),r+=s;this.counts.bytesFetched+=t.length,this.arrivals.push({at:performance.now(),bytes:t.length}),this.trim()}fail(e){if(e instanceof Te){this.closed=!0,this.requests.forEach(t=>t.abort.abort()),this.onProblem({fatal:!0,message:e.message});return}if(!(e instanceof B)){this.closed=!0,this.onProblem({fatal:!0,message:e instanceof Error?e.message:String(e)});return}if(this.failures+=1,this.failures>=g3&&this.onProblem({fatal:!1,passes:!0,message:`${e.message}; trying again`}),this.timer===void 0){let t=this.settings.retryDelayMs*2**Math.min(this.failures-1,16);this.timer=setTimeout(()=>{this.timer=void 0,this.pump()},Math.min(t,this.settings.maxDelayMs))}}};function _3({streams:n}){let e=n.reduce((r,{firstFrame:o})=>Math.min(r,o),1/0),t=n.reduce((r,{firstFrame:o,frameCount:s})=>Math.max(r,o+s-1),-1/0);return n.length===0?[0,0]:[e,t]}function v3([n,e,t,r]){let o=[-2*(n*t+r*e),2*(r*n-e*t),2*(n*n+e*e)-1],s=Math.asin(Math.max(-1,Math.min(1,o[1])));return{yaw:Math.atan2(-o[0],-o[2]),pitch:s}}function x3(n){let e=[0,1,2],t=s=>n.map(i=>i[s]),r=e.map(s=>t(s).reduce((i,a)=>Math.min(i,a),1/0)),o=e.map(s=>t(s).reduce((i,a)=>Math.max(i,a),-1/0));return{least:r,greatest:o}}function Zs(n,e){return n.reduce((t,r,o)=>t+(r-e[o])**2,0)}function ei(n,e){let[t,r]=_3(n),s=(f=>e.map(h=>n.probeAt(h,f)))(t),i=n.footage.poses,a=e.flatMap(f=>i.get(n.probes[f].name)??[]),c=x3([...s,...a].map(({position:f})=>f)),u=c.least.map((f,h)=>(f+c.greatest[h])/2),l=s.reduce((f,h)=>Zs(h.position,u)<Zs(f.position,u)?h:f),d={eye:[...l.position],...v3(l.orientation)};return{name:n.name,fileBytes:n.source.byteCount,framesPerSecond:n.fps,firstFrame:t,frameCount:r-t+1,headBox:c,probes:s.map(({name:f,position:h})=>({name:f,position:h})),start:d,streams:k3(n)}}function k3({streams:n,chunks:e}){let t=new Float64Array(n.length),r=new Set;for(let s of e){let i=ne(s);t[s.stream]+=r.has(i)?0:s.storedBytes,r.add(i)}let o=new Map;for(let{index:s,kind:i,codec:a}of n){let c=`${i} ${a}`,u=o.get(c)??{kind:i,codec:a,count:0,bytes:0};o.set(c,{...u,count:u.count+1,bytes:u.bytes+t[s]})}return[...o.values()]}var s1=class{#e;#t;next(e,t,r){let o=this.#e,s=t&&o!==void 0&&!o.isWhole&&e>o.frame&&!this.#r(o,r);return(o===void 0||o.frame!==e&&!s)&&(this.#e={frame:e,sinceMs:r,isWhole:!1}),this.#e.frame}get shown(){return this.#t}show(e,t,r){let o=this.#e;return o.isWhole=e,(e||!t||this.#t===void 0||this.#r(o,r))&&(this.#t=o.frame),this.#t}#r({sinceMs:e},t){return t-e>=500}};var We=class{constructor(e,t){this.stream=e;this.decoding=t}stream;decoding;#e=new Set;#t=new Map;#r=new Set;#n=new Set;hasPicture(e){return this.#t.get(e)?.shown!==void 0}shows({unit:e,chunk:t,frame:r}){let o=this.#t.get(e)?.shown;return o?.chunk===t&&o.frame===r}frame(e){return this.#t.get(e)?.shown?.frame}pixels(e){return this.#t.get(e)?.shown?.pixels}takeChanged(){let e=[...this.#e];return this.#e=new Set,e}ask(e,t){let{ready:r}=this.#o(e.unit);[...r.keys()].filter(i=>!Mt(this.decoding.frames,i)).forEach(i=>r.delete(i));let s=this.prepare(e,t);return s==="ready"&&(this.#s(e.unit,r.get(e.frame)),r.delete(e.frame)),s}prepare(e,t){return this.shows(e)?"shown":this.#o(e.unit).ready.get(e.frame)?.chunk===e.chunk?"ready":this.#i(e,t)}#o(e){let t=this.#t.get(e)??{shown:void 0,ready:new Map,working:new Set};return this.#t.set(e,t),t}#s(e,t){this.#o(e).shown=t,this.#e.add(e)}#i(e,t){if(this.#r.has(e.chunk))return"broken";let r=this.#o(e.unit),o=ee(this.decoding,e.chunk,t),s=e.next>=0&&this.#n.has(e.chunk),i=s?ee(this.decoding,e.next,t):void 0;if(o===void 0||s&&i===void 0)return"missing";if(!r.working.has(e.frame)){r.working.add(e.frame);let a=e.frame-o.chunk.firstFrame;this.decoding.pool.decode(o,a,()=>Mt(this.decoding.frames,e.frame),i).then(u=>this.#a(e,u),u=>this.#l(e,u))}return"working"}#a(e,t){let r=this.#o(e.unit);if(r.working.delete(e.frame),t==="next")this.#n.add(e.chunk);else if(t!==void 0){let o={pixels:t,chunk:e.chunk,frame:e.frame},{frames:s}=this.decoding;e.frame===s.shown||r.shown===void 0?this.#s(e.unit,o):Mt(s,e.frame)?r.ready.set(e.frame,o):(r.shown.frame>s.shown||r.shown.frame<e.frame&&e.frame<s.shown)&&this.#s(e.unit,o)}this.decoding.onReady()}#l(e,t){this.#o(e.unit).working.delete(e.frame),this.#r.add(e.chunk),this.decoding.onBroken(t.message),this.decoding.onReady()}};var i1=class n{constructor(e,t,r,o){this.context=e;this.view=t;this.streams=r;this.#e=o.families,this.#t=o.sources;let{container:s}=e.decoding;this.#r=s.footage.poses.has(s.probes[r.probe].name)}context;view;streams;#e;#t;#r;#n=[];lastUsed=0;static async load(e,t,r){let{renderer:o,decoding:s}=e,i=new Map,a=await o.load(t,r.faces,(u,l)=>i.get(u)?.pixels(l)),c=new Map;for(let u of a)u.decoder.streams.forEach((l,d)=>c.set(l,u.units(d)));for(let u of r.faces.flatMap(we).filter(l=>!c.has(l))){let l=new We(u,s);i.set(u.index,l),c.set(u,l)}return new n(e,t,r,{families:a,sources:c})}ask(e,{sees:t,fetch:r,counts:o}){this.#n=[],this.#o(e,t,(s,i,a,c)=>{c!==void 0&&(o[i.ask(c,r)]+=1),this.#r&&this.#n.push({stream:s,source:i,unit:a,wanted:c})})}prepare(e,{sees:t,fetch:r,counts:o}){this.#o(e,t,(s,i,a,c)=>{c!==void 0&&(o[i.prepare(c,r)]+=1)})}#o(e,t,r){let{container:o}=this.context.decoding;for(let[s,i]of this.#t)for(let a=0;a<o.unitCount(s.index);a+=1)r(s,i,a,t(s,a)?Tt(o,s.index,a,e):void 0)}update(){let{texels:e}=this.context.renderer,[t,r,o]=[0,0,0];for(let s of this.#e){let i=s.decode();r+=i.pixels,o+=i.behind,t+=i.changed.length;for(let{stream:a,unit:c}of i.changed)e.written(s.decoder.streams[a].index,c)}for(let s of this.streams.faces){let i=this.#a(s);t+=i.length,r+=i.reduce((a,[c,u])=>{let[,,l,d]=this.context.decoding.container.unitRect(c.index,u);return a+l*d},0)}return this.#s(),{units:t,pixels:r,behind:o}}#s(){let{texels:e}=this.context.renderer;for(let{stream:t,source:r,unit:o,wanted:s}of this.#n){let i=s!==void 0&&r.shows(s);i&&!e.isKnown(t.index,o)?e.written(t.index,o):!i&&r.hasPicture(o)&&e.forget(t.index,o)}this.#n=[]}unload(){this.context.renderer.texels.unload(this.view),this.#e.forEach(e=>e.close())}#i(e){let t=e&&this.#t.get(e);return t instanceof We?t:void 0}#a({depth:e,color:t,alpha:r,material:o}){let{texels:s}=this.context.renderer,[i,a,c]=[t,r,o].map(m=>this.#i(m)),l=(this.#i(e)?.takeChanged()??[]).map(m=>[e,m]);for(let m of c?.takeChanged()??[])s.uploadMaterial(c.stream.index,m,c.pixels(m)),l.push([c.stream,m]);let d=i?.takeChanged()??[],f=a?.takeChanged()??[],h=f.flatMap(m=>[..._e(t,this.#f(a,m).rect)]);for(let m of new Set([...d,...h.map(([p])=>p)]))i!==void 0&&i.hasPicture(m)&&this.#l(i,m,a)&&l.push([t,m]);return l.push(...f.map(m=>[a.stream,m])),l.forEach(([m,p])=>s.written(m.index,p)),l}#l(e,t,r){let{renderer:o,colors:s}=this.context,{texels:i}=o,a=this.#f(e,t);if(r===void 0)return i.uploadColor(e.stream.index,a.rect,s.of(a,a.rect)),!0;let c=!0;for(let[u,l]of _e(r.stream,a.rect))r.frame(u)===e.frame(t)?i.uploadColor(e.stream.index,l,s.of(a,l,this.#f(r,u))):c=!1;return c}#f(e,t){return{pixels:e.pixels(t),rect:this.context.decoding.container.unitRect(e.stream.index,t)}}};var a1=class{constructor(e,t,r){this.outline=r;this.members=Array.from({length:e},()=>this.member(t()))}outline;members;nextId=0;onFailed=()=>{};get pending(){return this.members.reduce((e,{queue:t,sent:r})=>e+t.length+r.size,0)}async prepare(e,t){let r=await this.run({...e,id:this.nextId++},t);return r&&"prepared"in r?r.prepared:void 0}async decode(e,t,r,o){let s={...e,id:this.nextId++,frame:t,...o&&{next:o}},i=await this.run(s,r);return i&&"needsNext"in i?"next":i&&"pixels"in i?i.pixels:void 0}async codings(e,t,r){let o=await this.run({...e,id:this.nextId++,frame:t,asksCodings:!0},r);return o&&"pixels"in o?o.pixels:void 0}close(){this.members.forEach(({worker:e})=>e.terminate()),this.members.forEach(e=>e.queue=[])}member(e){let t={worker:e,knows:new Set,queue:[],sent:new Map,failure:void 0};return e.onmessage=({data:r})=>this.finish(t,r),e.onerror=({message:r})=>this.fail(t,`A worker of the player failed: ${r??"it did not load"}`),e.onmessageerror=()=>this.fail(t,"A worker of the player failed: its answer cannot be read"),t}async run(e,t){let{stream:r,unit:o}=e.chunk,s=this.members[(r+o)%this.members.length],i=await new Promise(a=>{s.queue.push({job:e,isWanted:t,resolve:a}),this.pump(s)});if(i&&"error"in i)throw new Error(i.error);return i}pump(e){for(;e.sent.size<8&&e.queue.length>0;){let t=e.queue.shift(),{job:r}=t;if(e.failure!==void 0){t.resolve({id:r.id,error:e.failure});continue}if(!t.isWanted()){t.resolve(void 0);continue}e.sent.set(r.id,t);let{stream:o}=r.chunk,s=e.knows.has(o)?void 0:this.outline(o);e.knows.add(o),e.worker.postMessage({...r,...s&&{outline:s}})}}fail(e,t){e.failure===void 0&&(e.failure=t,this.onFailed(t)),[...e.sent.keys()].forEach(r=>this.finish(e,{id:r,error:t})),this.pump(e)}finish(e,t){let r=e.sent.get(t.id);e.sent.delete(t.id),r?.resolve(t),this.pump(e)}};var E3=5,S3=200;async function je(n){for(let e=1;;e+=1)try{return await n()}catch(t){if(!(t instanceof B)||e===E3)throw t;await new Promise(r=>setTimeout(r,S3*2**(e-1)))}}var ti=1<<30,R3=4,A3=512<<20,M3=4,T3=3,C3=3,O3=2,P3=.5,N3=6,F3=300,U3=1e3,L3=1500;async function ri(n,e,t){let[r,o]=await Promise.allSettled([D3(t),je(()=>gt.open(n))]);if(r.status==="rejected")throw r.reason;let s=r.value,i,a;try{if(o.status==="rejected")throw o.reason;let c=o.value,u=cs(c),l=s===void 0?I3(u):u,d=Math.max(...l.views.map(({faces:m})=>m.length)),f=B3(l,d,s===void 0);i=H3(c);let h={container:c,catalogue:l,canvas:e,decoding:i,mostViews:f,mostImages:f*d};return a=s===void 0?new Bt(h):await n1.create(s,h),new dr({renderer:a,decoding:i,catalogue:l,mostViews:f})}catch(c){throw i?.store.close(),i?.pool.close(),a?.close(),s?.destroy(),c}}function I3({views:n,coding:e}){let t=({faces:r,...o})=>({...o,faces:r.map(s=>({...s,material:void 0}))});return{views:n.map(t),coding:e}}function B3(n,e,t){let{views:r}=n,o=e*T3*jo(n);if(t&&o>ti)throw new g("The images of a probe are larger than the processor draws; a graphics device may.");let s=Math.max(1,Math.floor(ti/o));return Math.min(r.length,s,t?M3:1/0)}async function D3(n){if(n==="cpu")return;let e=await M1();return n==="auto"&&T1(e)?void 0:Je.open(e)}function H3(n){let e=Math.max(1,Math.min(R3,(navigator.hardwareConcurrency||2)-1)),t={keptBytes:A3/e},r=()=>{let i=new Worker(new URL("./worker.js",import.meta.url),{type:"module"});return i.postMessage(t),i},o=new a1(e,r,i=>{let{kind:a,codec:c,face:u,width:l,height:d,unitWidth:f,unitHeight:h,headerBytes:m}=n.streams[i];return{stream:{kind:a,codec:c,face:u,width:l,height:d,unitWidth:f,unitHeight:h},headerBytes:m}}),s=new o1(n.source);return{container:n,frames:{shown:0,next:[0,0]},store:s,pool:o,onReady:()=>{},onBroken:()=>{}}}var dr=class{film;onProblem=()=>{};onShown=()=>{};#e;#t;#r;#n;#o;#s;#i;#a=new Map;#l;#f=new Map;#c;#u=0;#d=new s1;#h;#m;#x=performance.now();#b=!1;#p=0;#k={cells_decoded:0,pixels_decoded:0};#E;#w=()=>{};#g=!1;constructor({renderer:e,decoding:t,catalogue:r,mostViews:o}){let{container:s,store:i,pool:a}=t;this.#e=e,this.#t=s,this.#r=r,this.#n=t,this.#l=o,this.film=ei(s,r.views.map(({probe:u})=>u)),this.#m=this.film.firstFrame,i.onChunk=u=>{this.#f.set(u,performance.now()),this.#w()},i.onProblem=u=>this.#y(u),this.#c=new Ct(t),a.onFailed=u=>this.#y({fatal:!0,message:u}),e.onFailed=u=>this.#y({fatal:!0,message:u}),t.onReady=()=>this.#w(),t.onBroken=u=>this.#y({fatal:!1,message:u});let c=r.views.some(({faces:u})=>u.some(({alpha:l})=>l!==void 0));this.#o={renderer:e,decoding:t,colors:new Rt(r.coding,c)},this.#s=new Ge(s),this.#i=new Ge(s)}get renderer(){return this.#e.name}get mostPixels(){return this.#e.mostPixels}async draw(e){let t=await this.#A(e),{counts:r,active:o}=t,s=r.missing+r.working;this.#b||=s===0||performance.now()-this.#x>L3;let i=this.#b?await this.#R(t):void 0;this.#m=s===0?t.view.frame:this.#m;let a=this.#n.store.stats;return{...a,counters:{...i?.counters,...this.#k,cells_unchanged:r.shown,bytes_read:a.bytesFetched,active_probes:o.length},decodeMs:i?.decodeMs??await this.#e.decodeMs(),marchMs:i?.marchMs??0,unitsMissing:s,unitsBroken:r.broken,overlayMissing:this.#u,shownFrame:this.#m}}async settle(e){for(;;){let t=new Promise(o=>this.#w=o),{counts:r}=await this.#A(e);if(r.missing+r.working===0||this.#g)return;await Promise.all([t,this.#e.decodeMs()])}}fetched(){let{firstFrame:e,frameCount:t}=this.film,r=this.#E;if(r===void 0)return[];let o=this.#T(r.pose.eye,r.frame),s=(l,d)=>this.#s.sees(l,d),i=this.#_(o,s,[0,1/0]).filter(l=>this.#n.store.get(l)===void 0).map(l=>[l.firstFrame,l.firstFrame+l.frameCount-1]).sort((l,d)=>l[0]-d[0]),a=[],c=e;for(let[l,d]of i)l>c&&a.push([c,l-1]),c=Math.max(c,d+1);let u=e+t-1;return c<=u?[...a,[c,u]]:a}pixels(){return this.#e.pixels()}close(){this.#g=!0,this.#w(),this.#n.store.close(),this.#n.pool.close(),this.#e.close()}#y(e){this.#g||this.onProblem(e)}async#A(e){let{playing:t}=e,r=this.#d.next(this.#M(e.frame),t,performance.now());this.#p+=1,this.#E=e,this.#P(e);let o=this.#S(e),s=this.#T(e.pose.eye,r);await this.#N(s),this.#s.look(o);let{renderer:i,decoding:a}=this.#o,{texels:c}=i,u=()=>i.hasEffects&&s.some(x=>c.isSpecular(x)),l=u(),d=(x,Y)=>l||this.#s.sees(x,Y),f=s.map(x=>this.#a.get(x)),h=[],m=(x,Y,C)=>{let V={shown:0,ready:0,working:0,missing:0,broken:0};return f.forEach(k1=>k1[x](Y,{sees:d,fetch:C,counts:V})),V},p=[r,r+(t?C3:0)];a.frames={shown:this.#d.shown??r,next:p};let w=m("prepare",r,h),y=this.#d.show(w.missing+w.working===0,t,performance.now());a.frames={shown:y,next:p};let v=m("ask",y,h);for(let x=r+1;x<=p[1];x+=1)m("prepare",x,[]);let E={...e,frame:y};this.#u=this.#O(E,s,h);let $=[...new Set([r,y])].flatMap(x=>this.#_(s,d,[x,x]));a.store.want([...h,...this.#F({...e,frame:r},s,o)],$);for(let x of f){let{units:Y,pixels:C,behind:V}=x.update();v.working+=V,this.#k.cells_decoded+=Y,this.#k.pixels_decoded+=C}return c.update(),v.working+=Number(u()&&!l),v.working>0&&a.pool.pending===0&&this.#w(),{view:E,active:s,cameras:o,counts:y===r?v:w}}#O({overlays:e,frame:t},r,o){if(!e.has("nodes"))return this.#c.clear(),0;let s=[];for(let{depth:i}of r.flatMap(a=>this.#r.views[a].faces))for(let a=0;a<this.#t.unitCount(i.index);a+=1){let c=this.#s.sees(i,a)&&Tt(this.#t,i.index,a,t);c&&s.push({...c,stream:i.index})}return this.#c.show(s,o)}#S(e){let[t,r]=e.size,o=e.stereo==="side-by-side",s=Ko(e.pose,e.fovDeg,(o?t/2:t)/r);return e.stereo==="mono"?[s]:Xo(s,e.eyeDistance)}#P({pose:{eye:e}}){let t=performance.now(),r=this.#h;if(r===void 0)this.#h={eye:[...e],ms:t,velocity:[0,0,0]};else if(r.eye.join()!==e.join()){let o=Math.max((t-r.ms)/1e3,.01),s=k(z(e,r.eye),1/o);this.#h={eye:[...e],ms:t,velocity:T(s)<=N3?s:[0,0,0]}}else t-r.ms>F3&&(r.velocity=[0,0,0])}#M(e){let t=this.#r.views.flatMap(W1);if(t.some(([o,s])=>o<=e&&e<=s))return e;let r=t.map(([,o])=>o).filter(o=>o<e);return r.length>0?Math.max(...r):Math.min(...t.map(([o])=>o))}#T(e,t){let r=this.#r.views.flatMap((o,s)=>{let{position:i}=this.#t.probeAt(o.probe,t);return as(o,t)?[{view:s,position:i}]:[]});return us(r,e,this.#l)}async#N(e){for(let t of e.filter(r=>!this.#a.has(r))){for(;this.#a.size>=this.#l;){let r=[...this.#a].filter(([i])=>!e.includes(i)),[o,s]=r.reduce((i,a)=>a[1].lastUsed<i[1].lastUsed?a:i);s.unload(),this.#a.delete(o)}this.#a.set(t,await i1.load(this.#o,t,this.#r.views[t]))}e.forEach(t=>this.#a.get(t).lastUsed=this.#p)}#F(e,t,r){let{frame:o}=e,s=[],i=this.#h?.velocity??[0,0,0];if(T(i)>0){let a=K(e.pose.eye,k(i,P3));this.#i.look(r.map(c=>({...c,eye:a}))),s.push(...this.#_(t,(c,u)=>this.#i.sees(c,u),[o,o]))}if(e.playing){let a=o+Math.ceil(O3*this.film.framesPerSecond),c=this.#_(t,(u,l)=>this.#s.sees(u,l),[o+1,a]);s.push(...c.sort((u,l)=>u.firstFrame-l.firstFrame))}return s}#_(e,t,r){let o=[];for(let s of e.flatMap(i=>this.#r.views[i].faces).flatMap(we))for(let i=0;i<this.#t.unitCount(s.index);i+=1)if(t(s,i)){let[a,c]=this.#t.chunksAmong(s.index,i,r);o.push(...this.#t.chunks.slice(a,c))}return o}#R({view:e,active:t,cameras:r}){let o=performance.now(),s=a=>{let c=this.#f.get(ne(this.#t.chunks[a]));return c!==void 0&&o-c<U3},i=(a,c)=>this.#c.of(a,c);return this.#e.draw({view:e,cameras:r,views:t,isFresh:s,codings:i},()=>this.onShown())}};var ni=2**28,oi=2**30,G3=12,ii=24,z3=[137,80,78,71,13,10,26,10];function $3(n,e){let t=new DataView(n.buffer,n.byteOffset,n.byteLength);if(!(n.length>=ii&&z3.every((s,i)=>n[i]===s))||t.getUint32(12)!==1229472850)throw new _(`${e} is no PNG picture.`);let o=[t.getUint32(16),t.getUint32(20)];if(o[0]===0||o[1]===0||o[0]*o[1]>ni)throw new g(`${e} has ${o[0]}x${o[1]} pixels; the player shows up to ${ni}.`);return o}function si(n,e,t){let r=Math.floor(t[0]/e.columns),o=Math.floor(t[1]/e.rows),s=e.rows-1-Math.floor(n/e.columns);return[n%e.columns*r,s*o,r,o]}function V3(n,e){let t=Math.min(n[0],n[1]*e);return[Math.max(1,Math.round(t)),Math.max(1,Math.round(t/e))]}async function ai(n,e,{name:t,layout:r}){if(n.byteCount>oi)throw new g(`The quilt has ${n.byteCount} bytes; the player reads up to ${oi}.`);let o=performance.now(),s=await n.read(0,n.byteCount),i=$3(s.subarray(0,ii),"The quilt");if(i[0]<r.columns||i[1]<r.rows)throw new _(`The quilt has fewer pixels than its ${r.columns}x${r.rows} tiles.`);let a=await createImageBitmap(new Blob([s],{type:"image/png"})).catch(()=>{throw new _("The quilt is a damaged PNG picture, or one that this browser does not read.")}),c=document.createElement("canvas");[,,c.width,c.height]=si(0,r,i);let[u,l]=[e.getContext("2d"),c.getContext("2d")];if(u===null||l===null)throw new g("The browser has no memory for a picture.");let d=performance.now()-o,f=r.columns*r.rows,h={eye:[0,0,0],yaw:0,pitch:0},m=w=>({counters:{views:f,width:i[0],height:i[1]},decodeMs:d,marchMs:0,fetchRate:0,bytesFetched:s.length,requests:1,chunksFetched:1,chunksRefetched:0,cacheBytes:4*i[0]*i[1],unitsMissing:0,unitsBroken:0,overlayMissing:0,shownFrame:w}),p={film:{name:t,fileBytes:n.byteCount,framesPerSecond:G3,firstFrame:0,frameCount:f,headBox:{least:[0,0,0],greatest:[0,0,0]},probes:[],start:{...h,eye:[0,0,0]},streams:[{kind:"quilt",codec:"PNG",count:f,bytes:s.length}]},draw(w){let[y,v]=V3(w.size,r.aspect);[e.width,e.height]=[y,v];let[E,$]=si(w.frame,r,i);return l.clearRect(0,0,c.width,c.height),l.drawImage(a,-E,-$),u.imageSmoothingQuality="high",u.drawImage(c,0,0,y,v),p.onShown(),Promise.resolve(m(w.frame))},settle:()=>Promise.resolve(),fetched:()=>[[0,f-1]],pixels(){let{data:w}=u.getImageData(0,0,e.width,e.height),y=Float32Array.from(w,(v,E)=>E%4===3?v/255:He(v,"srgb"));return Promise.resolve({size:[e.width,e.height],rgba:y})},onProblem:()=>{},onShown:()=>{},close:()=>a.close()};return p}var W3=["probes","nodes","holes","units","keyframes","fetched"],j3="./glb.js";async function q3(n,e){let t=await je(()=>Ce.open(n.url)),{openScene:r}=await import(j3),o=await r(t,e,n.name),s={player:o,marks:["overdraw"],isFixed:!1,showOverdraw:i=>o.showOverdraw(i)};return await o.hasHeadset()&&(s.enterHeadset=i=>o.enterHeadset(i)),s}async function ci(n,e,t){if(n.kind==="glb")return q3(n,e);let r=await je(()=>Ce.open(n.url));if(n.kind==="lfold")return{player:await ri(r,e,t),marks:W3,isFixed:!1};if(n.quilt===void 0)throw new A("film.json, quilt: columns and rows were expected.");return{player:await ai(r,e,{name:n.name,layout:n.quilt}),marks:[],isFixed:!0}}function c1({least:n,greatest:e}){let t=n.map((r,o)=>e[o]-r);return Math.max(.1*Math.max(...t),.1)}function ui(n,e,[t,r],o){if(e<0)return-ui(-n,-e,[-r,-t],o);let s=Math.min(e,Math.max(r-n,0)),i=r+o,a=e-s;if(a===0)return n+s;let c=Math.max(n,r);return i-Math.max(i-c,0)*Math.exp(-a/o)}function li(n,e,t){let r=c1(t),o=s=>ui(n[s],e[s],[t.least[s],t.greatest[s]],r);return[o(0),o(1),o(2)]}function qe(n,e){let t=c1(e),r=o=>Math.min(Math.max(n[o],e.least[o]-t),e.greatest[o]+t);return[r(0),r(1),r(2)]}var di=[.0002777777777777778,1e4];function K3(n){return Math.min(Math.max(n||0,di[0]),di[1])}var u1=class{#e;#t=0;#r=0;#n=!1;#o=1;isLooped=!0;constructor(e){this.#e={...e,framesPerSecond:K3(e.framesPerSecond)}}get isPlaying(){return this.#n}get lastFrame(){return this.#e.firstFrame+this.#e.frameCount-1}frame(e){let{firstFrame:t,frameCount:r}=this.#e,o=this.#i(e);return o>=r&&(this.isLooped?o%=r:(o=r-1,this.#n=!1),this.#t=o,this.#r=e),t+Math.floor(o)}play(e){let t=!this.isLooped&&this.frame(e)===this.lastFrame;this.#s(t?0:this.#i(e),e),this.#n=this.#e.frameCount>1}pause(e){this.#s(this.frame(e)-this.#e.firstFrame,e),this.#n=!1}seek(e,t){let r=Math.round(e)-this.#e.firstFrame;this.#s(Math.min(Math.max(r,0),this.#e.frameCount-1),t)}step(e,t){this.pause(t);let{frameCount:r}=this.#e,o=this.#t+e,s=(o%r+r)%r;this.#t=this.isLooped?s:Math.min(Math.max(o,0),r-1)}setSpeed(e,t){this.#s(this.#i(t),t),this.#o=e}#s(e,t){this.#t=e,this.#r=t}#i(e){let t=this.#n?Math.max(e-this.#r,0):0;return this.#t+t/1e3*this.#o*this.#e.framesPerSecond}};var Ke=89*Math.PI/180;function fr({yaw:n,pitch:e}){return[-Math.sin(n)*Math.cos(e),Math.sin(e),-Math.cos(n)*Math.cos(e)]}function X3({yaw:n}){return[Math.cos(n),0,-Math.sin(n)]}function hr(n){let e=Math.round(n/(2*Math.PI));return n-e*2*Math.PI}function fi(n,e,t){let r=Math.min(Math.max(n.pitch+t,-Ke),Ke);return{eye:n.eye,yaw:hr(n.yaw+e),pitch:r}}function hi(n,[e,t,r]){let o=X3(n),s=fr(n);return[e*o[0]+r*s[0],e*o[1]+t+r*s[1],e*o[2]+r*s[2]]}var L={exposureEv:0,toneMap:"none",fovDeg:60,stereo:"mono",eyeDistance:.063,steps:1024,scale:1,speed:1,isLooped:!0,marks:new Set,renderer:"auto"},Y3={exposureEv:[-10,10],fovDeg:[20,120],eyeDistance:[0,.5],steps:[32,4096],scale:[.125,1],speed:[.25,2]},l1=["none","reinhard","filmic"],d1=["mono","side-by-side","anaglyph"],f1=["auto","gpu","cpu"],mr=["probes","nodes","holes","units","keyframes","fetched","overdraw"];function oe(n,e){let[t,r]=Y3[n],o=Math.min(Math.max(e,t),r);return n==="steps"?Math.round(o):o}var Q3=2e3,J3=1e9,Z3=/^-?(\d+(\.\d*)?|\.\d+)(e[+-]?\d{1,2})?$/i,pi=[["ev","exposureEv"],["fov","fovDeg"],["eyes","eyeDistance"],["steps","steps"],["scale","scale"],["speed","speed"]];function br(n){return n!==null&&n.length<=40&&Z3.test(n)?Number(n):void 0}function mi(n,e,t){let o=(n?.split(",",e+1)??[]).map(br),s=i=>i!==void 0&&Math.abs(i)<=t;return o.length===e&&o.every(s)?o:void 0}function pr(n,e){return n.find(t=>t===e)}function el(n){if(n===null)return;let e=new Set(n.split(","));return new Set(mr.filter(t=>e.has(t)))}function tl(n){return Object.fromEntries(Object.entries(n).filter(([,e])=>e!==void 0))}function Xe(n){if(n.length>Q3)return{settings:{}};let e=new URLSearchParams(n.replace(/^#/,"")),t=mi(e.get("eye"),3,J3),r=mi(e.get("look"),2,1e6),o=br(e.get("frame")),s=tl({toneMap:pr(l1,e.get("tone")),stereo:pr(d1,e.get("stereo")),isLooped:e.get("loop")===null?void 0:e.get("loop")!=="0",marks:el(e.get("show")),renderer:pr(f1,e.get("renderer"))});for(let[a,c]of pi){let u=br(e.get(a));u!==void 0&&(s[c]=oe(c,u))}let i={settings:s};if(t!==void 0&&(i.eye=t),r!==void 0){let[a,c]=r.map(u=>u*Math.PI/180);i.look=[hr(a),Math.min(Math.max(c,-Ke),Ke)]}return o!==void 0&&Number.isSafeInteger(o)&&o>=0&&(i.frame=o),i}function I(n,e){return String(Number(n.toFixed(e))+0)}function bi(n,e,t){let r=[n.yaw,n.pitch].map(i=>I(i*180/Math.PI,3)),o=[`eye=${n.eye.map(i=>I(i,5)).join(",")}`,`look=${r.join(",")}`];o.push(`frame=${e}`);let s=(i,a,c)=>{a!==c&&o.push(`${i}=${a}`)};for(let[i,a]of pi)s(i,I(t[a],4),I(L[a],4));return s("tone",t.toneMap,L.toneMap),s("stereo",t.stereo,L.stereo),s("loop",t.isLooped?"1":"0",L.isLooped?"1":"0"),s("renderer",t.renderer,L.renderer),s("show",mr.filter(i=>t.marks.has(i)).join(","),""),`#${o.join("&")}`}var wi=/[\u0000-\u001f\u007f-\u009f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]/;function rl(n){return[...new TextEncoder().encode(n)].map(t=>`\\${t.toString(8).padStart(3,"0")}`).join("")}function nl(n){let e=n.startsWith("-")?`./${n}`:n;return wi.test(e)?`$'${e.replace(/[\\']/g,"\\$&").replace(new RegExp(wi,"g"),rl)}'`:`'${e.replaceAll("'","'\\''")}'`}function wr(n,e){let t=["lightfold","render",nl(n)];if(e!==void 0){let{pose:r,stereo:o}=e,s=fr(r),i=c=>c.map(u=>I(u,5)).join(",");t.push("--eye",i(r.eye)),t.push("--look-at",i(r.eye.map((c,u)=>c+s[u]))),t.push("--fov",I(e.fovDeg,3));let a=o==="side-by-side"?2:1;t.push("--size",`${Math.max(1,Math.round(e.size[0]/a))}x${e.size[1]}`),a===2&&t.push("--stereo","side-by-side","--eye-distance",I(e.eyeDistance,4)),e.frame!==void 0&&t.push("--frames",String(e.frame))}return t.push("-o","view.png"),t.join(" ")}var ol=new Map([[" ","play"],["k","play"],[",","step-back"],[".","step-forward"],["Home","first"],["End","last"],["l","loop"],["[","slower"],["]","faster"],["0","reset"],["r","reset"],["m","lock-pointer"],["v","settings"],["i","inspector"],["h","help"],["?","help"],["f","full-screen"],["c","screenshot"]]),yr=new Set(["Home","End","ArrowLeft","ArrowRight","ArrowUp","ArrowDown"]),gi=new Set([...yr," ","Enter"]),sl={picture:new Set,panel:yr,slider:yr,widget:gi,text:gi};function _r(n,e){return!(n.ctrlKey||n.altKey||n.metaKey)&&e!=="text"&&!sl[e].has(n.key)}function yi(n,e){let t=n.key.length===1?n.key.toLowerCase():n.key;return _r(n,e)?ol.get(t):void 0}var _i=new Map([["KeyW",[0,0,1]],["KeyS",[0,0,-1]],["KeyA",[-1,0,0]],["KeyD",[1,0,0]],["KeyE",[0,1,0]],["KeyQ",[0,-1,0]]]),vi=new Map([["ArrowLeft",[1,0]],["ArrowRight",[-1,0]],["ArrowUp",[0,1]],["ArrowDown",[0,-1]]]);function xi(n){return _i.has(n)||vi.has(n)}function vr(n){let e={step:[0,0,0],turn:[0,0]};for(let t of n)_i.get(t)?.forEach((r,o)=>e.step[o]+=r),vi.get(t)?.forEach((r,o)=>e.turn[o]+=r);return e}var gr=.15;function h1(n){let e=Math.abs(n??0);return e<gr?0:Math.sign(n??0)*Math.min((e-gr)/(1-gr),1)}function ki({axes:n,buttons:e}){let t=(e[7]?.value??0)-(e[6]?.value??0);return{step:[h1(n[0]),t,-h1(n[1])],turn:[-h1(n[2]),-h1(n[3])]}}var Ei=[[0,"play"],[3,"reset"],[4,"step-back"],[5,"step-forward"]];function Si(n){let e=[...n],t=e.reduce((s,i)=>s+i.x,0)/e.length,r=e.reduce((s,i)=>s+i.y,0)/e.length,o=e.reduce((s,i)=>s+Math.hypot(i.x-t,i.y-r),0)/e.length;return{x:t,y:r,spread:o}}var m1=class{#e;#t;#r=new Map;constructor(e,t){this.#e=e,this.#t=t,e.addEventListener("pointerdown",o=>this.#n(o)),e.addEventListener("pointermove",o=>this.#s(o));let r=o=>this.#o(o);e.addEventListener("pointerup",r),e.addEventListener("pointercancel",r),e.addEventListener("dblclick",()=>this.toggleLock()),e.addEventListener("wheel",o=>this.#i(o),{passive:!1})}toggleLock(){if(document.pointerLockElement===this.#e){document.exitPointerLock();return}this.#e.requestPointerLock()?.catch(()=>{})}#n(e){e.button!==0||document.pointerLockElement===this.#e||(this.#e.setPointerCapture(e.pointerId),this.#r.set(e.pointerId,{x:e.clientX,y:e.clientY}),this.#e.classList.add("dragged"))}#o(e){this.#r.delete(e.pointerId),this.#e.classList.toggle("dragged",this.#r.size>0)}#s(e){if(document.pointerLockElement===this.#e){let c=.0022*this.#t.fovDeg()/60;this.#t.turn(-e.movementX*c,-e.movementY*c);return}let t=this.#e.getBoundingClientRect();if(this.#t.hover(Math.min(Math.max((e.clientX-t.left)/Math.max(t.width,1),0),1)),!this.#r.has(e.pointerId))return;let r=Si(this.#r.values());this.#r.set(e.pointerId,{x:e.clientX,y:e.clientY});let o=Si(this.#r.values()),[s,i]=[o.x-r.x,o.y-r.y],a=Math.max(t.height,1);if(this.#r.size===1){let c=this.#t.fovDeg()*Math.PI/180/a;this.#t.turn(s*c,i*c)}else{let c=this.#t.reach()/a;this.#t.move([-s*c,i*c,2*(o.spread-r.spread)*c])}}#i(e){if(e.ctrlKey)return;e.preventDefault();let t=e.deltaMode===WheelEvent.DOM_DELTA_PIXEL?e.deltaY:e.deltaY*32;this.#t.zoom(Math.exp(Math.min(Math.max(t,-300),300)*.001))}};var il=70,al=4,Ri=.5;function cl(n){return CSS.supports("selector(:open)")&&n.matches(":open")}function ul(n){if(!(n instanceof HTMLElement))return"picture";if(n instanceof HTMLSelectElement)return cl(n)?"text":"widget";if(n instanceof HTMLInputElement){let e=["checkbox","radio","button"].includes(n.type);return n.type==="range"?"slider":e?"widget":"text"}return n.matches("aside, aside h2")?"panel":n.closest("button, a, summary, pre, aside")===null?"picture":"widget"}var p1=class{#e;#t;#r=new Map;#n=0;#o=new Set;#s=!1;constructor(e,t){this.#e=t,this.#t=new m1(e,t),window.addEventListener("keydown",s=>this.#i(s)),window.addEventListener("keyup",s=>this.#a(s)),window.addEventListener("blur",()=>{this.#r.clear(),this.#s=!1});let r=!1;window.addEventListener("pointerdown",()=>r=!0,{capture:!0}),window.addEventListener("keydown",()=>r=!1,{capture:!0});let o=({target:s},i)=>{r&&s instanceof Element&&s.closest(i)!==null&&e.focus({preventScroll:!0})};window.addEventListener("click",s=>o(s,"#tools button:not([aria-expanded='true']), #transport button")),window.addEventListener("change",s=>o(s,"select"))}advance(e){let t=Math.min(Math.max(e,0),Ri);this.#n=performance.now(),this.#l(vr(this.#r.keys()),this.#s,t);for(let r of navigator.getGamepads?.()??[])r?.mapping==="standard"&&(this.#l(ki(r),r.buttons[10]?.pressed===!0,t),this.#f(r))}toggleLock(){this.#t.toggleLock()}#i(e){this.#s=e.shiftKey;let t=ul(e.target),r=yi(e,t);r!==void 0?(e.preventDefault(),(!e.repeat||r.startsWith("step"))&&this.#e.act(r)):xi(e.code)&&_r(e,t)&&(e.preventDefault(),this.#r.set(e.code,this.#r.get(e.code)??performance.now()))}#a(e){let t=this.#r.get(e.code);if(t!==void 0){let r=(performance.now()-Math.max(t,this.#n))/1e3;this.#l(vr([e.code]),this.#s,Math.min(Math.max(r,0),Ri)),this.#r.delete(e.code)}this.#s=e.shiftKey}#l({step:e,turn:t},r,o){if(e.some(s=>s!==0)){let s=Math.max(1,Math.hypot(...e)),i=(r?al:1)*this.#e.moveSpeed()*o/s;this.#e.move(e.map(a=>a*i))}if(t.some(s=>s!==0)){let s=il*Math.PI/180*o*this.#e.fovDeg()/60;this.#e.turn(t[0]*s,t[1]*s)}}#f(e){for(let[t,r]of Ei){let o=`${e.index} ${t}`,s=e.buttons[t]?.pressed===!0;s&&!this.#o.has(o)?(this.#o.add(o),this.#e.act(r)):s||this.#o.delete(o)}}};var ll="http://www.w3.org/2000/svg",dl=2e3,fl=.011,hl=.02,ml=.3;function Me(n,e,t){let r=document.createElementNS(ll,e);return Object.entries(t).forEach(([o,s])=>r.setAttribute(o,String(s))),n.appendChild(r)}var b1=class{#e;#t=1;#r={least:[0,0,0],greatest:[0,0,0]};#n;#o;constructor(e){this.#e=e}setFilm({headBox:e,probes:t}){this.#r=e;let r=c1(e),[o,,s]=e.least,[i,a]=[e.greatest[0]-o,e.greatest[2]-s],c=1.15*(Math.max(i,a)+2*r),u=[o+i/2,s+a/2];this.#t=c,this.#e.replaceChildren();let l=100/c;this.#e.setAttribute("viewBox",[-80,-50,160,100].join(" "));let d=Me(this.#e,"g",{transform:`scale(${l}) translate(${-u[0]} ${-u[1]})`}),f=h=>({x:o-h,y:s-h,width:i+2*h,height:a+2*h});Me(d,"rect",{...f(r),class:"margin"}),Me(d,"rect",{...f(0),class:"box"});for(let{position:h}of t.slice(0,dl))Me(d,"circle",{cx:h[0],cy:h[2],r:c*fl,class:"probe"});this.#n=Me(d,"path",{class:"cone"}),this.#o=Me(d,"circle",{r:c*hl,class:"eye"})}showPose({eye:e,yaw:t},r){let[o,,s]=qe(e,this.#r),i=Math.min(r,170)*Math.PI/360,a=c=>{let u=this.#t*ml;return`${o-Math.sin(c)*u} ${s-Math.cos(c)*u}`};this.#n?.setAttribute("d",`M${o} ${s}L${a(t+i)}L${a(t-i)}Z`),this.#o?.setAttribute("cx",String(o)),this.#o?.setAttribute("cy",String(s))}};function pl({stats:n,pictureMs:e,size:t},r){let o=[["Picture",et(e)],["Decoding",et(n.decodeMs)]];return r!=="quilt"&&o.push(["Rendering",et(n.marchMs)]),o.push(["Size",`${t[0]}×${t[1]}`]),r==="lfold"&&o.push(["Frame shown",String(n.shownFrame)],["Tiles and cells not loaded",D(n.unitsMissing)],["Tiles and cells damaged",D(n.unitsBroken)],["Rate",`${(n.fetchRate/1e6).toFixed(2)} MB/s`],["Requests",D(n.requests)],["Chunks",D(n.chunksFetched)],["Chunks fetched again",D(n.chunksRefetched)]),o.push(["Fetched",ie(n.bytesFetched)],["Cache",ie(n.cacheBytes)]),o}function xr(n){let e=b(n,HTMLTableElement);return e.tBodies[0]??e.createTBody()}function bl(){let n=K1.map(({color:e,name:t})=>{let r=document.createElement("li"),o=r.appendChild(document.createElement("span"));return o.style.backgroundColor=`rgb(${e.join()})`,r.append(t),r});b("nodes-legend",HTMLUListElement).prepend(...n)}var w1=class{#e=new b1(b("map",SVGSVGElement));#t=[...b("marks",HTMLFieldSetElement).querySelectorAll("input")];#r=b("command",HTMLElement);#n;constructor(e,t){this.#n=e;for(let o of this.#t)o.addEventListener("change",()=>t(o.value,o.checked));bl();let r=P("copy-command",()=>{ae(this.#r.textContent??"",r,this.#r)})}setFilm(e,t){this.#e.setFilm(e),b("marks",HTMLElement).hidden=t.length===0;for(let o of this.#t){let s=o.closest("label");s!==null&&(s.hidden=!t.some(i=>i===o.value))}let r=e.streams.map(({kind:o,codec:s,count:i,bytes:a})=>[o,s,D(i),ie(a)]);Ze(xr("streams"),r)}showMarks(e){for(let t of this.#t)t.checked=[...e].some(r=>r===t.value)}show(e){let{pose:t,stats:r}=e;Ze(xr("figures"),pl(e,this.#n));let o=Object.entries(r.counters).map(([a,c])=>[a,D(c)]);Ze(xr("counters"),o),this.#e.showPose(t,e.fovDeg);let s=[t.yaw,t.pitch].map(a=>`${(a*180/Math.PI).toFixed(1)}°`),i=t.eye.map(a=>(Number(a.toFixed(3))+0).toFixed(3)).join("  ");R(b("eye",HTMLElement),`Eye ${i} m
+Yaw ${s[0]}  Pitch ${s[1]}`),R(this.#r,e.command??""),b("command-part",HTMLElement).hidden=e.command===void 0}};var kr=class{#e=.25;factor(e){return e?this.#e:1}note(e,t){e>this.#e?this.#e=t<=100?e:this.#e:e===this.#e&&t>100?this.#e=Math.max(e/2,.125):e===this.#e&&t<20&&(this.#e=Math.min(e*2,1))}},g1=class{#e;#t=new kr;#r=!0;#n=!0;#o=!1;#s=!1;#i=!1;#a=0;#l=-1/0;#f=-1/0;constructor(e){this.#e=e}change(){this.#r=!0}move(){this.#r=!0,this.#f=this.#e.now()}get isStill(){return this.#e.now()-this.#f>=180}get isSettled(){return!this.#s&&!this.#r&&!this.#n&&this.#a===1}tick(){let e=this.#e.now(),t=this.#t.factor(!this.isStill||this.#n),r=(this.#n||this.#o)&&e-this.#l>=100;this.#s||this.#i||!(this.#r||r||t>this.#a)||this.#c(t,e)}async#c(e,t){this.#s=!0,this.#r=!1;try{let r=await this.#e.draw(e);this.#l=this.#e.now(),this.#a=e,this.#n=r.unitsMissing>0,this.#o=r.overlayMissing>0,(r.unitsMissing===0||r.marchMs>0)&&this.#t.note(e,this.#l-t),this.#e.onDrawn(r,this.#l-t)}catch(r){this.#i=!0,this.#e.onFailed(r)}finally{this.#s=!1}}};var wl=/[^\p{L}\p{N}._-]+/gu;function Ai(n,e){return`${n.replace(/\.[a-z0-9]{1,8}$/i,"").replace(wl,"_").replace(/^[._-]+|[._-]+$/g,"").slice(0,100)||"film"}_${String(e).padStart(4,"0")}.png`}async function Mi(n,e){let t=document.createElement("canvas");[t.width,t.height]=[n.width,n.height],t.getContext("2d")?.drawImage(n,0,0);let r=await new Promise(s=>t.toBlob(s,"image/png"));if(r===null)throw new Error("The picture cannot be saved: the browser gives no memory for it.");let o=document.createElement("a");o.href=URL.createObjectURL(r),o.download=e,o.click(),setTimeout(()=>URL.revokeObjectURL(o.href),1e4)}var Ti=[["exposureEv","exposure",n=>`${n>0?"+":""}${I(n,2)}`],["fovDeg","fov",n=>`${I(n,1)}°`],["eyeDistance","eye-distance",n=>`${I(n*1e3,0)} mm`]],Ci=[["scale","scale"],["steps","steps"],["speed","speed"]];function gl(n,e){[...n.options].some(t=>t.value===e)||n.add(new Option(e,e)),n.value=e}function Er(n,e,t){let r=b(n,HTMLSelectElement);r.addEventListener("change",()=>{let o=e.find(s=>s===r.value);o!==void 0&&t(o)})}var y1=class{constructor(e){for(let[t,r]of Ti){let o=b(r,HTMLInputElement);o.addEventListener("input",()=>e({[t]:oe(t,Number(o.value))}))}for(let[t,r]of Ci){let o=b(r,HTMLSelectElement);o.addEventListener("change",()=>e({[t]:oe(t,Number(o.value))}))}Er("tone-map",l1,t=>e({toneMap:t})),Er("stereo",d1,t=>e({stereo:t})),Er("renderer",f1,t=>e({renderer:t})),P("reset-settings",()=>{let{exposureEv:t,toneMap:r,fovDeg:o,stereo:s,eyeDistance:i,steps:a,scale:c}=L;e({exposureEv:t,toneMap:r,fovDeg:o,stereo:s,eyeDistance:i,steps:a,scale:c})})}show(e){for(let[t,r,o]of Ti)b(r,HTMLInputElement).value=String(e[t]),b(r,HTMLInputElement).setAttribute("aria-valuetext",o(e[t])),R(b(`${r}-value`,HTMLOutputElement),o(e[t]));for(let[t,r]of Ci)gl(b(r,HTMLSelectElement),String(e[t]));b("tone-map",HTMLSelectElement).value=e.toneMap,b("stereo",HTMLSelectElement).value=e.stereo,b("renderer",HTMLSelectElement).value=e.renderer,b("eye-distance",HTMLInputElement).disabled=e.stereo==="mono",b("loop",HTMLButtonElement).setAttribute("aria-pressed",String(e.isLooped))}};var yl=["settings","inspector","help"],_1=class{#e=b("side",HTMLElement);#t=b("stage",HTMLElement);#r;#n;#o;constructor(e){this.#r=e,this.#e.addEventListener("keydown",t=>{t.key==="Escape"&&this.#n!==void 0&&this.toggle(this.#n)})}get open(){return this.#n}restore(){this.#e.hidden=this.#n===void 0}toggle(e){if(b(`open-${e}`,HTMLButtonElement).hidden)return;let t=document.activeElement,r=this.#e.contains(t);r||(this.#o=t instanceof HTMLElement&&t!==document.body?t:this.#t),this.#n=this.#n===e?void 0:e,this.restore();for(let o of yl)b(o,HTMLElement).hidden=o!==this.#n,b(`open-${o}`,HTMLButtonElement).setAttribute("aria-expanded",String(o===this.#n));if(this.#n!==void 0){let o=b(`${e}-title`,HTMLElement);this.#e.setAttribute("aria-labelledby",o.id),this.#e.scrollTop=0,o.focus()}else r&&this.#o?.focus();this.#r()}};function Oi(n,e,t){return t>1?(n-e)/(t-1):0}function _l(n,[e,t],r){let o=r-14,s=[];for(let[i,a]of n){let c=Math.max(i,e),u=Math.min(a,e+t-1);if(c<=u){let l=7+o*Math.max(Oi(c-.5,e,t),0),d=7+o*Math.min(Oi(u+.5,e,t),1);s.push(t>1?[l,d-l]:[7,o])}}return s}function vl(n,e){let t=Math.max(1,Math.round(e)),r=Math.floor(n/t),o=i=>String(i).padStart(2,"0"),s=Math.floor(r/60);return[Math.floor(s/60),s%60,r%60,n%t].map(o).join(":")}var v1=class{#e;#t=0;#r=1;#n=24;#o="Frame";#s="";constructor(e,t){this.#e=e,e.slider.addEventListener("input",()=>t(Number(e.slider.value)))}setFilm({firstFrame:e,frameCount:t,framesPerSecond:r},o){[this.#t,this.#r,this.#n]=[e,t,r],this.#o=o;let{slider:s,time:i}=this.#e;s.min=String(e),s.max=String(e+t-1),s.disabled=t<2,s.ariaLabel=o,i.hidden=o==="View",this.#s=""}showFrame(e,t){let{slider:r,label:o,time:s}=this.#e,i=t===e?"":` (shown: ${t})`,a=`${this.#o} ${e} of ${this.#t}–${this.#t+this.#r-1}`;o.textContent!==a&&(r.value=String(e),o.textContent=a,s.textContent=` · ${vl(e-this.#t,this.#n)}`),r.setAttribute("aria-valuetext",`${this.#o} ${e}${i}`)}showFetched(e){let{canvas:t}=this.#e,[r,o]=[t.clientWidth,t.clientHeight],s=window.devicePixelRatio,i=JSON.stringify([e,r,o,s]),a=t.getContext("2d");if(!(i===this.#s||a===null)){this.#s=i,t.width=Math.round(r*s),t.height=Math.round(o*s),a.scale(s,s),a.fillStyle=getComputedStyle(t).color;for(let[c,u]of _l(e,[this.#t,this.#r],r))a.fillRect(c,0,u,o)}}};var xl=400,kl=200,El=8192,Sl=.4,Pi=[.15,3],Rl=1e4,Al=15e3,Ml=400,Ye=[.25,.5,1,1.5,2],x1=class{#e;#t;#r=b("stage",HTMLElement);#n=new tt;#o=new ue(()=>{this.load()},()=>{this.#v({renderer:"cpu"}),this.load()});#s=new _1(()=>this.#g=-1/0);#i=new y1(e=>this.#v(e));#a;#l;#f;#c={...L};#u;#d;#h;#m;#x=!1;#b;#p=!0;#k=!1;#E=0;#w=-1/0;#g=-1/0;#y=-1/0;constructor(e,t){this.#e=e,this.#t=t,this.#a=new w1(e.kind,(s,i)=>this.#z(s,i)),document.title=`⁨${e.name}⁩ · lightfold`;let r=b("film-name",HTMLElement);r.title=e.name,R(r,e.name);let o={slider:b("timeline",HTMLInputElement),canvas:b("fetched",HTMLCanvasElement),label:b("frame-label",HTMLElement),time:b("time-code",HTMLElement)};this.#l=new v1(o,s=>this.#C(s)),this.#f=new p1(this.#r,{act:s=>this.#L(s),turn:(s,i)=>this.#D(s,i),move:s=>this.#H(s),zoom:s=>this.#v({fovDeg:oe("fovDeg",this.#c.fovDeg*s)}),hover:s=>this.#G(s),fovDeg:()=>this.#c.fovDeg,moveSpeed:()=>this.#I(),reach:()=>this.#I()*2}),this.#W(),this.#c={...L,...Xe(location.hash).settings},this.#i.show(this.#c),this.#a.showMarks(this.#c.marks),window.addEventListener("hashchange",()=>this.#$()),new ResizeObserver(()=>this.#u?.loop.change()).observe(this.#r),requestAnimationFrame(s=>this.#M(s))}async load(){if(this.#x)return;this.#x=!0;let{renderer:e}=this.#c;this.#b=e,this.#S(),this.#o.opening(this.#e.name);let t=document.createElement("canvas");this.#r.replaceChildren(t);try{this.#A(await this.#t(this.#e,t,e),t),this.#o.hide(),this.#s.restore()}catch(r){this.#S(),this.#r.replaceChildren(),R(b("film-facts",HTMLElement),""),this.#o.failed(r,this.#R()),this.#d!==void 0&&this.#U(this.#h??0)}finally{this.#x=!1}this.#e.kind==="lfold"&&e!==this.#c.renderer&&await this.load()}#A(e,t){let{player:r}=e,{film:o}=r,s=new u1(o),i=d=>{this.#u?.player===r&&this.#P(d)},a=performance.now(),c=!1,u=new g1({draw:d=>(c=d===1,r.draw(this.#F(d))),onDrawn:(d,f)=>{this.#u?.player===r&&(this.#m={stats:d,pictureMs:f,size:[t.width,t.height]},this.#p||=performance.now()-a>Rl)},onFailed:d=>i({fatal:!0,message:ce(d)}),now:()=>performance.now()});this.#u={...e,canvas:t,loop:u,clock:s},r.onProblem=i,r.onShown=()=>{this.#k&&(c||s.isPlaying)&&(this.#k=!1,this.#T(t))};let l=Xe(location.hash);this.#d??=this.#B(o.start,l),this.#d={...this.#d,eye:qe(this.#d.eye,o.headBox)},s.isLooped=this.#c.isLooped,s.setSpeed(this.#c.speed,performance.now()),s.seek(this.#h??l.frame??o.firstFrame,performance.now()),this.#O(e),e.showOverdraw?.(this.#c.marks.has("overdraw"))}#O({player:{film:e,renderer:t},marks:r,isFixed:o,enterHeadset:s}){let i=e.frameCount<2,a=this.#e.kind==="quilt";Tl(this.#e.kind),this.#r.classList.toggle("fits",o),a&&(this.#r.ariaDescription="The pointer chooses the view, Space plays, H opens help."),["transport","help-playing"].forEach(p=>b(p,HTMLElement).hidden=i),b("headset",HTMLButtonElement).hidden=s===void 0,this.#l.setFilm(e,a?"View":"Frame"),this.#a.setFilm(e,r),b("steps",HTMLSelectElement).disabled=t==="cpu";let c=Number(e.framesPerSecond.toFixed(3)),u=a?`${e.frameCount} views`:`${e.frameCount} frames at ${c}/s`,l=i?"still":u,{length:d}=e.probes,f=d===0?[]:[`${D(d)} ${d===1?"probe":"probes"}`],h=b("film-facts",HTMLElement),m=t==="cpu"?["small pictures, drawn on the processor"]:[];h.title=[...f,l,ie(e.fileBytes),...m].join(" · "),R(h,h.title),R(b("headset-help",HTMLElement),Cl(this.#e,s!==void 0))}#S(){let e=this.#u;e!==void 0&&(this.#h=e.clock.frame(performance.now()),this.#u=void 0,this.#m=void 0,e.player.close())}#P({fatal:e,passes:t,message:r}){if(!e){this.#n.say(r,t===!0?Al:1/0);return}this.#S(),this.#p?(this.#p=!1,this.#n.say(`${r.replace(/\.$/,"")}; the film is loaded again`),this.load()):(this.#r.replaceChildren(),this.#o.failed(r,this.#R()))}#M(e){requestAnimationFrame(i=>this.#M(i));let t=(e-this.#E)/1e3;this.#E=e;let r=this.#u;if(r===void 0)return;this.#f.advance(t);let o=performance.now(),s=r.clock.frame(o);s!==this.#h&&(this.#h=s,r.loop.move()),this.#c.marks.has("fetched")&&(this.#m?.stats.fetchRate??0)>0&&r.loop.change(),r.loop.tick(),this.#r.ariaBusy=String(!r.loop.isSettled),this.#l.showFrame(s,this.#m?.stats.shownFrame??s),b("play",HTMLButtonElement).classList.toggle("playing",r.clock.isPlaying),b("play",HTMLButtonElement).ariaLabel=r.clock.isPlaying?"Pause":"Play",o-this.#g>=kl&&(this.#g=o,this.#N(r)),o-this.#w>=xl&&r.loop.isStill&&!r.clock.isPlaying&&(this.#w=o,this.#U(s))}#T(e){Mi(e,Ai(this.#e.name,this.#h??0)).catch(r=>this.#n.say(ce(r)))}#N(e){this.#l.showFetched(e.player.fetched());let t=this.#m?.stats.unitsMissing??0,r=b("state",HTMLElement),o=performance.now();if(this.#y=t===0?o:this.#y,r.hidden=this.#m!==void 0&&o-this.#y<Ml,R(r,this.#m?`${D(t)} tiles and cells not loaded yet`:"Loading the first picture"),this.#m!==void 0&&this.#d!==void 0&&this.#s.open==="inspector"){let[s,i]=this.#_(1),a=Math.tan(this.#c.fovDeg*Math.PI/360)*(s/i),c=2*Math.atan(a)*180/Math.PI;this.#a.show({...this.#m,pose:this.#d,fovDeg:c,command:this.#R()})}}#F(e){let{marks:t,fovDeg:r,stereo:o,eyeDistance:s,exposureEv:i,toneMap:a,steps:c}=this.#c,u=new Set((this.#u?.marks??[]).flatMap(m=>m!=="overdraw"&&t.has(m)?[m]:[])),[l,d,f]=[this.#d??Sr,this.#h??0,this.#_(e,this.#u?.player.mostPixels)],h=this.#u?.clock.isPlaying??!1;return{pose:l,frame:d,playing:h,size:f,fovDeg:r,stereo:o,eyeDistance:s,exposureEv:i,toneMap:a,overlays:u,steps:c}}#_(e,t=1/0){let[r,o]=[this.#r.clientWidth,this.#r.clientHeight],s=window.devicePixelRatio*this.#c.scale,i=e*Math.min(s,El/Math.max(r,o,1),Math.sqrt(t/(r*o)));return[Math.max(2,2*Math.round(r*i/2)),Math.max(1,Math.round(o*i))]}#R(){let{kind:e,name:t}=this.#e;if(e==="quilt")return;let r=Xe(location.hash),o=r.eye&&r.look&&{eye:r.eye,yaw:r.look[0],pitch:r.look[1]},s=this.#d??o;if(s===void 0)return wr(t);let{fovDeg:i,stereo:a,eyeDistance:c}=this.#c,u={pose:s,fovDeg:i,stereo:a,eyeDistance:c,size:this.#_(1/this.#c.scale)},l=this.#h??r.frame;return wr(t,e==="glb"||l===void 0?u:{...u,frame:l})}#I(){let e=this.#u?.player.film.headBox,t=e===void 0?[0]:e.least.map((r,o)=>e.greatest[o]-r);return Math.min(Math.max(Sl*Math.max(...t),Pi[0]),Pi[1])}#D(e,t){this.#d===void 0||this.#u===void 0||this.#e.kind==="quilt"||(this.#d=fi(this.#d,e,t),this.#u.loop.move())}#H(e){if(this.#d===void 0||this.#u===void 0||this.#e.kind==="quilt")return;let t=li(this.#d.eye,hi(this.#d,e),this.#u.player.film.headBox);this.#d={...this.#d,eye:t},this.#u.loop.move()}#G(e){let t=this.#u;if(this.#e.kind==="quilt"&&t!==void 0&&!t.clock.isPlaying){let{firstFrame:r,frameCount:o}=t.player.film;t.clock.seek(r+e*(o-1),performance.now())}}#C(e){this.#u?.clock.pause(performance.now()),this.#u?.clock.seek(e,performance.now())}#v(e){let t={...this.#c,...e};this.#c=t,this.#i.show(t),this.#a.showMarks(t.marks),this.#g=-1/0;let r=this.#u;r!==void 0&&(r.clock.isLooped=t.isLooped,r.clock.setSpeed(t.speed,performance.now()),r.showOverdraw?.(t.marks.has("overdraw")),r.loop.move()),this.#e.kind==="lfold"&&t.renderer!==this.#b&&this.load()}#z(e,t){let r=[...this.#c.marks].filter(o=>o!==e);this.#v({marks:new Set(t?[...r,e]:r)})}#B(e,{eye:t,look:r}){let o=this.#u?.player.film.headBox;return{eye:t!==void 0&&o!==void 0?qe(t,o):e.eye,yaw:r?.[0]??e.yaw,pitch:r?.[1]??e.pitch}}#$(){let e=Xe(location.hash),t=this.#u;this.#d=t&&this.#B(t.player.film.start,e),this.#h=void 0,t!==void 0&&this.#C(e.frame??t.player.film.firstFrame),this.#v({...L,...e.settings}),this.#u?.loop.move()}#U(e){let t=bi(this.#d??Sr,e,this.#c);t!==location.hash&&history.replaceState(null,"",t)}#L(e){let[t,r]=[this.#u,performance.now()];t!==void 0&&(e==="settings"||e==="inspector"||e==="help"?this.#s.toggle(e):e==="full-screen"?Ol().catch(()=>this.#n.say("The browser allows no full screen here.")):this.#V(t,e,r))}#V({clock:e,player:t,loop:r},o,s){let{film:i}=t;switch(o){case"play":return r.change(),e.isPlaying?e.pause(s):e.play(s);case"step-back":return e.step(-1,s);case"step-forward":return e.step(1,s);case"first":return this.#C(i.firstFrame);case"last":return this.#C(e.lastFrame);case"loop":return this.#v({isLooped:!this.#c.isLooped});case"slower":return this.#v({speed:Ye.findLast(a=>a<this.#c.speed)??Ye[0]});case"faster":return this.#v({speed:Ye.find(a=>a>this.#c.speed)??Ye[Ye.length-1]});case"reset":return this.#d=i.start,r.move();case"lock-pointer":return this.#f.toggleLock();case"screenshot":return this.#k=!0,r.change()}}#W(){["play","step-back","step-forward","first","last","loop","screenshot","full-screen"].forEach(r=>P(r,()=>this.#L(r)));for(let r of["settings","inspector","help"])P(`open-${r}`,()=>this.#L(r));let t=P("copy-link",()=>{this.#u!==void 0&&this.#U(this.#h??0),ae(location.href,t)});P("headset",()=>{this.#u?.enterHeadset?.(this.#d??Sr)?.catch(o=>this.#n.say(`The headset does not open: ${ce(o)}`))})}},Sr={eye:[0,0,0],yaw:0,pitch:0};function Tl(n){document.querySelectorAll("[data-kinds]").forEach(e=>{e.hidden=!(e.dataset.kinds??"").split(" ").includes(n)})}function Cl({kind:n},e){return n==="glb"?e?"The button Headset shows this scene in WebXR.":"This scene plays in WebXR, by a button that appears where the browser finds a headset.":n==="quilt"?"Quilts are for displays of Looking Glass; headsets show other forms of light fields.":"This page does not show light fields in headsets: WebXR takes pictures of WebGL in most browsers, and these are made by WebGPU. lightfold render --projection vr180 --stereo side-by-side makes pictures for headsets; lightfold simplify makes a scene (.glb) of a frame, which this page shows in WebXR."}async function Ol(){await(document.fullscreenElement===null?document.documentElement.requestFullscreen():document.exitFullscreen())}var Ni=()=>location.reload();async function Pl(){try{let n=new URL("film.json",document.baseURI);await new x1(await Lr(n.href),ci).load()}catch(n){new ue(Ni,Ni).failed(n,void 0)}}Pl();
