@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 use serde_json::Value;
 use serde_json::ser::{Formatter, PrettyFormatter};
 
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Returns indented JSON with a final newline.
 pub fn pretty(value: &impl Serialize) -> Result<String> {

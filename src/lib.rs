@@ -13,28 +13,24 @@
 mod modules {
     #[cfg(feature = "render")]
     pub mod atlas;
-    pub mod block;
     #[cfg(feature = "cli")]
     pub mod cli;
-    pub mod color;
     #[cfg(feature = "encode")]
     pub mod compare;
-    pub mod container;
     #[cfg(feature = "encode")]
     pub mod convention;
     #[cfg(feature = "encode")]
     pub mod dataset;
-    pub mod decode;
-    pub mod depth;
-    pub mod effort;
+    #[cfg(feature = "encode")]
+    pub mod depth_bound;
     #[cfg(feature = "encode")]
     pub mod encode;
-    pub mod entropy;
     #[cfg(feature = "epipolar")]
     pub mod epipolar;
-    pub mod error;
     #[cfg(feature = "render")]
     pub mod evaluate;
+    #[cfg(feature = "encode")]
+    pub mod export;
     #[cfg(feature = "encode")]
     pub mod files;
     #[cfg(feature = "encode")]
@@ -43,20 +39,18 @@ mod modules {
     pub mod gpu;
     #[cfg(feature = "cli")]
     pub mod hard_cases;
-    pub mod image;
+    #[cfg(feature = "encode")]
+    pub mod image_files;
     #[cfg(feature = "encode")]
     pub mod inspect;
     #[cfg(feature = "encode")]
     pub mod json;
     #[cfg(feature = "render")]
     pub mod march;
-    pub mod math;
-    pub mod memory;
     #[cfg(feature = "scene")]
     pub mod mesh;
+    #[cfg(feature = "encode")]
     pub mod metrics;
-    pub mod monitor;
-    pub mod ordered;
     #[cfg(feature = "encode")]
     pub mod pack;
     #[cfg(feature = "scene")]
@@ -69,7 +63,6 @@ mod modules {
     pub mod serve;
     #[cfg(feature = "simplify")]
     pub mod simplify;
-    pub mod streams;
     #[cfg(feature = "encode")]
     pub mod train;
     #[cfg(feature = "render")]
@@ -82,36 +75,36 @@ pub use modules::*;
 #[cfg(not(feature = "internals"))]
 use modules::*;
 
+#[cfg(feature = "encode")]
+pub use codec::color::Target;
+#[cfg(feature = "encode")]
+pub use codec::container::Compression;
+pub use codec::container::{ByteSource, ProbeEntry};
+pub use codec::decode::{DecodeCost, Decoder, FaceDecoder, PixelsMut, StreamInfo, UnitDecoder};
+pub use codec::depth::DepthRange;
+#[cfg(feature = "encode")]
+pub use codec::depth::domain::DomainKind;
+#[cfg(feature = "encode")]
+pub use codec::depth::mode_decision::Decide;
+#[cfg(feature = "encode")]
+pub use codec::effort::Effort;
+pub use codec::error::{Error, Result};
+#[cfg(feature = "encode")]
+pub use codec::image::Transfer;
+pub use codec::image::{DepthKind, Face, FrameRange, Projection, StreamKind};
+#[cfg(feature = "encode")]
+pub use codec::monitor::Monitor;
+pub use codec::streams::{ColorBlocks, ColorFormat};
 pub use half::f16;
 #[cfg(feature = "encode")]
-pub use modules::color::Target;
-#[cfg(feature = "encode")]
-pub use modules::container::Compression;
-pub use modules::container::{ByteSource, ProbeEntry};
-#[cfg(feature = "encode")]
 pub use modules::dataset::{InvalidDepth, Pose, ProbeInfo, SourceGroup};
-pub use modules::decode::{DecodeCost, Decoder, FaceDecoder, PixelsMut, StreamInfo, UnitDecoder};
-pub use modules::depth::DepthRange;
-#[cfg(feature = "encode")]
-pub use modules::depth::domain::DomainKind;
-#[cfg(feature = "encode")]
-pub use modules::depth::mode_decision::Decide;
-#[cfg(feature = "encode")]
-pub use modules::effort::Effort;
 #[cfg(feature = "encode")]
 pub use modules::encode::{
     ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, EncodeSummary, Encoder, EncoderStream,
     ErrorBound, FrameSource, MaterialSettings, ProbePose, TileSize,
 };
-pub use modules::error::{Error, Result};
-#[cfg(feature = "encode")]
-pub use modules::image::Transfer;
-pub use modules::image::{DepthKind, Face, FrameRange, Projection, StreamKind};
 #[cfg(feature = "encode")]
 pub use modules::inspect::{Inspection, StreamStats, statistics};
-#[cfg(feature = "encode")]
-pub use modules::monitor::Monitor;
-pub use modules::streams::{ColorBlocks, ColorFormat};
 
 #[cfg(feature = "cli")]
 #[doc(hidden)]

@@ -5,22 +5,39 @@
 #![doc(hidden)]
 
 use std::collections::HashSet;
+use std::io::Read;
+use std::path::Path;
 
 use serde::Serialize;
 
-use crate::color::HalfKey;
-use crate::color::transform::encode::count_payload;
-use crate::color::transform::tables::Transform;
-use crate::container::ChunkEntry;
-use crate::decode::{Decoder, memory};
-use crate::depth::predictive::PredictiveChunk;
-use crate::depth::predictive::tables::Predictive;
-use crate::entropy::{Counts, Model, PayloadCounts, PricedTables, Tables, Trainer, table_text};
-use crate::error::{Error, Result};
-use crate::memory::{Budget, Need};
-use crate::monitor::Monitor;
-use crate::ordered::try_map_at_once;
-use crate::streams::{CodecHeader, DepthCoding, StreamInfo};
+use codec::color::HalfKey;
+use codec::color::transform::encode::count_payload;
+use codec::color::transform::tables::Transform;
+use codec::container::ChunkEntry;
+use codec::decode::{Decoder, memory};
+use codec::depth::predictive::PredictiveChunk;
+use codec::depth::predictive::tables::Predictive;
+use codec::entropy::{Counts, Model, PayloadCounts, PricedTables, TableSet, Tables, Trainer, table_text};
+use codec::error::{Error, Result};
+use codec::memory::{Budget, Need};
+use codec::monitor::Monitor;
+use codec::ordered::try_map_at_once;
+use codec::streams::{CodecHeader, DepthCoding, StreamInfo};
+
+use crate::files::open_regular;
+
+/// Largest file of tables; a set takes some 5 kB.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// Reads the table sets of a text file, at least one.
+pub fn read_tables<M: Model>(path: &Path) -> Result<Vec<TableSet<M>>> {
+    let mut text = Vec::new();
+    open_regular(path)?.take(MAX_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
+    if text.len() as u64 > MAX_BYTES {
+        return Err(Error::invalid(format!("a file of entropy tables has at most {MAX_BYTES} bytes")).in_file(path));
+    }
+    table_text::read(&text).map_err(|error| error.in_file(path))
+}
 
 /// A codec with trained tables.
 pub trait TrainedCodec: Model {
@@ -70,7 +87,7 @@ impl TrainedCodec for Predictive {
 
 #[derive(Debug, Clone, Copy)]
 pub struct TrainSettings {
-    /// Number of table sets, 1 to [`crate::entropy::tables::MAX_OWN`].
+    /// Number of table sets, 1 to [`codec::entropy::tables::MAX_OWN`].
     pub sets: usize,
     pub memory: Budget,
 }

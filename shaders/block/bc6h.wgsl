@@ -1,4 +1,4 @@
-// BC6H UF16 (blocks.md 7). Mirrors src/block/bc6h.rs. Needs bptc.wgsl.
+// BC6H UF16 (blocks.md 7). Mirrors src/codec/block/bc6h.rs. Needs bptc.wgsl.
 
 // Fields of a block before the indices.
 struct Bc6hValues {

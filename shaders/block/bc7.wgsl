@@ -1,4 +1,4 @@
-// BC7 (blocks.md 8). Mirrors src/block/bc7.rs. Needs bptc.wgsl.
+// BC7 (blocks.md 8). Mirrors src/codec/block/bc7.rs. Needs bptc.wgsl.
 
 // Bit allocation of a mode.
 struct Bc7Mode {

@@ -1,4 +1,4 @@
-// Functions and tables shared by BC6H and BC7 (blocks.md 6). Mirrors src/block/bptc.rs.
+// Functions and tables shared by BC6H and BC7 (blocks.md 6). Mirrors src/codec/block/bptc.rs.
 
 // Partitions into two subsets: bit t is the subset of pixel t; bits 16 to 19 are the anchor of subset 1.
 const BPTC_TWO = array<u32, 64>(

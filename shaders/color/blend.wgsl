@@ -1,4 +1,4 @@
-// Interpolation between two keyframes (arithmetic.md 3, 4). Mirrors src/color/blend.rs.
+// Interpolation between two keyframes (arithmetic.md 3, 4). Mirrors src/codec/color/blend.rs.
 
 fn lerp(a: vec3u, b: vec3u, weight: u32) -> vec3u {
     return (a * (255u - weight) + b * weight + 127u) / 255u;

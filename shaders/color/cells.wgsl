@@ -1,5 +1,5 @@
 // Plans colour cells: the two keyframes that each listed cell blends, and their weight (color.md 4). Mirrors
-// src/color/cells.rs.
+// src/codec/color/cells.rs.
 
 @group(0) @binding(0) var<storage, read> chunks: array<Chunk>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;

@@ -1,4 +1,4 @@
-// Decodes cells whose keyframes may be block-compressed (color.md 4): `CellState` of src/decode/decoder.rs. An invocation
+// Decodes cells whose keyframes may be block-compressed (color.md 4): `CellState` of src/codec/decode/decoder.rs. An invocation
 // writes the 4x4 pixels of a block. Needs `keyframe_block`, `empty_block`, `unpack`, `sample_pixel`, `between` and `put_pixel`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;

@@ -1,4 +1,4 @@
-// Decodes cells whose keyframes are raw samples (color.md 4): `CellState` of src/decode/decoder.rs. An invocation writes a
+// Decodes cells whose keyframes are raw samples (color.md 4): `CellState` of src/codec/decode/decoder.rs. An invocation writes a
 // pixel. Needs `sample_pixel`, `between` and `put_pixel`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;

@@ -1,4 +1,4 @@
-// Packing and interpolation of half-float pixels: `impl Sample for HalfKey` of src/color/blend.rs. Needs `lerp`.
+// Packing and interpolation of half-float pixels: `impl Sample for HalfKey` of src/codec/color/blend.rs. Needs `lerp`.
 
 // Unpacks a pixel from the layout of `pictures`: r | g << 16 in the first word, b in the second.
 fn unpack(pixel: vec2u) -> vec3u {

@@ -1,4 +1,4 @@
-// Keyframes in BC6H blocks (color.md 4). Mirrors src/color/keyframe_blocks.rs. Needs `word_at` and `bc6h_texels`.
+// Keyframes in BC6H blocks (color.md 4). Mirrors src/codec/color/keyframe_blocks.rs. Needs `word_at` and `bc6h_texels`.
 
 fn keyframe_block(keyframe: Record, block: u32, out: ptr<function, array<vec2u, 16>>) {
     let at = keyframe.at + 16u * block;

@@ -1,4 +1,4 @@
-// Cells of 8-bit samples (color.md 3, 4): `impl Sample for u8` of src/color/blend.rs. Needs `word_at`, `lerp` and `pictures`.
+// Cells of 8-bit samples (color.md 3, 4): `impl Sample for u8` of src/codec/color/blend.rs. Needs `word_at`, `lerp` and `pictures`.
 
 // Unpacks a pixel from the layout of `pictures`: r | g << 8 | b << 16.
 fn unpack(pixel: u32) -> vec3u {

@@ -1,4 +1,4 @@
-// BC4w blocks (depth.md 8). Mirrors src/depth/bc4w.rs. Needs `stream`.
+// BC4w blocks (depth.md 8). Mirrors src/codec/depth/bc4w.rs. Needs `stream`.
 
 struct Bc4w {
     // 13-bit endpoints of sides A and B.

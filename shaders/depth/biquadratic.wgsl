@@ -1,4 +1,4 @@
-// Biquadratic functions (arithmetic.md 6). Mirrors src/depth/biquadratic.rs. Needs `stream`.
+// Biquadratic functions (arithmetic.md 6). Mirrors src/codec/depth/biquadratic.rs. Needs `stream`.
 
 struct Biquadratic {
     a0: i32,

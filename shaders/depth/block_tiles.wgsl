@@ -1,4 +1,4 @@
-// Block tiles of block-compressed boxes (depth.md 14): finds the block that holds a pixel. Mirrors src/depth/block_tiles.rs;
+// Block tiles of block-compressed boxes (depth.md 14): finds the block that holds a pixel. Mirrors src/codec/depth/block_tiles.rs;
 // the table of boxes has one row per piece.
 
 // Returns the index of the block that holds a pixel of a piece, and the index of the pixel in that block.

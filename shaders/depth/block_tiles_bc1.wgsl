@@ -1,4 +1,4 @@
-// Block tiles in BC1 blocks or as raw values (depth.md 14): `impl Texel for [u8; 3]` of src/depth/texel.rs. Needs
+// Block tiles in BC1 blocks or as raw values (depth.md 14): `impl Texel for [u8; 3]` of src/codec/depth/texel.rs. Needs
 // `piece_block`, `word_at`, `stored_value` and `bc1_texel`.
 
 fn box_value(row: BoxRow, x: u32, y: u32) -> u32 {

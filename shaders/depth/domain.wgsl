@@ -1,4 +1,4 @@
-// Converts the value of a modelling function to a code (arithmetic.md 6, 7). Mirrors src/depth/domain.rs. Needs `log2_table`.
+// Converts the value of a modelling function to a code (arithmetic.md 6, 7). Mirrors src/codec/depth/domain.rs. Needs `log2_table`.
 
 const BACKGROUND_CODE: u32 = 65535u;
 const FAR_CODE: u32 = 65534u;

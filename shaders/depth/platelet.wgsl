@@ -1,4 +1,4 @@
-// Platelets: two planes divided by a line (arithmetic.md 6). Mirrors src/depth/platelet.rs. Needs `stream`.
+// Platelets: two planes divided by a line (arithmetic.md 6). Mirrors src/codec/depth/platelet.rs. Needs `stream`.
 
 struct Plane {
     a0: i32,

@@ -1,5 +1,5 @@
 // Plans depth units: the record that each listed unit applies next, and its amount of work (depth.md 4). A dispatch plans one
-// step per unit. Mirrors src/depth/record_table.rs.
+// step per unit. Mirrors src/codec/depth/record_table.rs.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> chunks: array<Chunk>;

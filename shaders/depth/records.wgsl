@@ -1,4 +1,4 @@
-// Records of boxes (depth.md 4). Mirrors src/depth/records.rs. Needs `units`, `records`, `jobs` and `boxes`.
+// Records of boxes (depth.md 4). Mirrors src/codec/depth/records.rs. Needs `units`, `records`, `jobs` and `boxes`.
 
 // The part of a box that one invocation writes.
 struct BoxPart {

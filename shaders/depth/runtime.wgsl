@@ -1,4 +1,4 @@
-// Decodes nodes in the runtime form (depth.md 10; GDC 4, 5). Mirrors src/depth/runtime.rs and src/depth/nodes.rs.
+// Decodes nodes in the runtime form (depth.md 10; GDC 4, 5). Mirrors src/codec/depth/runtime.rs and src/codec/depth/nodes.rs.
 //
 // An invocation decodes a part of 4x4 pixels. The parts of a record are numbered by level, then by node, then row by row inside
 // a node. The node of a part follows from the node counts in the header.

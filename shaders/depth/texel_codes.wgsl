@@ -1,4 +1,4 @@
-// Boxes of depth codes (depth.md 4). Mirrors `impl Texel for u16` of src/depth/texel.rs.
+// Boxes of depth codes (depth.md 4). Mirrors `impl Texel for u16` of src/codec/depth/texel.rs.
 //
 // An invocation writes a word: two codes, or only the one inside the box. Another box of the record may write the other half of
 // the same word, so a single half is written with atomic bit operations. Needs `box_value`.

@@ -1,4 +1,4 @@
-// Boxes of material (depth.md 4, 5). Mirrors `impl Texel for [u8; 3]` of src/depth/texel.rs. An invocation writes a pixel.
+// Boxes of material (depth.md 4, 5). Mirrors `impl Texel for [u8; 3]` of src/codec/depth/texel.rs. An invocation writes a pixel.
 // Needs `box_value`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;

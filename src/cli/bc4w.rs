@@ -11,12 +11,12 @@ use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::source::{Source, SourceOptions};
-use crate::depth::tile_psnr::{BIN_DB, TileModel, TilePsnr};
 use crate::encode::tile_quality::{self, TileQualityReport};
 use crate::encode::{DepthCodec, EncodeReport, EncodeSettings};
-use crate::error::{Result, counted};
-use crate::image::StreamKind;
 use crate::report::Table;
+use codec::depth::tile_psnr::{BIN_DB, TileModel, TilePsnr};
+use codec::error::{Result, counted};
+use codec::image::StreamKind;
 
 const BAR_COLUMNS: u64 = 8;
 

@@ -9,13 +9,13 @@ use crate::cli::capture::parse_size;
 use crate::cli::options::{Choices, check_report, one_of, parse_positive, word_of};
 use crate::cli::output;
 use crate::cli::{ExitStatus, GlobalArgs, outputs, refuse};
-use crate::container::header::is_container;
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
-use crate::decode::Decoder;
-use crate::error::{Error, Result};
 use crate::evaluate::cameras::{self, CameraFormat, FileCamera, WriteSettings, Written};
 use crate::files::{OutputFile, OutputFolder};
 use crate::report::coding_map::counted;
+use codec::container::header::is_container;
+use codec::decode::Decoder;
+use codec::error::{Error, Result};
 
 const FPS: f64 = 24.0;
 const HEIGHT: u32 = 1080;

@@ -12,13 +12,13 @@ use crate::cli::unfinished_folder::UnfinishedFolder;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::encode::Shard;
-use crate::error::{Error, Result};
 use crate::files::PartialFolder;
 use crate::fingerprint::Fingerprint;
 use crate::report::coding_map::counted;
 use crate::scene::capture::CaptureReport;
 use crate::scene::capture::write::UNFINISHED;
 use crate::scene::{CapturePlan, CaptureSummary, Pass, Play, Scene};
+use codec::error::{Error, Result};
 
 pub use args::{Args, parse_size};
 

@@ -12,8 +12,8 @@ use crate::cli::{
     bc4w, cameras, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, init, inspect,
     interpolate, man, pack, place, quadtree, quilt, render, scan, schema, selftest, simplify, train, view,
 };
-use crate::error::Result;
 use crate::files;
+use codec::error::Result;
 
 /// Codec toolkit for animated light fields: probes of colour and depth.
 #[derive(Debug, Parser)]

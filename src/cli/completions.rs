@@ -1,7 +1,7 @@
 //! `lightfold completions SHELL`: prints a completion script.
 
 use crate::cli::{ExitStatus, output};
-use crate::error::Result;
+use codec::error::Result;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  lightfold completions bash > ~/.local/share/bash-completion/completions/lightfold")]

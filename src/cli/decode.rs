@@ -16,20 +16,19 @@ use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
-use crate::decode::{
-    self, DecodeReport, DecodeSummary, DecodeTimes, Decoded, Decoder, Destination, FileCoding, FileFormat, ImageSource,
-    OnCpu, OnDamage, Request,
-};
-use crate::error::{Error, Result};
+use crate::export;
+use crate::export::{DecodeReport, DecodeTimes, Destination, FileCoding, FileFormat};
 use crate::files::{OutputFolder, parent_of};
 use crate::gpu::Gpu;
 use crate::gpu::device::DeviceChoice;
 use crate::gpu::verify::{self, Verification};
-use crate::image::sequence::Pattern;
-use crate::memory::Budget;
 use crate::report::coding_map::counted;
 use crate::report::timing::{Spread, median, spread};
 use crate::views::camera_units::CameraUnitsReport;
+use codec::decode::{self, DecodeSummary, Decoded, Decoder, ImageSource, OnCpu, OnDamage, Request};
+use codec::error::{Error, Result};
+use codec::image::sequence::Pattern;
+use codec::memory::Budget;
 
 pub use args::Args;
 
@@ -75,7 +74,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let request = Request { streams: &chosen, filter: view.filter(), memory };
     let coding = FileCoding { format: args.format, space: args.color_space };
     let write = |source: &dyn ImageSource, output: &Path| match &pipe {
-        Some(pipe) => decode::decode_to_stream(source, &decoder, request, &mut *pipe.borrow_mut(), &progress),
+        Some(pipe) => export::decode_to_stream(source, &decoder, request, &mut *pipe.borrow_mut(), &progress),
         None => Export { source, decoder: &decoder, request, coding, progress: &progress }.write(output),
     };
     let on_gpu = |gpu: &Gpu| {
@@ -222,7 +221,7 @@ impl Export<'_> {
             return self.write_into(output, |folder| Destination::Dataset(folder.to_path_buf()));
         };
         let streams = self.request.streams;
-        let sequences = decode::file_sequences(streams);
+        let sequences = export::file_sequences(streams);
         let images: u64 = sequences.iter().map(|frames| frames.count()).sum();
         if !pattern.has_field() && images != 1 {
             return refuse(format!(
@@ -252,7 +251,7 @@ impl Export<'_> {
         let folder = OutputFolder::create(path)?;
         let work = destination(folder.work_path());
         let decoded =
-            decode::decode_to_files(self.source, self.decoder, self.request, &work, self.coding, self.progress)
+            export::decode_to_files(self.source, self.decoder, self.request, &work, self.coding, self.progress)
                 .map_err(|error| folder.present(error))?;
         if decoded.summary.frames > 0 {
             let removed = destination(path).remove_missing(self.decoder, &decoded.missing, self.coding.format)?;
@@ -270,7 +269,7 @@ impl Export<'_> {
 
 /// Fails if the dataset in a folder was not written by `decode`: it may be the source of the container.
 fn check_replaced(folder: &Path) -> Result<()> {
-    match Manifest::read(folder).is_ok_and(|manifest| decode::has_decoded(&manifest)) {
+    match Manifest::read(folder).is_ok_and(|manifest| export::has_decoded(&manifest)) {
         true => Ok(()),
         false => refuse(format!(
             "{}: contains a dataset that lightfold did not decode; its files would be replaced: name another folder",

@@ -13,15 +13,16 @@ use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::compare::{self, CompareSettings, Comparison, Pairing, SideOptions, SsimFrames};
 use crate::dataset::source::{Source, SourceOptions};
-use crate::decode::{self, Decoder, Destination, FileCoding, OnCpu, OnDamage, Selection, StreamInfo};
 use crate::encode::{EncodeSettings, ErrorBound};
-use crate::error::Result;
-use crate::image::StreamKind;
+use crate::export::{Destination, FileCoding};
 use crate::inspect::{self, InspectSettings, percent};
 use crate::json::Number;
 use crate::report::Table;
 use crate::report::tradeoff::runner::shell_word;
 use crate::scene::{CapturePlan, DemoKind, DemoScene, FootagePlan, Scene};
+use codec::decode::{self, Decoder, OnCpu, OnDamage, Selection, StreamInfo};
+use codec::error::Result;
+use codec::image::StreamKind;
 
 #[derive(Debug, clap::Args)]
 #[command(

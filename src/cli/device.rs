@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use crate::cli::options::Choices;
 use crate::cli::{ExitStatus, GlobalArgs, output};
-use crate::error::{Error, Result};
 use crate::gpu::device::{self, DeviceChoice, DeviceInfo, Gpu, Pick};
 use crate::report::Table;
+use codec::error::{Error, Result};
 
 /// Number or part of the name of a graphics device, used without `--gpu-index`.
 const VARIABLE: &str = "LIGHTFOLD_GPU";

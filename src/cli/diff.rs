@@ -4,13 +4,13 @@ use crate::cli::options::{self, Choices, FrameArgs, MemoryArgs, SideArgs, one_of
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, diff_text};
-use crate::color::quality::MAX_QUALITY;
 use crate::compare::{self, Bounds, ColorDomain, CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};
-use crate::decode::Selection;
-use crate::error::{Error, Result};
-use crate::image::StreamKind;
-use crate::image::cube::Face;
 use crate::report::coding_map::counted;
+use codec::color::quality::MAX_QUALITY;
+use codec::decode::Selection;
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
+use codec::image::cube::Face;
 
 #[derive(Debug, clap::Args)]
 #[command(

@@ -2,17 +2,17 @@
 
 use comfy_table::{Table, presets};
 
-use crate::color::quality::PU_STEPS;
 use crate::compare::{
     Bound, Coding, Comparison, Domain, Judgement, Lowest, Measured, Origin, SampleErrors, SampleTotal, Side,
     StreamReport, Violation, side_name,
 };
-use crate::image::StreamKind;
-use crate::image::sequence::FrameRange;
-use crate::image::transfer::Transfer;
 use crate::metrics::depth_error::DepthErrors;
 use crate::report::coding_map::counted;
-use crate::streams::ColorFormat;
+use codec::color::quality::PU_STEPS;
+use codec::image::StreamKind;
+use codec::image::sequence::FrameRange;
+use codec::image::transfer::Transfer;
+use codec::streams::ColorFormat;
 
 /// Maximum number of streams that get a row each by default.
 pub const FEW_ROWS: usize = 12;

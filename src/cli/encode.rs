@@ -9,18 +9,18 @@ use crate::cli::options::{
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, depth_bound, encode_advice, refuse};
-use crate::container::{Recovered, journal};
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
 use crate::encode::{
     self, EncodeReport, EncodeSettings, EncodeSummary, Footage, FrameSource, Kept, Part, Resumable, ScanFile, Scans,
     Stopped,
 };
-use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
-use crate::image::StreamKind;
-use crate::monitor::Monitor;
 use crate::report::coding_map::counted;
+use codec::container::{Recovered, journal};
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
+use codec::monitor::Monitor;
 
 const SMALLER: &str = "a lower --quality or a higher --max-error";
 

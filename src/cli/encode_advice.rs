@@ -8,9 +8,9 @@ use crate::cli::{GlobalArgs, depth_bound};
 use crate::convention::{self, Choice, MAX_PROBES, Verdict};
 use crate::dataset::Source;
 use crate::encode::{self, EncodeSettings, EncodeSummary, FrameSource};
-use crate::error::{Error, Result};
-use crate::image::StreamKind;
 use crate::report::coding_map::counted;
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
 
 /// Notes suspicious values of the first frames before encoding. Unreadable files are reported by the encoder.
 ///

@@ -4,9 +4,9 @@ use crate::cli::encode::SequenceCodec;
 use crate::cli::options::{COLOR_SPACES, ColorArgs, one_of};
 use crate::dataset::source::SourceOptions;
 use crate::encode::EncodeSettings;
-use crate::error::Result;
-use crate::image::ColorSpace;
-use crate::image::StreamKind;
+use crate::image_files::ColorSpace;
+use codec::error::Result;
+use codec::image::StreamKind;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode-color face_px/color.%04d.exr --face px -o px.lfold\n  \

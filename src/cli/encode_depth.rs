@@ -4,8 +4,8 @@ use crate::cli::encode::SequenceCodec;
 use crate::cli::options::DepthArgs;
 use crate::dataset::source::SourceOptions;
 use crate::encode::EncodeSettings;
-use crate::error::Result;
-use crate::image::StreamKind;
+use codec::error::Result;
+use codec::image::StreamKind;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode-depth face_px/depth.%04d.exr --face px -o px.lfold\n  \

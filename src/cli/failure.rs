@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::cli::global::{EXIT_INTERRUPTED, EXIT_RETRY, exit_code};
 use crate::cli::output;
-use crate::error::Error;
+use codec::error::Error;
 
 /// JSON document that is printed instead of a report.
 #[derive(Debug, Serialize)]

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::cli::options::{PROGRESS_FORMS, ProgressForm, one_of};
 use crate::cli::output;
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct GlobalArgs {

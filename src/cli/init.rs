@@ -10,9 +10,9 @@ use crate::convention::{self, Verdict};
 use crate::dataset::discover::{self, Proposal};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::dataset::{DepthKind, Projection, Source, SourceOptions};
-use crate::error::{Error, Result};
-use crate::image::StreamKind;
 use crate::report::coding_map::counted;
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  lightfold init my-renders\n  lightfold encode my-renders -o film.lfold\n\n\

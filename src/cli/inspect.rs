@@ -14,11 +14,11 @@ use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
 use crate::dataset::manifest;
 use crate::dataset::seurat::is_manifest as is_seurat_manifest;
-use crate::decode::{Decoder, StreamInfo};
-use crate::error::{Error, Result, counted};
 use crate::inspect::{self, Check, ChunksReport, ContainerReport, FrameReport, FrameRows, InspectSettings};
 use crate::report;
 use crate::scene::Scene;
+use codec::decode::{Decoder, StreamInfo};
+use codec::error::{Error, Result, counted};
 
 pub use args::Args;
 use args::Report;

@@ -24,15 +24,15 @@ use crate::epipolar::grid::{self, GridViews, interpolate_grid};
 use crate::epipolar::memory::{self, Limits};
 use crate::epipolar::pipeline::{Picture, Request, Settings, Summary, between, interpolate};
 use crate::epipolar::views::OutputViews;
-use crate::error::Result;
 use crate::evaluate::RenderedImage;
 use crate::evaluate::camera_file::placed;
 use crate::fingerprint::{Fingerprint, digest};
-use crate::image::{FrameRange, Pattern};
-use crate::monitor::Monitor;
 use crate::report::interpolation::Quality;
 use crate::report::machine;
 use crate::scene::capture::SamplePattern;
+use codec::error::Result;
+use codec::image::{FrameRange, Pattern};
+use codec::monitor::Monitor;
 
 pub use args::Args;
 use device::Device;

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::cli::ExitStatus;
-use crate::error::{Error, Result};
 use crate::files::OutputFolder;
+use codec::error::{Error, Result};
 
 #[derive(Debug, clap::Args)]
 pub struct Args {

@@ -9,8 +9,8 @@ use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
-use crate::image::Pattern;
+use codec::error::{Error, Result};
+use codec::image::Pattern;
 
 /// Maximum number of names in a folder that are compared with the typed name.
 const MAX_NAMES: usize = 10_000;

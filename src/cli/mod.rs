@@ -49,9 +49,9 @@ use std::process::ExitCode;
 
 use clap::FromArgMatches;
 
-use crate::color::transform::tables::Transform;
-use crate::depth::predictive::tables::Predictive;
-use crate::error::{Error, Result};
+use codec::color::transform::tables::Transform;
+use codec::depth::predictive::tables::Predictive;
+use codec::error::{Error, Result};
 
 pub use command_line::{Cli, Command, command};
 use failure::Failure;
@@ -91,7 +91,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 fn hide_guarded_panics() {
     let print = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        if !crate::image::exr::is_guarded() {
+        if !crate::image_files::exr::is_guarded() {
             print(panic);
         }
     }));

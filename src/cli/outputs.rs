@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use crate::cli::refuse;
-use crate::error::Result;
 use crate::files::parent_of;
+use codec::error::Result;
 
 pub type Output = (&'static str, PathBuf);
 

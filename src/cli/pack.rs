@@ -6,11 +6,11 @@ use crate::cli::options::{BoundArgs, DepthStepArgs, EffortArgs, ModelArgs, Outpu
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
-use crate::container::Reader;
-use crate::error::Result;
 use crate::files::OutputFile;
 use crate::pack::{self, FlattenSettings, PackReport, PackSettings, Repack};
 use crate::report::coding_map::counted;
+use codec::container::Reader;
+use codec::error::Result;
 
 #[derive(Debug, clap::Args)]
 #[command(

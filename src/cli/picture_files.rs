@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 
 use super::GlobalArgs;
 use super::unfinished_folder::UnfinishedFolder;
-use crate::decode::FileFormat;
-use crate::error::{Error, Result};
 use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
+use crate::export::FileFormat;
 use crate::files::{FileFolder, FolderKind, OutputFolder, PartialFolder};
 use crate::fingerprint::Fingerprint;
-use crate::image::sequence::Pattern;
-use crate::image::transfer::ToneMap;
-use crate::image::{exr, png};
+use crate::image_files::{exr, png};
+use codec::error::{Error, Result};
+use codec::image::sequence::Pattern;
+use codec::image::transfer::ToneMap;
 
 /// Placeholder of the word.
 pub const WORD_FIELD: &str = "%V";

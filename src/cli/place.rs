@@ -13,7 +13,6 @@ use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
-use crate::error::Result;
 use crate::files::OutputFolder;
 use crate::placement::report::DecayPlacement;
 use crate::placement::search::{self, Extent};
@@ -21,6 +20,7 @@ use crate::placement::{Lighting, Placement, Region, Search};
 use crate::report::placement as figures;
 use crate::report::plot::save;
 use crate::scene::{Play, Scene};
+use codec::error::Result;
 
 pub use args::Args;
 use args::SPECULAR;

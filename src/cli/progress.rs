@@ -11,8 +11,8 @@ use serde::Serialize;
 
 use crate::cli::options::ProgressForm;
 use crate::cli::{GlobalArgs, refuse};
-use crate::error::Result;
-use crate::monitor::Monitor;
+use codec::error::Result;
+use codec::monitor::Monitor;
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 

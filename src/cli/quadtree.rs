@@ -4,8 +4,8 @@ use crate::cli::encode::SequenceCodec;
 use crate::cli::options::{DepthUnitArgs, DomainArgs, ModelArgs};
 use crate::dataset::source::SourceOptions;
 use crate::encode::{DepthCodec, EncodeSettings, ErrorBound};
-use crate::error::Result;
-use crate::image::StreamKind;
+use codec::error::Result;
+use codec::image::StreamKind;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold quadtree face_px/depth.%04d.exr --face px -o px.tree.lfold\n  \

@@ -11,17 +11,18 @@ use crate::cli::options::{MemoryArgs, check_stdout, parse_aspect};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, outputs, refuse};
-use crate::decode::FileFormat;
-use crate::error::{Error, Result};
+use crate::export::FileFormat;
 use crate::files::OutputFile;
-use crate::image::plane::Plane;
-use crate::image::quilt::{Quilt, QuiltLayout, quilt_path};
-use crate::image::sequence::{FrameRange, Sequence};
-use crate::image::{Primaries, ReadLimits, exr, png};
-use crate::memory::Need;
-use crate::monitor::Monitor;
-use crate::ordered::try_map_ordered;
+use crate::image_files::quilt::{Quilt, QuiltLayout, quilt_path};
+use crate::image_files::{exr, png};
 use crate::report::coding_map::counted;
+use codec::error::{Error, Result};
+use codec::image::plane::Plane;
+use codec::image::sequence::{FrameRange, Sequence};
+use codec::image::{Primaries, ReadLimits};
+use codec::memory::Need;
+use codec::monitor::Monitor;
+use codec::ordered::try_map_ordered;
 
 #[derive(Debug, clap::Args)]
 #[command(

@@ -18,14 +18,14 @@ use std::time::Instant;
 use crate::cli::options::check_stdout;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, device, outputs, refuse};
-use crate::decode::Decoder;
-use crate::error::{Error, Result};
 use crate::evaluate::camera_path::TimedCamera;
 use crate::evaluate::frame_requests::{self, FrameRequest};
 use crate::files::OutputFile;
-use crate::image::FrameRange;
-use crate::math::Camera;
 use crate::report::coding_map::counted;
+use codec::decode::Decoder;
+use codec::error::{Error, Result};
+use codec::image::FrameRange;
+use codec::math::Camera;
 
 pub use args::Args;
 use light_field::LightFieldSubject;

@@ -12,8 +12,8 @@ use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::manifest;
 use crate::encode::{self, ScanFile, Shard};
-use crate::error::{Error, Result};
 use crate::report::coding_map::counted;
+use codec::error::{Error, Result};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold scan film -o scan.json\n  \

@@ -2,7 +2,7 @@
 
 use crate::cli::options::{Choices, one_of};
 use crate::cli::{ExitStatus, output};
-use crate::error::Result;
+use codec::error::Result;
 
 /// Names of schemas, their texts, and descriptions.
 const SCHEMAS: &Choices<&str> =

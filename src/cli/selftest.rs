@@ -6,7 +6,6 @@ use crate::cli::device::{self, GpuArgs};
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
-use crate::error::{Error, Result};
 use crate::gpu::device::{DeviceInfo, Gpu, Pick, list};
 use crate::gpu::kernels::DRAWINGS;
 use crate::gpu::selftest::drawings::test_drawing;
@@ -14,9 +13,10 @@ use crate::gpu::selftest::streams::{StreamsReport, test_streams};
 use crate::gpu::selftest::{KernelReport, ROWS, SEED, test_kernel};
 use crate::hard_cases::device::DeviceFigures;
 use crate::hard_cases::{self, CaseReport, CaseRow, Family, FamilyReport, FamilyRow, Inputs, family_rows};
-use crate::monitor::Monitor;
 use crate::report::Table;
 use crate::report::coding_map::counted;
+use codec::error::{Error, Result};
+use codec::monitor::Monitor;
 
 #[derive(Debug, clap::Args)]
 #[command(

@@ -13,9 +13,7 @@ use crate::cli::outputs::{self, Output};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
 use crate::dataset::manifest::manifest_path;
-use crate::error::{Error, Result};
 use crate::files::OutputFile;
-use crate::monitor::Monitor;
 use crate::simplify::capture::Capture;
 use crate::simplify::export::{self, OutputBytes, Scene};
 use crate::simplify::fidelity::compare;
@@ -23,6 +21,8 @@ use crate::simplify::memory::check_images;
 use crate::simplify::pipeline::{self, Simplified, texture};
 use crate::simplify::selected::{SelectedTiles, select};
 use crate::simplify::settings::Settings;
+use codec::error::{Error, Result};
+use codec::monitor::Monitor;
 
 pub use args::Args;
 use report::{Compared, Report};

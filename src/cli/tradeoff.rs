@@ -14,9 +14,9 @@ mod text;
 mod tiles;
 
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::error::Result;
 use crate::report::tradeoff::knob::Stage;
 use crate::scene::Scene;
+use codec::error::Result;
 
 pub use args::Args;
 pub use child::end_with_parent;

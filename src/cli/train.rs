@@ -10,10 +10,10 @@ use crate::cli::options::{MemoryArgs, check_report};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::decode::Decoder;
-use crate::entropy::tables::MAX_OWN;
-use crate::error::{Result, counted};
 use crate::train::{self, Footage, HeldOut, TrainSettings, TrainSummary, Trained, TrainedCodec};
+use codec::decode::Decoder;
+use codec::entropy::tables::MAX_OWN;
+use codec::error::{Result, counted};
 
 pub const COLOR_HELP: &str = "Examples:\n  lightfold train-color kitchen.lfold hall.lfold -o house.txt\n  \
     lightfold encode garden/lightfield.json --color-tables house.txt -o garden.lfold\n  \

@@ -10,12 +10,12 @@ use crate::cli::global::EXIT_FAILED;
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, damage, refuse};
-use crate::decode::{Decoder, StreamInfo};
-use crate::error::{Error, Result};
 use crate::inspect::{self, Check, FrameRows, InspectSettings};
-use crate::memory::Budget;
 use crate::report::coding_map::counted;
 use crate::serve::{self, Description, Film, Limits, Server, Site, Stop};
+use codec::decode::{Decoder, StreamInfo};
+use codec::error::{Error, Result};
+use codec::memory::Budget;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold view film.lfold --open\n  lightfold view room.glb --port 8000\n  \

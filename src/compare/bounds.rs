@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::compare::comparison::Comparison;
 use crate::compare::difference::Lowest;
-use crate::image::StreamKind;
 use crate::metrics::depth_error::Spot;
+use codec::image::StreamKind;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Bounds {

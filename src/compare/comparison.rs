@@ -5,9 +5,10 @@ use serde::{Serialize, Serializer};
 use crate::compare::difference::{BitErrors, Lowest, SampleErrors};
 use crate::compare::domain::{Domain, Origin};
 use crate::compare::side::StreamId;
-use crate::image::{FrameRange, StreamKind};
 use crate::metrics::depth_error::{DepthErrors, Spot, finite_or_nan};
-use crate::metrics::{EyeScores, HvsError, SquaredError};
+use crate::metrics::{EyeScores, HvsError};
+use codec::image::{FrameRange, StreamKind};
+use codec::metrics::SquaredError;
 
 /// Frames of a stream that only one side has.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

@@ -3,13 +3,14 @@
 use half::f16;
 use serde::Serialize;
 
-use crate::color::quality::Pu21;
 use crate::compare::side::Values;
-use crate::error::{Error, Result};
-use crate::image::{ColorPlane, Plane};
 use crate::metrics::depth_error::{Spot, finite_or_nan};
-use crate::metrics::visible::{quality_of, visible_error};
-use crate::metrics::{EyeScores, HvsError, SquaredError, U8_PEAK};
+use crate::metrics::{EyeScores, HvsError};
+use codec::color::quality::Pu21;
+use codec::error::{Error, Result};
+use codec::image::{ColorPlane, Plane};
+use codec::metrics::visible::{quality_of, visible_error};
+use codec::metrics::{SquaredError, U8_PEAK};
 
 pub trait Level: Copy + PartialEq {
     fn steps(self) -> i32;
@@ -235,7 +236,7 @@ impl BitErrors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::quality::Quality;
+    use codec::color::quality::Quality;
 
     #[test]
     fn cells_and_frames_have_their_own_psnr() {

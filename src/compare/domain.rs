@@ -4,16 +4,16 @@ use half::f16;
 
 use crate::compare::side::{Coding, Image, Side, SideForm, SideStream, Values};
 use crate::dataset::InvalidDepth;
-use crate::decode::Picture;
-use crate::depth::quantise::FAR_CODE;
-use crate::depth::{BACKGROUND_CODE, CodeTable, DepthRange, Quantiser};
-use crate::error::{Error, Result};
-use crate::image::{
+use crate::metrics::depth_error::{DepthPicture, OUTSIDE};
+use codec::decode::Picture;
+use codec::depth::quantise::FAR_CODE;
+use codec::depth::{BACKGROUND_CODE, CodeTable, DepthRange, Quantiser};
+use codec::error::{Error, Result};
+use codec::image::{
     ColorPlane, DecodeTable, DepthPlane, EncodeTable, LightMatrix, Plane, Primaries, StreamKind, ToneMap,
 };
-use crate::metrics::depth_error::{DepthPicture, OUTSIDE};
-use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;
-use crate::streams::{ColorFormat, convert};
+use codec::metrics::pu21::DEFAULT_WHITE_CD_M2;
+use codec::streams::{ColorFormat, convert};
 
 /// Cell side in pixels if neither side states it.
 const DEFAULT_CELL: u32 = 64;

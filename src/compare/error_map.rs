@@ -1,15 +1,15 @@
 //! Per-pixel errors of one image (GDC figure 1c), and for colour the PSNR of each cell, which its encoder bounds.
 
-use crate::color::quality::{Pu21, Quality};
 use crate::compare::difference::{self, Level, half_levels, sample_error};
 use crate::compare::domain::{ColorDomain, ComparedColor, Converted, Converter, Domain};
 use crate::compare::pairing::Pair;
 use crate::compare::side::{Coding, Side, SideReader};
-use crate::error::{Error, Result};
-use crate::image::Plane;
 use crate::metrics::depth_error::{PixelError, depth_errors};
-use crate::metrics::{SquaredError, U8_PEAK};
-use crate::streams::ColorFormat;
+use codec::color::quality::{Pu21, Quality};
+use codec::error::{Error, Result};
+use codec::image::Plane;
+use codec::metrics::{SquaredError, U8_PEAK};
+use codec::streams::ColorFormat;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CellPsnr {

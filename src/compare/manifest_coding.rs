@@ -6,10 +6,10 @@ use serde::Deserialize;
 
 use crate::compare::side::Coding;
 use crate::dataset::Manifest;
-use crate::depth::DepthRange;
-use crate::error::{Error, Result};
-use crate::image::{Face, StreamKind, ToneMap, Transfer};
-use crate::streams::ColorFormat;
+use codec::depth::DepthRange;
+use codec::error::{Error, Result};
+use codec::image::{Face, StreamKind, ToneMap, Transfer};
+use codec::streams::ColorFormat;
 
 /// The value `extra.lightfold` in the manifest of a decoded dataset.
 #[derive(Debug, Clone, Default, Deserialize)]

@@ -6,23 +6,24 @@
 
 use std::borrow::Cow;
 
-use crate::color::quality::{Pu21, Quality};
 use crate::compare::comparison::{Comparison, Measured, StreamReport};
 use crate::compare::difference::{BitErrors, SampleErrors, half_levels};
 use crate::compare::domain::{ColorDomain, ComparedColor, Converted, Converter, Domain, Origin};
 use crate::compare::pairing::{Coverage, Pair, Pairing};
 use crate::compare::side::{Coding, Image, Side, SideForm, SideReader, SideStream, Values};
-use crate::depth::DepthRange;
-use crate::error::{Error, Result};
-use crate::image::primaries::Primaries;
-use crate::image::transfer::Transfer;
-use crate::image::{FrameRange, Plane, StreamKind};
-use crate::memory::{Budget, Need};
-use crate::metrics::{DepthErrors, HvsError, SSIM_WINDOW, U8_PEAK, scoring_bytes, ssim_rgb8};
-use crate::monitor::Monitor;
-use crate::ordered::try_map_at_once;
-use crate::streams::ColorFormat;
-use crate::streams::convert::DepthExtent;
+use crate::metrics::{DepthErrors, HvsError, SSIM_WINDOW, scoring_bytes, ssim_rgb8};
+use codec::color::quality::{Pu21, Quality};
+use codec::depth::DepthRange;
+use codec::error::{Error, Result};
+use codec::image::primaries::Primaries;
+use codec::image::transfer::Transfer;
+use codec::image::{FrameRange, Plane, StreamKind};
+use codec::memory::{Budget, Need};
+use codec::metrics::U8_PEAK;
+use codec::monitor::Monitor;
+use codec::ordered::try_map_at_once;
+use codec::streams::ColorFormat;
+use codec::streams::convert::DepthExtent;
 
 /// Returns the bytes per pixel of both converted images of a pair, in addition to the images as read.
 fn comparing_bytes(pair: &Pair<'_>, settings: &CompareSettings) -> u64 {

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use crate::compare::manifest_coding::ManifestCoding;
 use crate::compare::side::{Coding, Content, Place, Side, SideForm, SideStream, StreamId};
-use crate::container::header::is_container;
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::dataset::{Arrangement, SequenceLayout, Source, SourceOptions};
-use crate::decode::{Decoder, Selection};
-use crate::error::{Error, Result};
-use crate::image::{DepthKind, Pattern, Projection, StreamKind};
-use crate::streams::{CodecHeader, StreamInfo};
+use codec::container::header::is_container;
+use codec::decode::{Decoder, Selection};
+use codec::error::{Error, Result};
+use codec::image::{DepthKind, Pattern, Projection, StreamKind};
+use codec::streams::{CodecHeader, StreamInfo};
 
 #[derive(Debug, Clone, Default)]
 pub struct SideOptions {

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use crate::compare::comparison::Missing;
 use crate::compare::side::{Side, SideForm, SideStream};
-use crate::error::{Error, Result};
-use crate::image::{FrameRange, StreamKind};
+use codec::error::{Error, Result};
+use codec::image::{FrameRange, StreamKind};
 
 /// Treatment of streams and frames that only one side has.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::color::quality::PU_STEPS;
 use crate::compare::bounds::{Bound, Judgement, Violation};
 use crate::compare::comparison::{
     Comparison, Measured, Missing, SampleTotal, StreamReport, serialize_frames, side_name,
@@ -12,11 +11,12 @@ use crate::compare::comparison::{
 use crate::compare::difference::{BitErrors, SampleErrors};
 use crate::compare::domain::{Domain, Origin};
 use crate::compare::side::{Coding, Side, StreamId};
-use crate::image::{FrameRange, StreamKind};
 use crate::json::Number;
 use crate::metrics::EyeScores;
 use crate::metrics::depth_error::{DepthErrors, Spot};
-use crate::streams::ColorFormat;
+use codec::color::quality::PU_STEPS;
+use codec::image::{FrameRange, StreamKind};
+use codec::streams::ColorFormat;
 
 /// Report of a whole comparison. Streams are sorted by kind, then probe, then face.
 #[derive(Debug, Serialize)]

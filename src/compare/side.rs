@@ -6,13 +6,13 @@ use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
 use crate::dataset::{InvalidDepth, Source};
-use crate::decode::{Decoder, FaceDecoder, Picture, memory};
-use crate::depth::DepthRange;
-use crate::error::{Error, Result};
-use crate::image::{
+use codec::decode::{Decoder, FaceDecoder, Picture, memory};
+use codec::depth::DepthRange;
+use codec::error::{Error, Result};
+use codec::image::{
     AlphaPlane, ColorPlane, DepthKind, DepthPlane, Face, FrameRange, MaterialPlane, Primaries, StreamKind,
 };
-use crate::streams::ColorFormat;
+use codec::streams::ColorFormat;
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct StreamId {

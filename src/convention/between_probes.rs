@@ -10,8 +10,8 @@ use super::hypotheses::{Alternative, Extent, Hypothesis, Subject, alternatives};
 use super::probe_samples::ProbeSamples;
 use super::reproject::{Tally, look_up};
 use crate::dataset::{DepthKind, Projection};
-use crate::error::Result;
-use crate::monitor::Monitor;
+use codec::error::Result;
+use codec::monitor::Monitor;
 
 pub const KIND: &str = "depth.kind";
 /// With fewer compared samples the check is inconclusive.

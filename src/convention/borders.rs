@@ -1,7 +1,7 @@
 //! Borders of cube faces, and the mismatch of two of them.
 
-use crate::image::Face;
-use crate::image::cube::{FacePoint, direction_to_face};
+use codec::image::Face;
+use codec::image::cube::{FacePoint, direction_to_face};
 
 /// Max length of a border in samples.
 const MAX_SAMPLES: u32 = 256;

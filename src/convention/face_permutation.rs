@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 
 use super::borders::{Edge, FaceSide, SIDES, edges, side_of, side_point};
-use crate::image::Face;
-use crate::image::cube::{FacePoint, direction_to_face};
+use codec::image::Face;
+use codec::image::cube::{FacePoint, direction_to_face};
 
 const FACES: usize = 6;
 

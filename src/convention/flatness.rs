@@ -117,7 +117,7 @@ mod tests {
 
     use super::super::probe_samples::Pose;
     use super::*;
-    use crate::image::{Face, ImageProjection, Plane};
+    use codec::image::{Face, ImageProjection, Plane};
 
     const SIDE: u32 = 64;
 

@@ -3,7 +3,8 @@
 use half::f16;
 
 use super::finding::{Finding, Verdict, percent};
-use crate::image::{ColorPlane, ColorSpace, Transfer};
+use crate::image_files::ColorSpace;
+use codec::image::{ColorPlane, Transfer};
 
 /// With fewer pixels the check is inconclusive.
 const MIN_PIXELS: u64 = 1000;
@@ -85,7 +86,7 @@ pub fn check(values: &ColorValues, space: ColorSpace, files: Files) -> Finding {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Plane;
+    use codec::image::Plane;
 
     fn plane(value: impl Fn(u32) -> f32) -> ColorPlane {
         Plane::from_fn(64, 64, |x, y| [f16::from_f32(value(y * 64 + x)); 3])

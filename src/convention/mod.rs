@@ -32,10 +32,10 @@ use std::collections::BTreeMap;
 
 use crate::dataset::manifest::Manifest;
 use crate::dataset::{Projection, Source, StreamKind};
-use crate::depth::spread::Spread;
-use crate::error::Result;
-use crate::image::ColorSpace;
-use crate::monitor::Monitor;
+use crate::image_files::ColorSpace;
+use codec::depth::spread::Spread;
+use codec::error::Result;
+use codec::monitor::Monitor;
 
 pub use finding::{Finding, Verdict};
 pub use read::Choice;

@@ -25,7 +25,7 @@ pub(super) fn check(probes: &[ProbeInfo]) -> Option<Finding> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::FrameRange;
+    use codec::image::FrameRange;
 
     #[test]
     fn probes_at_one_place_are_suspect_unless_they_look_elsewhere() {

@@ -3,8 +3,8 @@
 use glam::{DQuat, DVec3};
 
 use crate::dataset::DepthKind;
-use crate::image::cube::{FacePoint, direction_to_face};
-use crate::image::{DepthPlane, Face, ImageProjection, Plane};
+use codec::image::cube::{FacePoint, direction_to_face};
+use codec::image::{DepthPlane, Face, ImageProjection, Plane};
 
 /// Max side of a face in samples.
 const MAX_SIDE: u32 = 256;

@@ -12,11 +12,11 @@ use super::probe_samples::{FaceSamples, Pose, ProbeSamples};
 use super::seams::CubeBorders;
 use super::values::{DepthValues, Stated};
 use crate::dataset::{DepthKind, ProbeInfo, Source, SourceGroup, StreamKind, planar_to_distance};
-use crate::depth::spread::Spread;
-use crate::error::{Error, Result};
-use crate::image::{ColorPlane, DepthPlane, Face, ImageProjection, Plane};
-use crate::monitor::Monitor;
-use crate::ordered::try_map_ordered;
+use codec::depth::spread::Spread;
+use codec::error::{Error, Result};
+use codec::image::{ColorPlane, DepthPlane, Face, ImageProjection, Plane};
+use codec::monitor::Monitor;
+use codec::ordered::try_map_ordered;
 
 /// Offset added to linear colour, so that the ratio of two dark values is near 1.
 const DARK: f32 = 1e-3;

@@ -5,7 +5,7 @@
 use super::borders::{Borders, Edge, FaceSide, Mismatch, edges, mismatch};
 use super::face_permutation::{self, CostTable, FacePermutation, Fit, PlacedFile, Turn};
 use super::finding::{Finding, Verdict, listed, percent};
-use crate::image::Face;
+use codec::image::Face;
 
 pub const DEPTH: Stream = Stream { check: "seams.depth", cap: 0.1 };
 pub const COLOR: Stream = Stream { check: "seams.color", cap: 0.7 };

@@ -5,8 +5,8 @@ use std::path::Path;
 use super::{Choice, MAX_PROBES, Report, check};
 use crate::dataset::manifest::Manifest;
 use crate::dataset::{DepthKind, Projection, Source, SourceOptions};
-use crate::error::Result;
-use crate::monitor::Monitor;
+use codec::error::Result;
+use codec::monitor::Monitor;
 
 /// Returns the manifest with the kind of depth that raises fewer suspicions, and the report of its checks. `file` is the future
 /// path of the manifest.

@@ -2,7 +2,7 @@
 
 use super::finding::{Finding, Verdict, listed, percent};
 use crate::dataset::{DepthRules, InvalidDepth};
-use crate::image::DepthPlane;
+use codec::image::DepthPlane;
 
 /// Min share of all pixels that have exactly the largest value, for it to be an undeclared background.
 const BACKGROUND_SHARE: f64 = 0.002;
@@ -241,7 +241,7 @@ fn near_far(values: &DepthValues, stated: &Stated) -> Finding {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Plane;
+    use codec::image::Plane;
 
     fn stated() -> Stated {
         let rules =

@@ -11,8 +11,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::manifest::{MAX_MANIFEST_BYTES, Manifest, Probe, intrinsics_of, pose_fault};
-use crate::error::{Error, Result};
 use crate::json;
+use codec::error::{Error, Result};
 
 pub const CAMERAS_VERSION: u32 = 1;
 

@@ -22,12 +22,12 @@ use sequences::{EYES, Found};
 use super::manifest::{
     Background, ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, NORMAL_CHANNELS, Probe, Unit,
 };
-use crate::error::{Error, Result};
-use crate::image::channels::find_named;
-use crate::image::layout::face_size;
-use crate::image::{
-    ColorPlane, ColorSpace, DepthKind, DepthPlane, Eye, Face, FaceLayout, Plane, Projection, ReadLimits, StereoLayout,
-    StreamKind, exr, png,
+use crate::image_files::{ColorSpace, exr, png};
+use codec::error::{Error, Result};
+use codec::image::channels::find_named;
+use codec::image::layout::face_size;
+use codec::image::{
+    ColorPlane, DepthKind, DepthPlane, Eye, Face, FaceLayout, Plane, Projection, ReadLimits, StereoLayout, StreamKind,
 };
 
 /// Frames per second if no file states a rate.

@@ -9,11 +9,12 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::dataset::missing::Missing;
-use crate::error::{Error, Result};
-use crate::image::layout::eye_size;
-use crate::image::{ColorSpace, DepthKind, Eye, Face, FrameRange, Pattern, Projection, StereoLayout, StreamKind};
+use crate::image_files::ColorSpace;
 use crate::json;
-use crate::math::camera::rotation;
+use codec::error::{Error, Result};
+use codec::image::layout::eye_size;
+use codec::image::{DepthKind, Eye, Face, FrameRange, Pattern, Projection, StereoLayout, StreamKind};
+use codec::math::camera::rotation;
 
 pub const MANIFEST_NAME: &str = "lightfield.json";
 /// Version of the schema that this program reads and writes.
@@ -75,10 +76,10 @@ pub enum FaceFiles {
     #[default]
     #[serde(rename = "opengl-cube")]
     Six,
-    /// One file with an unfolded cube of aspect 4:3 or 3:4 ([`crate::image::layout`]).
+    /// One file with an unfolded cube of aspect 4:3 or 3:4 ([`codec::image::layout`]).
     #[serde(rename = "opengl-cube-cross")]
     Cross,
-    /// One file with a strip of aspect 6:1 or 1:6 ([`crate::image::layout`]).
+    /// One file with a strip of aspect 6:1 or 1:6 ([`codec::image::layout`]).
     #[serde(rename = "opengl-cube-strip")]
     Strip,
 }

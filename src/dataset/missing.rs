@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
-use crate::image::{FolderNames, FrameRange, Pattern, Sequence};
+use codec::error::{Error, Result};
+use codec::image::{FolderNames, FrameRange, Pattern, Sequence};
 
 /// Treatment of frames whose file is missing.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

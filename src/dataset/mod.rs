@@ -10,8 +10,8 @@ mod pixels;
 pub mod seurat;
 pub mod source;
 
-pub use crate::image::{DepthKind, Projection, StreamKind};
 pub use cameras::{CameraSet, PlacedCamera};
+pub use codec::image::{DepthKind, Projection, StreamKind};
 pub use manifest::{Manifest, Pose};
 pub use missing::Missing;
 pub(crate) use pixels::planar_to_distance;

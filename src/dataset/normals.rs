@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::manifest::{Manifest, NORMAL_CHANNELS};
 use super::pixels::pixel;
-use crate::error::{Error, Result};
-use crate::image::{Face, FrameRange, NormalPlane, ReadLimits, Sequence, exr, png};
+use crate::image_files::{exr, png};
+use codec::error::{Error, Result};
+use codec::image::{Face, FrameRange, NormalPlane, ReadLimits, Sequence};
 
 /// Files by probe and first face; empty if the dataset has no normals.
 #[derive(Debug, Default)]

@@ -2,8 +2,8 @@
 
 use half::f16;
 
-use crate::error::{Error, Result};
-use crate::image::{
+use codec::error::{Error, Result};
+use codec::image::{
     AlphaPlane, ColorPlane, DepthPlane, Face, ImageProjection, MaterialPlane, Plane, Transfer, unit_alpha,
 };
 

@@ -16,13 +16,13 @@ use super::pixels::{
     DepthRules, InvalidColor, InvalidDepth, check_alpha, check_color, check_depth, check_material, keep_faces,
     linear_from_srgb, planar_to_distance,
 };
-use crate::error::{Error, Result};
-use crate::image::equirect::{FaceMap, resample_alpha, resample_color, resample_nearest};
-use crate::image::layout::{cut_eye, cut_faces};
-use crate::image::{
-    AlphaPlane, ChannelSelect, ColorPlane, ColorSpace, DepthKind, DepthPlane, Face, FaceLayout, FrameRange,
-    ImageProjection, MaterialPlane, NormalPlane, Plane, Primaries, Projection, ReadLimits, StereoLayout, StreamKind,
-    exr, png,
+use crate::image_files::{ColorSpace, exr, png};
+use codec::error::{Error, Result};
+use codec::image::equirect::{FaceMap, resample_alpha, resample_color, resample_nearest};
+use codec::image::layout::{cut_eye, cut_faces};
+use codec::image::{
+    AlphaPlane, ChannelSelect, ColorPlane, DepthKind, DepthPlane, Face, FaceLayout, FrameRange, ImageProjection,
+    MaterialPlane, NormalPlane, Plane, Primaries, Projection, ReadLimits, StereoLayout, StreamKind,
 };
 
 /// Options of the caller. `None` uses the manifest's value, or else the default of the field.

@@ -4,19 +4,19 @@
 //! batch has as many frames as fit; if the state of the encoders does not fit, the encode fails before it starts. Memory does not
 //! accumulate over probes or groups, which are encoded one after the other.
 
-use crate::color::SearchSettings;
-use crate::color::temporal::CLOSE_AT_BYTES as COLOR_CLOSE_AT_BYTES;
-use crate::color::transform::blocks::padded_pixels;
 use crate::dataset::SourceGroup;
-use crate::decode::memory::compressing_bytes;
-use crate::depth::open_chunk::close_at_bytes;
-use crate::depth::predictive::encoder::FRAME_BYTES_A_PIXEL;
 use crate::encode::source::{FrameSource, GroupRef, selected_groups};
 use crate::encode::{ColorCodec, DepthCodec, EncodeSettings};
-use crate::error::Result;
-use crate::image::{Face, StreamKind};
-use crate::memory::Need;
-use crate::streams::CodecHeader;
+use codec::color::SearchSettings;
+use codec::color::temporal::CLOSE_AT_BYTES as COLOR_CLOSE_AT_BYTES;
+use codec::color::transform::blocks::padded_pixels;
+use codec::decode::memory::compressing_bytes;
+use codec::depth::open_chunk::close_at_bytes;
+use codec::depth::predictive::encoder::FRAME_BYTES_A_PIXEL;
+use codec::error::Result;
+use codec::image::{Face, StreamKind};
+use codec::memory::Need;
+use codec::streams::CodecHeader;
 
 const BATCH_FRAMES: usize = 16;
 const BATCH_PIXELS: usize = 64 << 20;

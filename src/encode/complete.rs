@@ -4,14 +4,14 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::SystemTime;
 
-use crate::container::Reader;
 use crate::encode::job::EncodeSummary;
 use crate::encode::part::Part;
 use crate::encode::precision::ProbePrecision;
 use crate::encode::source::missing_frames;
-use crate::image::StreamKind;
-use crate::streams::shard::SHARD;
-use crate::streams::{CodecHeader, FootageInfo};
+use codec::container::Reader;
+use codec::image::StreamKind;
+use codec::streams::shard::SHARD;
+use codec::streams::{CodecHeader, FootageInfo};
 
 /// Returns the summary of the shard in a container, or `None` unless the container holds this shard, complete, with the same
 /// settings and missing frames, and is newer than all files that the shard depends on. The modification time of a container is

@@ -3,21 +3,21 @@
 
 use serde::Serialize;
 
-use crate::color::{SearchSettings, Target};
 use crate::dataset::SourceGroup;
-use crate::depth::TemporalSettings;
-use crate::depth::mode_decision::Decide;
-use crate::depth::quantise::metres_in_words;
-use crate::effort::Effort;
 use crate::encode::source::{FrameSource, selected_groups};
 use crate::encode::{
     ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize,
 };
-use crate::entropy::{Model, TableSet, Tables};
-use crate::error::{Error, Result};
 use crate::fingerprint::{Fingerprint, digest};
-use crate::image::{FrameRange, StreamKind, ToneMap};
-use crate::streams::{ColorBlocks, ColorFormat};
+use codec::color::{SearchSettings, Target};
+use codec::depth::TemporalSettings;
+use codec::depth::mode_decision::Decide;
+use codec::depth::quantise::metres_in_words;
+use codec::effort::Effort;
+use codec::entropy::{Model, TableSet, Tables};
+use codec::error::{Error, Result};
+use codec::image::{FrameRange, StreamKind, ToneMap};
+use codec::streams::{ColorBlocks, ColorFormat};
 
 pub(super) fn of(source: &dyn FrameSource, settings: &EncodeSettings) -> Fingerprint {
     let mut fields = Fingerprint::of_program();

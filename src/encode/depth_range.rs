@@ -6,19 +6,19 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::dataset::{Source, SourceGroup};
-use crate::depth::DepthRange;
-use crate::depth::predictive::Levels;
-use crate::depth::quantise::metres_in_words;
-use crate::depth::spread::{Spread, Strays};
 use crate::encode::EncodeSettings;
 use crate::encode::budget::{self, ScanLimits};
 use crate::encode::scan::{Distances, FoundDepth, Scan};
 use crate::encode::source::{FrameSource, GroupRef, selected_groups};
-use crate::error::{Error, Result};
-use crate::image::{DepthPlane, StreamKind};
-use crate::monitor::Monitor;
-use crate::ordered::try_map_at_once;
-use crate::streams::convert::DepthExtent;
+use codec::depth::DepthRange;
+use codec::depth::predictive::Levels;
+use codec::depth::quantise::metres_in_words;
+use codec::depth::spread::{Spread, Strays};
+use codec::error::{Error, Result};
+use codec::image::{DepthPlane, StreamKind};
+use codec::monitor::Monitor;
+use codec::ordered::try_map_at_once;
+use codec::streams::convert::DepthExtent;
 
 /// Near and far of a probe, with the scan of its images if this call scanned them.
 #[derive(Debug)]
@@ -182,8 +182,9 @@ mod tests {
     use super::*;
     use crate::dataset::{SequenceLayout, SourceOptions};
     use crate::encode::DepthCodec;
-    use crate::image::{Plane, exr};
-    use crate::monitor::Silent;
+    use crate::image_files::exr;
+    use codec::image::Plane;
+    use codec::monitor::Silent;
 
     #[test]
     fn the_first_bad_frame_is_named() {

@@ -9,12 +9,12 @@ use crate::dataset::{ProbeInfo, SourceGroup};
 use crate::encode::EncodeSettings;
 use crate::encode::job::{self, EncodeSummary};
 use crate::encode::source::FrameSource;
-use crate::error::{Error, Result};
-use crate::image::transfer::{DecodeTable, ToneMap};
-use crate::image::{
+use codec::error::{Error, Result};
+use codec::image::transfer::{DecodeTable, ToneMap};
+use codec::image::{
     AlphaPlane, ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, Plane, Projection, StreamKind,
 };
-use crate::monitor::{Monitor, Silent};
+use codec::monitor::{Monitor, Silent};
 
 /// Encodes frames from memory into a container.
 ///

@@ -4,11 +4,11 @@
 use crate::dataset::SourceGroup;
 use crate::encode::source::{FrameSource, name_frame, selected_groups};
 use crate::encode::{Clipping, EncodeSettings};
-use crate::error::{Error, Result};
-use crate::image::{EncodeTable, StreamKind};
-use crate::monitor::Monitor;
-use crate::ordered::try_map_at_once;
-use crate::streams::{ColorFormat, convert};
+use codec::error::{Error, Result};
+use codec::image::{EncodeTable, StreamKind};
+use codec::monitor::Monitor;
+use codec::ordered::try_map_at_once;
+use codec::streams::{ColorFormat, convert};
 
 /// Number of images that [`check`] reads.
 pub fn steps(source: &dyn FrameSource, settings: &EncodeSettings) -> Result<u64> {

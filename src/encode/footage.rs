@@ -13,11 +13,11 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use crate::dataset::SourceGroup;
 use crate::encode::EncodeSettings;
 use crate::encode::source::{FrameSource, GroupRef, name_frame, selected_groups};
-use crate::error::{Error, Result};
 use crate::fingerprint::digest_bytes;
-use crate::image::{Face, Plane, StreamKind};
-use crate::monitor::Monitor;
-use crate::ordered::try_map_ordered;
+use codec::error::{Error, Result};
+use codec::image::{Face, Plane, StreamKind};
+use codec::monitor::Monitor;
+use codec::ordered::try_map_ordered;
 
 /// Size of the read buffer in bytes.
 const BLOCK_BYTES: usize = 256 << 10;

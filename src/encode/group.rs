@@ -4,18 +4,18 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::color::HalfKey;
-use crate::color::quality::Pu21;
-use crate::color::transform::encode::PricedTables;
 use crate::dataset::SourceGroup;
-use crate::depth::Quantiser;
 use crate::encode::EncodeSettings;
 use crate::encode::depth_range::given_range;
 use crate::encode::source::{FrameSource, name_frame};
-use crate::error::{Error, Result};
-use crate::image::transfer::EncodeTable;
-use crate::image::{DepthPlane, Plane, StreamKind};
-use crate::streams::{CodecHeader, ColorFormat, DepthCoding, DepthHeader, convert};
+use codec::color::HalfKey;
+use codec::color::quality::Pu21;
+use codec::color::transform::encode::PricedTables;
+use codec::depth::Quantiser;
+use codec::error::{Error, Result};
+use codec::image::transfer::EncodeTable;
+use codec::image::{DepthPlane, Plane, StreamKind};
+use codec::streams::{CodecHeader, ColorFormat, DepthCoding, DepthHeader, convert};
 
 pub(super) enum Coded {
     /// Codes of depth or alpha; level indices for a depth stream that has levels.

@@ -11,12 +11,8 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use crate::container::index::{MAX_FRAME, MAX_SIZE};
-use crate::container::{Journal, PackedChunk, ProbeEntry, Recovered, StreamEntry, Writer};
 use crate::dataset::manifest::Pose;
 use crate::dataset::{ProbeInfo, SourceGroup};
-use crate::depth::predictive::projection::Shape;
-use crate::depth::{DepthRange, Quantiser};
 use crate::encode::budget::{self, ColorMemory};
 use crate::encode::depth_range::{ProbeDepth, depth_of_probe, given_range};
 use crate::encode::group::{GroupCoder, Times};
@@ -27,13 +23,17 @@ use crate::encode::resume::{Completed, FrameNote, Note, ScanNote, SearchNote, St
 use crate::encode::source::{FrameSource, GroupRef, missing_frames, selected_groups};
 use crate::encode::unit::{Batch, Closed, Pace, UnitJob, UnitPlace};
 use crate::encode::{EncodeSettings, configuration};
-use crate::error::{Error, Result};
 use crate::fingerprint::Fingerprint;
-use crate::image::{DepthKind, DepthPlane, Face, Projection, StreamKind};
 use crate::json;
-use crate::monitor::Monitor;
-use crate::ordered::{try_map_at_once, try_map_ordered};
-use crate::streams::{self, CodecHeader, DepthHeader, FootageInfo, FramePose};
+use codec::container::index::{MAX_FRAME, MAX_SIZE};
+use codec::container::{Journal, PackedChunk, ProbeEntry, Recovered, StreamEntry, Writer};
+use codec::depth::predictive::projection::Shape;
+use codec::depth::{DepthRange, Quantiser};
+use codec::error::{Error, Result};
+use codec::image::{DepthKind, DepthPlane, Face, Projection, StreamKind};
+use codec::monitor::Monitor;
+use codec::ordered::{try_map_at_once, try_map_ordered};
+use codec::streams::{self, CodecHeader, DepthHeader, FootageInfo, FramePose};
 
 /// Units whose last chunks are finished together, with a checkpoint after each such set; a killed process loses at most one set.
 const FINISH_UNITS: usize = 64;

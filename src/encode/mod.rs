@@ -7,7 +7,7 @@
 //! 1. `depth_range` finds near and far of each probe unless they are given, and keeps the depth images that fit into memory.
 //! 2. `group` reads a frame of all faces and converts it to the domain of its codec: depth codes, 8-bit codes, half-float keys.
 //! 3. `job` passes the rectangle of each unit to its own encoder (`unit`), one batch of frames at a time, units in parallel.
-//! 4. [`crate::container::Writer`] writes chunks in a fixed order, so that the bytes depend only on input and settings.
+//! 4. [`codec::container::Writer`] writes chunks in a fixed order, so that the bytes depend only on input and settings.
 
 #![doc(hidden)]
 

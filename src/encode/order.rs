@@ -1,10 +1,10 @@
 //! The order in which groups are encoded. It determines the stream numbers.
 
-use crate::container::SafeChunks;
 use crate::dataset::SourceGroup;
 use crate::encode::EncodeSettings;
 use crate::encode::source::{FrameSource, GroupRef, selected_groups};
-use crate::image::Face;
+use codec::container::SafeChunks;
+use codec::image::Face;
 
 /// Groups sorted by probe, then by kind.
 pub(super) struct Order<'a>(pub Vec<OrderedGroup<'a>>);

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::container::Attributes;
 use crate::dataset::{ProbeInfo, SourceGroup};
 use crate::encode::footage::Footage;
 use crate::encode::order::Order;
@@ -12,11 +11,12 @@ use crate::encode::shard::{Shard, ShardBy, groups_of_shard};
 use crate::encode::shard_choice::ShardChoice;
 use crate::encode::source::FrameSource;
 use crate::encode::{EncodeSettings, configuration};
-use crate::error::Result;
 use crate::fingerprint::{digest, digest_bytes};
-use crate::image::{AlphaPlane, ColorPlane, DepthKind, DepthPlane, MaterialPlane, Primaries, Projection, StreamKind};
-use crate::monitor::Monitor;
-use crate::streams::shard::{FootageDigests, SHARD, SHARD_FOOTAGE, ShardEntry, WholeStream};
+use codec::container::Attributes;
+use codec::error::Result;
+use codec::image::{AlphaPlane, ColorPlane, DepthKind, DepthPlane, MaterialPlane, Primaries, Projection, StreamKind};
+use codec::monitor::Monitor;
+use codec::streams::shard::{FootageDigests, SHARD, SHARD_FOOTAGE, ShardEntry, WholeStream};
 
 const SCAN: &str = "the scan";
 const CONTENT: &str = "the content of the footage";

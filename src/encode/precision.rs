@@ -5,14 +5,15 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::depth::DepthRange;
-use crate::depth::spread::{PlacedDepth, Spread, Strays};
+use crate::depth_bound::DepthBound;
 use crate::encode::EncodeSettings;
 use crate::encode::depth_range::given_range;
 use crate::encode::source::FrameSource;
-use crate::image::{Face, StreamKind};
 use crate::json::Number;
-use crate::streams::{DepthBound, DepthHeader};
+use codec::depth::DepthRange;
+use codec::depth::spread::{PlacedDepth, Spread, Strays};
+use codec::image::{Face, StreamKind};
+use codec::streams::DepthHeader;
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ProbePrecision {

@@ -1,6 +1,6 @@
 //! Resumes an interrupted encode: the notes that the encoder writes to its journal, and how they are used.
 //!
-//! The unfinished container is `.NAME.partial` and its journal `.NAME.journal` ([`crate::container::Journal`]), both next to
+//! The unfinished container is `.NAME.partial` and its journal `.NAME.journal` ([`codec::container::Journal`]), both next to
 //! `NAME`. Chunks are written in an order that depends only on footage and settings, and an encoder carries no state from one
 //! chunk to the next except the initial state of its search, which the journal records. The complete chunks are therefore a
 //! prefix of the file, each unit resumes after its last chunk with a new encoder, and the result has the same bytes as an
@@ -18,8 +18,6 @@ use std::time::UNIX_EPOCH;
 
 use serde::{Deserialize, Serialize};
 
-use crate::color::transform::encode::Start;
-use crate::container::{ChunkKey, Recovered};
 use crate::dataset::SourceGroup;
 use crate::encode::depth_range::{self, given_range};
 use crate::encode::order::Order;
@@ -27,10 +25,12 @@ use crate::encode::scan::Scan;
 use crate::encode::source::{FrameSource, GroupRef, name_frame};
 use crate::encode::unit::Closed;
 use crate::encode::{EncodeSettings, budget, configuration};
-use crate::error::{Error, Result};
 use crate::fingerprint::Fingerprint;
-use crate::image::StreamKind;
-use crate::monitor::Monitor;
+use codec::color::transform::encode::Start;
+use codec::container::{ChunkKey, Recovered};
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
+use codec::monitor::Monitor;
 
 /// Sizes and modification times of the files of a frame, to detect changes; zeros for frames in memory.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

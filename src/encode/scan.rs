@@ -7,11 +7,11 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
-use crate::depth::DepthRange;
-use crate::depth::predictive::Levels;
-use crate::depth::predictive::levels::MAX_LEVELS;
-use crate::depth::spread::Spread;
-use crate::streams::convert::DepthExtent;
+use codec::depth::DepthRange;
+use codec::depth::predictive::Levels;
+use codec::depth::predictive::levels::MAX_LEVELS;
+use codec::depth::spread::Spread;
+use codec::streams::convert::DepthExtent;
 
 /// Min average number of surface pixels per level. With fewer, the small number of distances may be a coincidence.
 const MIN_OCCURRENCES: u64 = 64;

@@ -14,12 +14,12 @@ use crate::encode::scan::{FoundDepth, Scans};
 use crate::encode::shard::{Segment, Shard, segments_of_shard};
 use crate::encode::source::{FrameSource, GroupRef, selected_groups};
 use crate::encode::{DepthCodec, EncodeSettings, budget};
-use crate::error::{Error, Result};
 use crate::files::{open_regular, write_whole};
 use crate::fingerprint::{Fingerprint, digest};
-use crate::image::StreamKind;
 use crate::json;
-use crate::monitor::{Monitor, Uncounted};
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
+use codec::monitor::{Monitor, Uncounted};
 
 const VERSION: u32 = 3;
 /// Frames per part. A part that was interrupted is scanned again from its first frame.

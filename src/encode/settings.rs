@@ -1,30 +1,30 @@
 //! Settings of an encode.
 
-use crate::block::SIDE;
-use crate::color::quality::MAX_QUALITY;
-use crate::color::transform::Tables;
-use crate::color::transform::blocks::MAX_FRAMES;
-use crate::color::transform::encode::COARSEST;
-use crate::color::transform::tables::TableSet;
-use crate::color::{SearchSettings, Target};
-use crate::container::Compression;
-use crate::container::index::MAX_SIZE;
 use crate::dataset::InvalidDepth;
-use crate::depth::block::MAX_TILE;
-use crate::depth::domain::{Domain, DomainKind};
-use crate::depth::mode_decision::Decide;
-use crate::depth::node_encoder::NodeSettings;
-use crate::depth::predictive::projection::{Projection, Shape};
-use crate::depth::predictive::{self, Levels, PredictiveHeader};
-use crate::depth::quantise::{FAR_CODE, rounded_up};
-use crate::depth::{DepthRange, TemporalSettings};
-use crate::effort::Effort;
-use crate::entropy::tables::MAX_OWN;
-use crate::error::{Error, Result};
-use crate::image::StreamKind;
-use crate::image::transfer::ToneMap;
-use crate::memory::Budget;
-use crate::streams::{
+use codec::block::SIDE;
+use codec::color::quality::MAX_QUALITY;
+use codec::color::transform::Tables;
+use codec::color::transform::blocks::MAX_FRAMES;
+use codec::color::transform::encode::COARSEST;
+use codec::color::transform::tables::TableSet;
+use codec::color::{SearchSettings, Target};
+use codec::container::Compression;
+use codec::container::index::MAX_SIZE;
+use codec::depth::block::MAX_TILE;
+use codec::depth::domain::{Domain, DomainKind};
+use codec::depth::mode_decision::Decide;
+use codec::depth::node_encoder::NodeSettings;
+use codec::depth::predictive::projection::{Projection, Shape};
+use codec::depth::predictive::{self, Levels, PredictiveHeader};
+use codec::depth::quantise::{FAR_CODE, rounded_up};
+use codec::depth::{DepthRange, TemporalSettings};
+use codec::effort::Effort;
+use codec::entropy::tables::MAX_OWN;
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
+use codec::image::transfer::ToneMap;
+use codec::memory::Budget;
+use codec::streams::{
     AlphaHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCoding, MaterialHeader, NodeHeader,
 };
 

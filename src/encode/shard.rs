@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use crate::dataset::SourceGroup;
 use crate::encode::order::Order;
-use crate::error::{Error, Result, counted};
-use crate::image::{FrameRange, StreamKind};
+use codec::error::{Error, Result, counted};
+use codec::image::{FrameRange, StreamKind};
 
 /// Granularity and order in which work is divided into shards.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

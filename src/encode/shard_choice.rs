@@ -3,8 +3,8 @@
 use crate::dataset::SourceGroup;
 use crate::encode::order::Order;
 use crate::encode::source::FrameSource;
-use crate::error::{Error, Result};
-use crate::image::{FrameRange, StreamKind};
+use codec::error::{Error, Result};
+use codec::image::{FrameRange, StreamKind};
 
 /// Content of a shard. Empty lists and `None` mean all.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use crate::container::Attributes;
 use crate::dataset::{ProbeInfo, Source, SourceGroup};
 use crate::encode::EncodeSettings;
 use crate::encode::scan::Scans;
-use crate::error::Result;
-use crate::image::{
+use codec::container::Attributes;
+use codec::error::Result;
+use codec::image::{
     AlphaPlane, ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, Primaries, Projection, StreamKind,
 };
-use crate::streams::MissingFrame;
+use codec::streams::MissingFrame;
 
 /// Source of frames: probes, groups of streams that are read together, and their pixels. Frames are read in parallel.
 pub trait FrameSource: Sync {

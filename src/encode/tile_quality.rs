@@ -4,18 +4,18 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::depth::Quantiser;
-use crate::depth::domain::Domain;
-use crate::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TILE_SIDE, TileModel, TilePsnr};
 use crate::encode::EncodeSettings;
 use crate::encode::depth_range::{ProbeDepth, depth_of_probe};
 use crate::encode::source::{FrameSource, GroupRef, name_frame, selected_groups};
-use crate::error::Result;
-use crate::image::StreamKind;
 use crate::json::Number;
-use crate::monitor::Monitor;
-use crate::ordered::try_map_ordered;
-use crate::streams::convert;
+use codec::depth::Quantiser;
+use codec::depth::domain::Domain;
+use codec::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TILE_SIDE, TileModel, TilePsnr};
+use codec::error::Result;
+use codec::image::StreamKind;
+use codec::monitor::Monitor;
+use codec::ordered::try_map_ordered;
+use codec::streams::convert;
 
 fn depth_groups(source: &dyn FrameSource) -> Vec<GroupRef<'_>> {
     selected_groups(source, &EncodeSettings { kinds: vec![StreamKind::Depth], ..EncodeSettings::default() })

@@ -3,27 +3,27 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::color::quality::EightBit;
-use crate::color::temporal::BlockStage;
-use crate::color::transform::Keyed;
-use crate::color::transform::encode::{PricedTables, Start, TransformEncoder};
-use crate::color::{CellEncoder, CellFormat, HalfKey, Sample};
-use crate::container::{ChunkKey, EncodedChunk, PackedChunk};
-use crate::depth::TemporalEncoder;
-use crate::depth::block_chunk::encoder::BlockEncoder;
-use crate::depth::domain::Domain;
-use crate::depth::node_encoder::NodeEncoder;
-use crate::depth::nodes::Grid;
-use crate::depth::predictive::encoder::PredictiveEncoder;
-use crate::depth::predictive::{PredictiveHeader, UnitArea};
-use crate::depth::tree_chunk::encoder::TreeEncoder;
 use crate::encode::budget::ColorMemory;
 use crate::encode::group::{Coded, GroupCoder};
 use crate::encode::{DepthSettings, EncodeSettings};
-use crate::error::{Error, Result};
-use crate::image::Plane;
-use crate::monitor::Monitor;
-use crate::streams::{CodecHeader, DepthCoding, DepthHeader, MaterialHeader};
+use codec::color::quality::EightBit;
+use codec::color::temporal::BlockStage;
+use codec::color::transform::Keyed;
+use codec::color::transform::encode::{PricedTables, Start, TransformEncoder};
+use codec::color::{CellEncoder, CellFormat, HalfKey, Sample};
+use codec::container::{ChunkKey, EncodedChunk, PackedChunk};
+use codec::depth::TemporalEncoder;
+use codec::depth::block_chunk::encoder::BlockEncoder;
+use codec::depth::domain::Domain;
+use codec::depth::node_encoder::NodeEncoder;
+use codec::depth::nodes::Grid;
+use codec::depth::predictive::encoder::PredictiveEncoder;
+use codec::depth::predictive::{PredictiveHeader, UnitArea};
+use codec::depth::tree_chunk::encoder::TreeEncoder;
+use codec::error::{Error, Result};
+use codec::image::Plane;
+use codec::monitor::Monitor;
+use codec::streams::{CodecHeader, DepthCoding, DepthHeader, MaterialHeader};
 
 enum Unit {
     Depth(TemporalEncoder<u16>),

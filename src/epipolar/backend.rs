@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::counters::Counters;
 use super::erosion::Moves;
 use super::interpolate::{InterpolatedView, Interpolator};
-use crate::error::Result;
-use crate::monitor::Monitor;
+use codec::error::Result;
+use codec::monitor::Monitor;
 
 pub trait Backend {
     /// Interpolates the views in `range`. All backends return the same bits, except for highlights. The monitor advances by one

@@ -5,11 +5,11 @@ use rayon::prelude::*;
 
 use super::drawing::{DrawnScene, PixelWindow};
 use super::views::OutputViews;
-use crate::error::{Error, Result};
-use crate::image::{DepthKind, Plane, plane::ColorPlane};
-use crate::monitor::Monitor;
 use crate::scene::SceneAtTime;
 use crate::scene::capture::{Pass, PassSettings, PixelTracer, SamplePattern, capture_view, mean_light};
+use codec::error::{Error, Result};
+use codec::image::{DepthKind, Plane, plane::ColorPlane};
+use codec::monitor::Monitor;
 
 /// Renders the view from a position on the line, with the same result as `capture`.
 pub fn render(

@@ -9,11 +9,11 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::error::Result;
 use crate::mesh::Ray;
-use crate::monitor::Monitor;
 use crate::scene::capture::{PixelTracer, Viewpoint};
 use crate::scene::{FirstHit, SceneAtTime};
+use codec::error::Result;
+use codec::monitor::Monitor;
 
 /// Maximum number of triangles drawn behind each other. Pixels that reach it are traced.
 pub const MAX_DRAWN: usize = 32;

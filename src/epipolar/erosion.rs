@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::source::SourceView;
 use super::views::OutputViews;
-use crate::error::Result;
+use codec::error::Result;
 
 /// Number of pixels on each side of the centre of the window.
 pub const REACH: usize = 2;

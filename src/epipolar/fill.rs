@@ -5,12 +5,12 @@ use rayon::prelude::*;
 
 use super::interpolate::{Coverage, InterpolatedView};
 use super::views::OutputViews;
-use crate::error::Result;
 use crate::evaluate::RenderedImage;
-use crate::image::Plane;
-use crate::monitor::Monitor;
 use crate::scene::SceneAtTime;
 use crate::scene::capture::{PixelTracer, SamplePattern};
+use codec::error::Result;
+use codec::image::Plane;
+use codec::monitor::Monitor;
 
 /// Number of columns that share a list of objects in view.
 const TILE: usize = PixelTracer::TILE as usize;

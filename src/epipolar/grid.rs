@@ -14,9 +14,9 @@ use super::interpolate::{Coverage, InterpolatedView, Interpolator};
 use super::pipeline::{Picture, Request, SourceReport, Summary};
 use super::source::{Light, SourcePixel, SourceRow, SourceView};
 use super::views::OutputViews;
-use crate::error::Result;
-use crate::image::Plane;
-use crate::monitor::Monitor;
+use codec::error::Result;
+use codec::image::Plane;
+use codec::monitor::Monitor;
 
 /// Number of columns whose two sources are made at once.
 pub const COLUMNS_AT_ONCE: usize = 4;

@@ -15,11 +15,11 @@ use super::slice::{Slice, Winner};
 use super::source::{Light, SourcePixel, SourceRow, SourceView};
 use super::stages::{Lap, Stages};
 use super::views::OutputViews;
-use crate::color::blend::{HalfKey, Sample};
-use crate::error::Result;
-use crate::image::Plane;
-use crate::monitor::Monitor;
 use crate::scene::shading::Gloss;
+use codec::color::blend::{HalfKey, Sample};
+use codec::error::Result;
+use codec::image::Plane;
+use codec::monitor::Monitor;
 
 /// Coverage of a pixel of an output view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

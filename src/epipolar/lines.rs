@@ -150,7 +150,7 @@ mod tests {
     use crate::epipolar::slice::Slice;
     use crate::epipolar::source::{Light, SourceRow};
     use crate::epipolar::views::Spread;
-    use crate::math::{Camera, Lens};
+    use codec::math::{Camera, Lens};
 
     #[test]
     fn a_surface_behind_leaves_has_no_pinholes() {

@@ -13,10 +13,10 @@ use super::pipeline::RowsAtOnce;
 use super::source::{SourcePixel, SourceRow, SourceView};
 use super::view_store::Storage;
 use super::views::OutputViews;
-use crate::error::Result;
-use crate::memory::{Budget, Need};
-use crate::monitor::Monitor;
 use crate::scene::SceneAtTime;
+use codec::error::Result;
+use codec::memory::{Budget, Need};
+use codec::monitor::Monitor;
 
 /// Number of scanlines that are acquired to measure the need of all.
 const MEASURED_ROWS: u32 = 8;
@@ -186,7 +186,7 @@ mod tests {
 
     use super::*;
     use crate::epipolar::views::Spread;
-    use crate::math::{Camera, Lens};
+    use codec::math::{Camera, Lens};
 
     fn views(size: [u32; 2], count: u32) -> OutputViews {
         let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, Lens::new(60.0)).unwrap();

@@ -15,9 +15,9 @@ use super::source::SourceView;
 use super::stages::Stages;
 use super::view_store::{Storage, ViewStore};
 use super::views::OutputViews;
-use crate::error::Result;
 use crate::evaluate::RenderedImage;
-use crate::monitor::Monitor;
+use codec::error::Result;
+use codec::monitor::Monitor;
 
 #[derive(Debug, Clone)]
 pub struct Settings {

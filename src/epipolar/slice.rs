@@ -199,7 +199,7 @@ mod tests {
     use crate::epipolar::lines::Line;
     use crate::epipolar::source::{Light, SourcePixel, SourceRow, SourceView};
     use crate::epipolar::views::{OutputViews, Spread};
-    use crate::math::{Camera, Lens};
+    use codec::math::{Camera, Lens};
 
     const WIDTH: u32 = 64;
 

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use crate::json;
-use crate::math::add_members;
+use codec::math::add_members;
 
 /// A duration for each stage: elapsed time, or the sum over all threads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]

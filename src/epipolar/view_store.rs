@@ -9,9 +9,9 @@ use half::f16;
 use rayon::prelude::*;
 
 use super::interpolate::{Coverage, InterpolatedView};
-use crate::error::{Error, Result};
 use crate::files::DiskFile;
-use crate::image::Plane;
+use codec::error::{Error, Result};
+use codec::image::Plane;
 
 /// Bytes per pixel in a file: three half floats, and the coverage.
 const PIXEL_BYTES: usize = 8;

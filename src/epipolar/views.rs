@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-use crate::error::{Error, Result};
-use crate::image::ImageProjection;
-use crate::math::Camera;
-use crate::math::camera::rotation;
 use crate::scene::capture::Viewpoint;
+use codec::error::{Error, Result};
+use codec::image::ImageProjection;
+use codec::math::Camera;
+use codec::math::camera::rotation;
 
 /// Maximum number of output views.
 pub const MAX_VIEWS: u32 = 4096;
@@ -164,7 +164,7 @@ impl OutputViews {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Lens;
+    use codec::math::Lens;
 
     fn camera() -> Camera {
         Camera::look_at(DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.0, 2.0, 0.0), DVec3::Y, Lens::new(60.0)).unwrap()

@@ -4,11 +4,11 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::dataset::{CameraSet, PlacedCamera};
-use crate::error::{Error, Result};
 use crate::evaluate::TimedCamera;
 use crate::evaluate::camera_path::{self, KeyPose};
-use crate::image::FrameRange;
-use crate::math::{Camera, Lens};
+use codec::error::{Error, Result};
+use codec::image::FrameRange;
+use codec::math::{Camera, Lens};
 
 /// Maximum size of a file in bytes.
 pub const MAX_CAMERA_FILE_BYTES: u64 = 16 << 20;
@@ -229,7 +229,7 @@ mod tests {
         assert_eq!((set.cameras[0].frames, set.cameras[0].fov_y_deg), (Some([2, 4]), Some(50.0)));
         assert_eq!(set.cameras[1].orientation, None);
         let [forward, right, down] = CameraFile::parse(text).unwrap()[0].camera.axes();
-        let turn = crate::math::camera::rotation(set.cameras[0].orientation.unwrap()).unwrap();
+        let turn = codec::math::camera::rotation(set.cameras[0].orientation.unwrap()).unwrap();
         for (axis, of_probe) in [(forward, DVec3::NEG_Z), (right, DVec3::X), (down, DVec3::NEG_Y)] {
             assert!((turn * of_probe - axis).length() < 1e-12);
         }

@@ -2,9 +2,9 @@
 
 use glam::DQuat;
 
-use crate::error::{Error, Result};
-use crate::image::FrameRange;
-use crate::math::{Camera, Lens};
+use codec::error::{Error, Result};
+use codec::image::FrameRange;
+use codec::math::{Camera, Lens};
 
 pub const MAX_PATH_FRAMES: u32 = 100_000;
 

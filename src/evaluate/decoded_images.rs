@@ -1,13 +1,13 @@
 //! Decoded images of a container, in metres and linear RGB.
 
-use crate::container::ProbeEntry;
 use crate::dataset::{Pose, ProbeInfo, planar_to_distance};
-use crate::decode::{Decoder, Picture};
-use crate::depth::CodeTable;
-use crate::error::{Error, Result};
-use crate::image::{ColorPlane, DecodeTable, DepthKind, DepthPlane, FrameRange, MaterialPlane, Primaries};
-use crate::streams::convert::{color_light, material_values};
-use crate::streams::{CodecHeader, ColorFormat, FootageInfo, FramePose, StreamInfo};
+use codec::container::ProbeEntry;
+use codec::decode::{Decoder, Picture};
+use codec::depth::CodeTable;
+use codec::error::{Error, Result};
+use codec::image::{ColorPlane, DecodeTable, DepthKind, DepthPlane, FrameRange, MaterialPlane, Primaries};
+use codec::streams::convert::{color_light, material_values};
+use codec::streams::{CodecHeader, ColorFormat, FootageInfo, FramePose, StreamInfo};
 
 #[derive(Debug)]
 pub struct DecodedImages {

@@ -1,9 +1,9 @@
 //! Assigns cameras to frames, in render order.
 
-use crate::error::{Error, Result};
 use crate::evaluate::TimedCamera;
-use crate::image::FrameRange;
-use crate::math::Camera;
+use codec::error::{Error, Result};
+use codec::image::FrameRange;
+use codec::math::Camera;
 
 /// A frame, and the cameras that render it together.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,7 +100,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::math::Lens;
+    use codec::math::Lens;
 
     fn range(first: u32, last: u32) -> FrameRange {
         FrameRange { first, last }

@@ -7,10 +7,10 @@ use std::io::Write;
 
 use rayon::prelude::*;
 
-use crate::error::{Error, Result};
 use crate::evaluate::reference::Reference;
-use crate::image::{CodeSteps, ToneMap};
-use crate::monitor::Monitor;
+use codec::error::{Error, Result};
+use codec::image::{CodeSteps, ToneMap};
+use codec::monitor::Monitor;
 
 /// Size of a vertex in bytes.
 pub const POINT_BYTES: u64 = 3 * 4 + 3;
@@ -70,8 +70,8 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::monitor::Silent;
     use crate::scene::{DemoKind, FootagePlan};
+    use codec::monitor::Silent;
 
     #[test]
     fn points_lie_on_the_rays_of_pixels_at_their_distances() {
@@ -80,7 +80,7 @@ mod tests {
         plan.write(folder.path(), &Silent).unwrap();
         let mut reference = Reference::open(folder.path()).unwrap();
         // Face nx of the second probe.
-        let image = reference.images.iter().rposition(|image| image.face == crate::image::Face::Nx).unwrap();
+        let image = reference.images.iter().rposition(|image| image.face == codec::image::Face::Nx).unwrap();
         let distance_m = reference.distance_m(image, 0).unwrap().unwrap();
         let mut bytes = Vec::new();
         let count = write_ply(&mut reference, &[image], 0, &mut bytes, &Silent).unwrap();

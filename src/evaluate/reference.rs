@@ -4,17 +4,17 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use crate::container::header::is_container;
 use crate::dataset::{Pose, ProbeInfo, Source, SourceOptions};
-use crate::decode::Decoder;
-use crate::error::{Error, Result};
 use crate::evaluate::decoded_images::{DecodedImages, pose, still_probe};
-use crate::image::{
+use codec::container::header::is_container;
+use codec::decode::Decoder;
+use codec::error::{Error, Result};
+use codec::image::{
     ColorPlane, DepthPlane, Face, FrameRange, MaterialPlane, NormalPlane, Primaries, Projection, StreamKind,
 };
-use crate::math::camera::rotation;
-use crate::math::{Camera, Lens};
-use crate::streams::StreamInfo;
+use codec::math::camera::rotation;
+use codec::math::{Camera, Lens};
+use codec::streams::StreamInfo;
 
 /// Maximum offset in pixels of a principal point from the image centre at which it is set to the centre.
 const CENTRE_TOLERANCE: f64 = 0.01;
@@ -286,9 +286,9 @@ mod tests {
     use super::*;
     use crate::dataset::cameras::PlacedCamera;
     use crate::encode::{EncodeSettings, encode};
-    use crate::image::ImageProjection;
-    use crate::monitor::Silent;
     use crate::scene::{DemoKind, DemoScene, FootagePlan, Pass, Scene};
+    use codec::image::ImageProjection;
+    use codec::monitor::Silent;
 
     const PLAN: FootagePlan = FootagePlan { kind: DemoKind::Courtyard, frames: 2, face_size: 8, probes: 2 };
 

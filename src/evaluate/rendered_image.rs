@@ -4,9 +4,9 @@
 
 use half::f16;
 
-use crate::error::Result;
-use crate::image::plane::ColorPlane;
-use crate::image::{CodeSteps, Plane, Primaries, ToneMap};
+use codec::error::Result;
+use codec::image::plane::ColorPlane;
+use codec::image::{CodeSteps, Plane, Primaries, ToneMap};
 
 /// Treatment of surfaces that no source view shows (disocclusions).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

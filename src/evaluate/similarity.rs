@@ -2,13 +2,14 @@
 
 use serde::Serialize;
 
-use crate::error::{Error, Result};
 use crate::evaluate::RenderedImage;
 use crate::evaluate::reference::Truth;
-use crate::image::{EncodeTable, MaterialPlane, Plane, ToneMap};
 use crate::json::Number;
-use crate::metrics::{HvsError, SquaredError, U8_PEAK, ssim_rgb8};
-use crate::streams::convert::color_codes;
+use crate::metrics::{HvsError, ssim_rgb8};
+use codec::error::{Error, Result};
+use codec::image::{EncodeTable, MaterialPlane, Plane, ToneMap};
+use codec::metrics::{SquaredError, U8_PEAK};
+use codec::streams::convert::color_codes;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Similarity {
@@ -229,7 +230,7 @@ mod tests {
     use half::f16;
 
     use super::*;
-    use crate::image::transfer::Transfer;
+    use codec::image::transfer::Transfer;
 
     const LINEAR: ToneMap = ToneMap { transfer: Transfer::Linear, exposure_ev: 0.0 };
 

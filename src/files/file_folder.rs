@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::Result;
+use codec::error::Result;
 
 /// A folder whose files appear together at the end.
 pub trait FileFolder: Sync {

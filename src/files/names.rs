@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Returns the parent folder of a path; `.` for a bare name.
 pub fn parent_of(path: &Path) -> &Path {

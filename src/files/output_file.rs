@@ -7,7 +7,7 @@ use std::time::SystemTime;
 use super::disk::DiskFile;
 use super::partial_file::{IntactBytes, PartialFile};
 use super::standard_output::standard_output;
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 enum Sink {
     Partial(PartialFile),

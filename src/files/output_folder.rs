@@ -7,7 +7,7 @@ use super::disk::{self, DiskFile};
 use super::file_folder::FileFolder;
 use super::names::{check_name, parent_of};
 use super::work_folder::{WorkFolder, clear_left};
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// An output folder whose files appear together, once all of them are written and synced.
 #[derive(Debug)]

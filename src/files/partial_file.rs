@@ -7,7 +7,7 @@ use std::time::SystemTime;
 use super::disk::{self, DiskFile};
 use super::lock::{Locked, open_locked};
 use super::names::{check_file, hidden_beside, parent_of};
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Suffix of an unfinished file's name, after a dot and the name of the output.
 const PARTIAL: &str = ".partial";

@@ -20,7 +20,7 @@ use super::file_folder::FileFolder;
 use super::lock::{Locked, open_locked};
 use super::names::{check_name, hidden_beside, parent_of};
 use super::output_folder::{MadeFolders, name_final_path, rename_or_move_into};
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Names in and around an unfinished folder.
 #[derive(Debug, Clone, Copy)]

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Opens a regular file. Fails on any other, because opening a named pipe would block.
 pub fn open_regular(path: &Path) -> Result<File> {

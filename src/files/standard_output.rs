@@ -2,7 +2,7 @@
 
 use std::io::{Stdout, stdout};
 
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Returns standard output. Fails if it is closed: if a shell closes it by `>&-`, Rust opens the null device in its place,
 /// for reading and writing, and a result would be lost without an error. A user who discards a result opens the null device

@@ -13,12 +13,6 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::color::cells::LEADS_NOWHERE;
-use crate::color::transform::blocks::REGION;
-use crate::container::ChunkEntry;
-use crate::decode::{AllUnits, DecodeCost, Decoder, StreamInfo, UnitFilter};
-use crate::depth::record_table;
-use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::device::Pipeline;
 use crate::gpu::family::{Family, PixelWords};
@@ -27,8 +21,14 @@ use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, SCRATCH_WOR
 use crate::gpu::prepare::{self, KernelOf, Prepared, Timeline};
 use crate::gpu::resident::{Growing, Resident, ResidentChunk};
 use crate::gpu::transform_tables::TransformTables;
-use crate::monitor::{Monitor, Silent};
-use crate::ordered::try_map_ordered;
+use codec::color::cells::LEADS_NOWHERE;
+use codec::color::transform::blocks::REGION;
+use codec::container::ChunkEntry;
+use codec::decode::{AllUnits, DecodeCost, Decoder, StreamInfo, UnitFilter};
+use codec::depth::record_table;
+use codec::error::{Error, Result};
+use codec::monitor::{Monitor, Silent};
+use codec::ordered::try_map_ordered;
 
 /// Maximum number of units whose chunks are fetched and checked together.
 const FETCH_TOGETHER: usize = 32;
@@ -203,7 +203,7 @@ impl<'a> GpuDecoder<'a> {
             units: gpu.filled("units", &words_of(&units))?,
             states: gpu.buffer("states", units.len() * State::WORDS, none)?,
             pictures,
-            log2_table: gpu.filled("log2_table", &crate::depth::domain::LOG2_TABLE)?,
+            log2_table: gpu.filled("log2_table", &codec::depth::domain::LOG2_TABLE)?,
             tables: gpu.filled("tables", &tables.words)?,
             dispatch: gpu.buffer("dispatch", Dispatch::WORDS, wgpu::BufferUsages::INDIRECT)?,
             items: Growing::new(gpu, "items")?,

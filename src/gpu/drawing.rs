@@ -3,10 +3,10 @@
 use glam::DVec3;
 use half::f16;
 
-use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::kernels::{Blending, Drawing};
 use crate::gpu::layout::DrawnPicture;
+use codec::error::{Error, Result};
 
 /// Linear RGB and alpha: the most precise format that every device can blend.
 pub const LIGHT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;

@@ -20,14 +20,14 @@ use crate::epipolar::counters::Counters;
 use crate::epipolar::erosion::Moves;
 use crate::epipolar::interpolate::{Coverage, InterpolatedView, Interpolator};
 use crate::epipolar::stages::Lap;
-use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::harness::dispatch;
 use crate::gpu::kernels;
 use crate::gpu::layout::{SLICE_COLUMNS, SliceBlock, words_of};
-use crate::image::Plane;
-use crate::monitor::Monitor;
 use block::{LineWords, color_of, coverage_of, places};
+use codec::error::Result;
+use codec::image::Plane;
+use codec::monitor::Monitor;
 use highlights::{Highlights, SplitWords};
 
 /// Maximum lines that are sent at once; a single scanline may have more. At most 64 MiB of runs, and as much of radiance.

@@ -3,8 +3,8 @@
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::layout::Unit;
 use crate::gpu::pictures::code_stride;
-use crate::image::StreamKind;
-use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding};
+use codec::image::StreamKind;
+use codec::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PixelWords {

@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::kernels::Kernel;
 use crate::gpu::layout::MAX_GROUPS;
+use codec::error::{Error, Result};
 
 /// One dispatch with its input and expected output; buffers are given as words by binding name.
 #[derive(Debug, Clone, Default)]

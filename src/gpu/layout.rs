@@ -92,9 +92,9 @@ mod tests {
     use wgpu::naga;
 
     use super::*;
-    use crate::depth::domain::DomainKind;
-    use crate::depth::runtime;
     use crate::gpu::kernels::{Binding, BindingKind, DRAWINGS, KERNELS};
+    use codec::depth::domain::DomainKind;
+    use codec::depth::runtime;
 
     /// A row of the kernel table, with its parsed module.
     struct Row {

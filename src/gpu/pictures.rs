@@ -5,9 +5,9 @@
 
 use half::f16;
 
-use crate::decode::Picture;
-use crate::depth::BACKGROUND_CODE;
-use crate::image::Plane;
+use codec::decode::Picture;
+use codec::depth::BACKGROUND_CODE;
+use codec::image::Plane;
 
 pub fn code_stride(width: u32) -> u32 {
     width.div_ceil(2)

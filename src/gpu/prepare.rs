@@ -3,29 +3,29 @@
 //! Takes a payload; returns rows whose offsets are relative to the chunk's first byte, word or row. [`crate::gpu::resident`]
 //! adds the chunk's position.
 
-use crate::block;
-use crate::color::cells::Blend;
-use crate::color::transform::blocks::{Shape, regions};
-use crate::color::transform::payload::{Header, Layout};
-use crate::color::transform::region::{ChannelLevels, Content, Leaf, Region};
-use crate::color::transform::steps::Steps;
-use crate::color::transform::{Keyed, Tables, TransformChunk};
-use crate::color::{CellChunk, ChunkFormat, ColorChunk, Sample};
-use crate::container::{ChunkEntry, ChunkPlace, Payload};
-use crate::decode::StreamInfo;
-use crate::depth::predictive::{PredictiveChunk, UnitArea};
-use crate::depth::records::Body;
-use crate::depth::runtime::Runtime;
-use crate::depth::{TemporalChunk, Texel};
-use crate::entropy::rans;
-use crate::error::{Error, Result};
 use crate::gpu::layout::{
     BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, PASS_ITERATIONS, Record,
     STEP_ITERATIONS,
 };
 use crate::gpu::pictures::{code_stride, pack_halves};
 use crate::gpu::transform_tables::SET_WORDS;
-use crate::streams::{CodecHeader, ColorFormat, DepthChunk, DepthCoding, DepthHeader, PictureChunk};
+use codec::block;
+use codec::color::cells::Blend;
+use codec::color::transform::blocks::{Shape, regions};
+use codec::color::transform::payload::{Header, Layout};
+use codec::color::transform::region::{ChannelLevels, Content, Leaf, Region};
+use codec::color::transform::steps::Steps;
+use codec::color::transform::{Keyed, Tables, TransformChunk};
+use codec::color::{CellChunk, ChunkFormat, ColorChunk, Sample};
+use codec::container::{ChunkEntry, ChunkPlace, Payload};
+use codec::decode::StreamInfo;
+use codec::depth::predictive::{PredictiveChunk, UnitArea};
+use codec::depth::records::Body;
+use codec::depth::runtime::Runtime;
+use codec::depth::{TemporalChunk, Texel};
+use codec::entropy::rans;
+use codec::error::{Error, Result};
+use codec::streams::{CodecHeader, ColorFormat, DepthChunk, DepthCoding, DepthHeader, PictureChunk};
 
 /// Maximum bytes of the codes of a predictive chunk, whose payload may be far smaller.
 const MAX_UNPACKED: u64 = 128 << 20;
@@ -342,17 +342,17 @@ fn header_words(header: &Header, frames: u32) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::cells::CellFormat;
-    use crate::color::cells::builder::CellBuilder;
-    use crate::depth::block_tiles::Layout;
-    use crate::depth::boxes::PixelBox;
-    use crate::depth::mode_decision::Decide;
-    use crate::depth::predictive::encoder::PredictiveEncoder;
-    use crate::depth::predictive::projection::Projection;
-    use crate::depth::predictive::tables::Tables;
-    use crate::depth::predictive::{Levels, PredictiveHeader};
-    use crate::depth::record_table::builder::TableBuilder;
-    use crate::effort::Effort;
+    use codec::color::cells::CellFormat;
+    use codec::color::cells::builder::CellBuilder;
+    use codec::depth::block_tiles::Layout;
+    use codec::depth::boxes::PixelBox;
+    use codec::depth::mode_decision::Decide;
+    use codec::depth::predictive::encoder::PredictiveEncoder;
+    use codec::depth::predictive::projection::Projection;
+    use codec::depth::predictive::tables::Tables;
+    use codec::depth::predictive::{Levels, PredictiveHeader};
+    use codec::depth::record_table::builder::TableBuilder;
+    use codec::effort::Effort;
 
     #[test]
     fn boxes_count_the_words_that_they_touch() {

@@ -6,17 +6,17 @@
 use glam::DVec3;
 use half::f16;
 
-use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::drawing::{
     self, COUNT_FORMAT, DEPTH_FORMAT, DrawingPipeline, LIGHT_FORMAT, Window, cleared, farthest_m, read_halves,
 };
 use crate::gpu::kernels;
 use crate::gpu::layout::{DrawnPicture, words_of};
-use crate::math::Camera;
-use crate::monitor::Monitor;
 use crate::simplify::quad_mesh::QuadMesh;
 use crate::simplify::raster::{Compositing, DrawSettings, Drawn, Sample, light_of_codes, texture_coordinates};
+use codec::error::Result;
+use codec::math::Camera;
+use codec::monitor::Monitor;
 
 /// Words per corner: position and homogeneous texture coordinates.
 const CORNER_WORDS: usize = 6;

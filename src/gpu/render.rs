@@ -16,7 +16,6 @@ pub mod texels;
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-use crate::error::{Error, Result};
 use crate::evaluate::RenderedImage;
 use crate::gpu::Gpu;
 use crate::gpu::kernels::{self, Kernel};
@@ -24,16 +23,17 @@ use crate::gpu::layout::{Face, View, words_of};
 use crate::gpu::render::backend::{GpuBackend, UnitCost};
 use crate::gpu::render::scene::{FIRST_ROW_WORD, ImageId, ROWS_WORD, SceneRows};
 use crate::gpu::render::texels::{DeviceTexels, Transferred};
-use crate::image::StreamKind;
 use crate::march::render::has_secondary_rays;
 use crate::march::specular::secondary_rays::MIN_SHARE;
 use crate::march::{
     Acceleration, ActiveViews, Counters, MAX_BOUNCES, MIN_M, Proxies, Proxy, RenderSettings, Rendered, SphereFit,
     proxies_in_sight,
 };
-use crate::math::Camera;
-use crate::monitor::Monitor;
 use crate::views::{ColorCoding, FaceTexels};
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
+use codec::math::Camera;
+use codec::monitor::Monitor;
 
 /// Alpha of a pixel whose loops were terminated by the device.
 pub const GIVEN_UP: f32 = -1.0;

@@ -7,10 +7,10 @@ use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::layout::{BoxRow, Chunk, Record, words_of};
 use crate::gpu::prepare::{KernelOf, Prepared, Timeline};
+use codec::error::Result;
 
 const FIRST_WORDS: usize = 1 << 14;
 

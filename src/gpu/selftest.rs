@@ -26,13 +26,13 @@ pub mod triangles;
 
 use std::time::Duration;
 
-use crate::color::{HalfKey, KeyframeBlocks};
-use crate::depth::block_tiles::Layout;
-use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::harness::Case;
 pub use crate::gpu::harness::KernelReport;
 use crate::gpu::kernels::{self, Kernel};
+use codec::color::{HalfKey, KeyframeBlocks};
+use codec::depth::block_tiles::Layout;
+use codec::error::Result;
 
 use Inputs::Words;
 use plans::Planned;

@@ -1,14 +1,14 @@
 //! Tables of the transform codec in device memory: those of the format, then the table sets of the streams (color.md 6, 7).
 
-use crate::color::transform::Tables;
-use crate::color::transform::basis::{LENGTHS, basis, length_index};
-use crate::color::transform::blocks::MAX_FRAMES;
-use crate::color::transform::contexts::{CLASSES_OF_SUMS, CLUSTERS};
-use crate::color::transform::scan;
-use crate::color::transform::steps::{INVERSE_ROOTS, OCTAVE, OFFSET_SETS};
-use crate::color::transform::tables::CLUSTER_OF;
-use crate::entropy::SYMBOLS;
-use crate::streams::{CodecHeader, StreamInfo};
+use codec::color::transform::Tables;
+use codec::color::transform::basis::{LENGTHS, basis, length_index};
+use codec::color::transform::blocks::MAX_FRAMES;
+use codec::color::transform::contexts::{CLASSES_OF_SUMS, CLUSTERS};
+use codec::color::transform::scan;
+use codec::color::transform::steps::{INVERSE_ROOTS, OCTAVE, OFFSET_SETS};
+use codec::color::transform::tables::CLUSTER_OF;
+use codec::entropy::SYMBOLS;
+use codec::streams::{CodecHeader, StreamInfo};
 
 /// Points of the largest spatial basis; it is not a transform length in time.
 const MAX_POINTS: usize = 32;
@@ -78,9 +78,9 @@ pub fn of_format() -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::transform::contexts::{CONTEXTS, FAMILIES};
-    use crate::color::transform::tables::BUILT_IN;
     use crate::gpu::layout;
+    use codec::color::transform::contexts::{CONTEXTS, FAMILIES};
+    use codec::color::transform::tables::BUILT_IN;
 
     #[test]
     fn constants_are_those_of_the_format() {

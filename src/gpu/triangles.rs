@@ -5,7 +5,6 @@ use glam::DVec3;
 
 use crate::epipolar::compact::spread;
 use crate::epipolar::drawing::{PixelWindow, TriangleDrawing, TriangleLayers, axes};
-use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::drawing::{
     self, DEPTH_FORMAT, DrawingPipeline, INDEX_FORMAT, Window, cleared, farthest_m, read_indices,
@@ -15,6 +14,7 @@ use crate::gpu::kernels;
 use crate::gpu::layout::{DrawnPicture, words_of};
 use crate::scene::SceneAtTime;
 use crate::scene::capture::Viewpoint;
+use codec::error::Result;
 
 /// Words per corner: its position.
 const CORNER_WORDS: usize = 3;

@@ -1,16 +1,16 @@
 //! Decodes a selection on a graphics device, to measure its speed or to compare it with the CPU, and as a source of images.
 
-use crate::decode::{
-    DecodeCost, DecodeSummary, Decoder, FaceDecoder, ImageSource, Images, Picture, Request, StreamFrames, StreamInfo,
-    UnitFilter, check_windows, decoded_pixel_bytes,
-};
-use crate::error::{Error, Result};
 use crate::gpu::decode::{UnitFrame, picture_words};
 use crate::gpu::family::{self, Family};
 use crate::gpu::pictures::mismatched_words;
 use crate::gpu::{Gpu, GpuDecoder};
-use crate::image::FrameRange;
-use crate::monitor::Monitor;
+use codec::decode::{
+    DecodeCost, DecodeSummary, Decoder, FaceDecoder, ImageSource, Images, Picture, Request, StreamFrames, StreamInfo,
+    UnitFilter, check_windows, decoded_pixel_bytes,
+};
+use codec::error::{Error, Result};
+use codec::image::FrameRange;
+use codec::monitor::Monitor;
 
 /// Differences between two decoders.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]

@@ -3,22 +3,22 @@
 
 use dds::{ColorFormat, DecodeOptions, Format, ImageViewMut, Size};
 
-use crate::block::{SIDE, TEXELS, bc1, bc4, bc5, bc6h, bc7};
-use crate::depth::bc4w::bipartitions::bipartitions;
-use crate::depth::bc4w::{Bc4w, MAX_ENDPOINT, Pair, search};
-use crate::depth::block::Block;
-use crate::depth::block_tiles::Layout;
-use crate::depth::domain::Domain;
-use crate::depth::limit::NodeFunction;
-use crate::depth::nodes::{Function, function_of};
-use crate::depth::platelet::Platelet;
-use crate::depth::{BACKGROUND_CODE, TemporalSettings};
-use crate::effort::Effort;
-use crate::error::{Error, Result};
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence, random_at};
 use crate::hard_cases::pictures::{HardPicture, PICTURES};
-use crate::math::random::Random;
+use codec::block::{SIDE, TEXELS, bc1, bc4, bc5, bc6h, bc7};
+use codec::depth::bc4w::bipartitions::bipartitions;
+use codec::depth::bc4w::{Bc4w, MAX_ENDPOINT, Pair, search};
+use codec::depth::block::Block;
+use codec::depth::block_tiles::Layout;
+use codec::depth::domain::Domain;
+use codec::depth::limit::NodeFunction;
+use codec::depth::nodes::{Function, function_of};
+use codec::depth::platelet::Platelet;
+use codec::depth::{BACKGROUND_CODE, TemporalSettings};
+use codec::effort::Effort;
+use codec::error::{Error, Result};
+use codec::math::random::Random;
 use half::f16;
 
 /// Number of blocks of each mode that both decoders decode.

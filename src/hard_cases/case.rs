@@ -4,10 +4,10 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::error::Result;
 use crate::gpu::selftest::pictures::PictureCase;
 use crate::gpu::selftest::slices::InterpolationCase;
 use crate::hard_cases::clip::Clip;
+use codec::error::Result;
 
 /// Unit roundoff of binary64.
 pub(super) const ROUNDING: f64 = f64::EPSILON / 2.0;

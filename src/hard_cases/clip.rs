@@ -1,27 +1,27 @@
 //! Streams of one unit: encoding, and decoding from a container.
 
-use crate::container::{
+use codec::container::{
     ChunkKey, Compression, EncodedChunk, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer,
 };
-use crate::decode::{Decoder, Picture};
-use crate::depth::block_chunk::encoder::BlockEncoder;
-use crate::depth::block_tiles::Layout;
-use crate::depth::block_tiles::encode::EncodeTexel;
-use crate::depth::domain::Domain;
-use crate::depth::mode_decision::Decide;
-use crate::depth::node_encoder::{NodeEncoder, NodeSettings};
-use crate::depth::nodes::Grid;
-use crate::depth::predictive::encoder::PredictiveEncoder;
-use crate::depth::predictive::projection::{Projection, Shape};
-use crate::depth::predictive::tables::Tables;
-use crate::depth::predictive::{Levels, PredictiveHeader, UnitArea};
-use crate::depth::tree_chunk::encoder::TreeEncoder;
-use crate::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
-use crate::effort::Effort;
-use crate::error::{Error, Result};
-use crate::image::DepthKind;
-use crate::math::random::Random;
-use crate::streams::{CodecHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader};
+use codec::decode::{Decoder, Picture};
+use codec::depth::block_chunk::encoder::BlockEncoder;
+use codec::depth::block_tiles::Layout;
+use codec::depth::block_tiles::encode::EncodeTexel;
+use codec::depth::domain::Domain;
+use codec::depth::mode_decision::Decide;
+use codec::depth::node_encoder::{NodeEncoder, NodeSettings};
+use codec::depth::nodes::Grid;
+use codec::depth::predictive::encoder::PredictiveEncoder;
+use codec::depth::predictive::projection::{Projection, Shape};
+use codec::depth::predictive::tables::Tables;
+use codec::depth::predictive::{Levels, PredictiveHeader, UnitArea};
+use codec::depth::tree_chunk::encoder::TreeEncoder;
+use codec::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
+use codec::effort::Effort;
+use codec::error::{Error, Result};
+use codec::image::DepthKind;
+use codec::math::random::Random;
+use codec::streams::{CodecHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader};
 
 /// Effort of all searches. Bounds hold at every effort; this one is the fastest.
 pub(super) const EFFORT: Effort = Effort::Fast;

@@ -4,20 +4,20 @@ use std::sync::Arc;
 
 use half::f16;
 
-use crate::color::quality::{EightBit, MAX_OUTSIDE_RMS, PU_STEPS, Pu21, Quality};
-use crate::color::temporal::{BlockStage, CLOSE_AT_BYTES, CellEncoder};
-use crate::color::transform::encode::{PricedTables, TransformEncoder};
-use crate::color::transform::{Keyed, Tables};
-use crate::color::{CellChunk, CellFormat, HalfKey, Sample, SearchSettings, Target};
-use crate::decode::Picture;
-use crate::error::{Error, Result};
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence, noise};
 use crate::hard_cases::paths::paths;
-use crate::image::ToneMap;
-use crate::metrics::psnr::U8_PEAK;
-use crate::metrics::pu21::{PU21_MAX_CD_M2, PU21_MIN_CD_M2, PU21_PEAK, pu21_encode};
-use crate::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader};
+use codec::color::quality::{EightBit, MAX_OUTSIDE_RMS, PU_STEPS, Pu21, Quality};
+use codec::color::temporal::{BlockStage, CLOSE_AT_BYTES, CellEncoder};
+use codec::color::transform::encode::{PricedTables, TransformEncoder};
+use codec::color::transform::{Keyed, Tables};
+use codec::color::{CellChunk, CellFormat, HalfKey, Sample, SearchSettings, Target};
+use codec::decode::Picture;
+use codec::error::{Error, Result};
+use codec::image::ToneMap;
+use codec::metrics::psnr::U8_PEAK;
+use codec::metrics::pu21::{PU21_MAX_CD_M2, PU21_MIN_CD_M2, PU21_PEAK, pu21_encode};
+use codec::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader};
 
 /// Luminance of 1.0 in the half-float cases, in cd/m².
 const WHITE_CD_M2: f64 = 100.0;

@@ -1,10 +1,10 @@
 //! Comparison of decoded clips with their source.
 
-use crate::decode::Picture;
-use crate::depth::BACKGROUND_CODE;
-use crate::error::{Error, Result};
 use crate::hard_cases::case::Measured;
 use crate::hard_cases::clip::{Clip, Sequence};
+use codec::decode::Picture;
+use codec::depth::BACKGROUND_CODE;
+use codec::error::{Error, Result};
 
 fn largest_error(clip: Clip, mut see: impl FnMut(&mut Measured, usize, &Picture) -> Result<()>) -> Result<Measured> {
     let mut worst = Measured { place: Some("everywhere alike".to_owned()), ..Measured::count(0) };

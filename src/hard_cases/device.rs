@@ -1,8 +1,6 @@
 //! Hard cases on a graphics device. Streams decoded in order and from arbitrary frames must equal the CPU's in every
 //! word; rendered pictures must agree within bounds, and interpolated views in every pixel except at highlights.
 
-use crate::decode::StreamInfo;
-use crate::error::{Error, Result};
 use crate::gpu::epipolar::GpuInterpolator;
 use crate::gpu::family::{self, Family};
 use crate::gpu::pictures::mismatched_words;
@@ -10,8 +8,10 @@ use crate::gpu::selftest::{pictures, slices};
 use crate::gpu::{Gpu, GpuDecoder};
 use crate::hard_cases::case::Inputs;
 use crate::hard_cases::clip::{Clip, open};
-use crate::math::random::Random;
-use crate::monitor::Monitor;
+use codec::decode::StreamInfo;
+use codec::error::{Error, Result};
+use codec::math::random::Random;
+use codec::monitor::Monitor;
 
 /// Maximum number of pixels of the pictures held on the device at once.
 const PIXELS_TOGETHER: u64 = 8 << 20;

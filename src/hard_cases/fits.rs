@@ -1,18 +1,18 @@
 //! Hard cases of fitting modelling functions: pictures through the default codec at every bound, and the arithmetic of
 //! fits and of Horner's scheme compared with binary64 (GDC 3.2; arithmetic.md 6).
 
-use crate::depth::biquadratic::Biquadratic;
-use crate::depth::domain::{Domain, DomainKind};
-use crate::depth::least_squares::{Frame, Sample, Terms, solve};
-use crate::depth::mode_decision::Decide;
-use crate::depth::node_encoder::NodeSettings;
-use crate::depth::predictive::projection::Shape;
-use crate::error::{Error, Result};
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, ROUNDING};
 use crate::hard_cases::clip::{Clip, EFFORT, any_range};
 use crate::hard_cases::pictures::{HardPicture, PICTURES};
 use crate::hard_cases::report::CONDITION;
-use crate::math::random::Random;
+use codec::depth::biquadratic::Biquadratic;
+use codec::depth::domain::{Domain, DomainKind};
+use codec::depth::least_squares::{Frame, Sample, Terms, solve};
+use codec::depth::mode_decision::Decide;
+use codec::depth::node_encoder::NodeSettings;
+use codec::depth::predictive::projection::Shape;
+use codec::error::{Error, Result};
+use codec::math::random::Random;
 
 const BOUNDS: [u16; 7] = [0, 1, 10, 30, 100, 300, 1000];
 const SIDES: [usize; 8] = [4, 8, 16, 32, 64, 128, 256, 512];

@@ -8,13 +8,13 @@ use glam::DVec3;
 use half::f16;
 
 use crate::dataset::planar_to_distance;
-use crate::error::Result;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, ROUNDING};
 use crate::hard_cases::sight;
-use crate::image::Plane;
-use crate::image::cube::{Face, FacePoint, direction_to_face};
-use crate::image::equirect::{FaceMap, resample_color, resample_nearest};
-use crate::image::projection::{ImageProjection, centre_of};
+use codec::error::Result;
+use codec::image::Plane;
+use codec::image::cube::{Face, FacePoint, direction_to_face};
+use codec::image::equirect::{FaceMap, resample_color, resample_nearest};
+use codec::image::projection::{ImageProjection, centre_of};
 
 const SIDES: [u32; 5] = [1, 2, 3, 1024, 65_535];
 const PANORAMAS: [[u32; 2]; 5] = [[1, 1], [2, 1], [7, 3], [512, 256], [16_384, 8192]];

@@ -6,7 +6,6 @@
 
 use glam::DVec3;
 
-use crate::error::Result;
 use crate::evaluate::rendered_image::HoleFill;
 use crate::hard_cases::case::{Family, Group, HardCase, Measured};
 use crate::hard_cases::render::{CODES, SIDE, Setup, camera};
@@ -15,9 +14,10 @@ use crate::march::ray::Steps;
 use crate::march::render::{Rendered, render, render_plainly};
 use crate::march::settings::RenderSettings;
 use crate::march::synthetic::{SyntheticProbe, room};
-use crate::math::Camera;
-use crate::monitor::Silent;
 use crate::views::light_field::LightField;
+use codec::error::Result;
+use codec::math::Camera;
+use codec::monitor::Silent;
 
 /// Positions of probes and eye on the x axis: multiples of 1/16 m, the width of a texel at 1 m.
 const PROBES_M: [f64; 2] = [0.0, -0.5];

@@ -17,14 +17,14 @@ use crate::epipolar::source::{Light, MAX_LAYERS, SourcePixel, SourceRow, SourceV
 use crate::epipolar::view_store::Storage;
 use crate::epipolar::views::{MAX_VIEWS, OutputViews, Spread};
 use crate::epipolar::visibility::hidden_m;
-use crate::error::Result;
 use crate::gpu::selftest::highlights;
 use crate::gpu::selftest::slices::InterpolationCase;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
-use crate::math::{Camera, Lens};
-use crate::monitor::Silent;
 use crate::scene::capture::SamplePattern;
 use crate::scene::{Light as SceneLight, Material, Object, Optics, Phong, Quad, SceneAtTime, Shape, Sphere, Texture};
+use codec::error::Result;
+use codec::math::{Camera, Lens};
+use codec::monitor::Silent;
 
 /// Sizes of scenes in metres.
 const SIZES: [f64; 3] = [1.0, 1e-6, 1e6];

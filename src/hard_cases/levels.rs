@@ -1,13 +1,13 @@
 //! Hard cases of footage with few codes, which predictive depth codes as levels (depth.md 15.2). Decoding must be
 //! lossless.
 
-use crate::depth::BACKGROUND_CODE;
-use crate::depth::mode_decision::Decide;
-use crate::depth::quantise::FAR_CODE;
-use crate::error::Result;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::clip::{Clip, Sequence, noise};
 use crate::hard_cases::paths::paths;
+use codec::depth::BACKGROUND_CODE;
+use codec::depth::mode_decision::Decide;
+use codec::depth::quantise::FAR_CODE;
+use codec::error::Result;
 
 /// Width and height: not multiples of 4, and at least as many pixels as the maximum number of levels.
 const SIZE: [u32; 2] = [83, 50];

@@ -31,8 +31,8 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use crate::error::Result;
-use crate::monitor::Monitor;
+use codec::error::Result;
+use codec::monitor::Monitor;
 
 pub use case::{Bound, Family, HardCase, Inputs, Measured, number};
 pub use clip::Clip;

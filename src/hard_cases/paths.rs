@@ -1,11 +1,11 @@
 //! Decoding paths through the frames of a stream.
 
-use crate::decode::Picture;
-use crate::error::{Error, Result};
 use crate::gpu::pictures::mismatched_words;
 use crate::hard_cases::case::Measured;
 use crate::hard_cases::clip::{Clip, open};
-use crate::math::random::Random;
+use codec::decode::Picture;
+use codec::error::{Error, Result};
+use codec::math::random::Random;
 
 /// Number of random paths, and of pictures per path.
 const RANDOM_PATHS: u32 = 12;
@@ -59,9 +59,9 @@ pub(super) fn paths(clip: &Clip) -> Result<Measured> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::depth::block_tiles::Layout;
-    use crate::depth::settings::TemporalSettings;
     use crate::hard_cases::clip::Sequence;
+    use codec::depth::block_tiles::Layout;
+    use codec::depth::settings::TemporalSettings;
 
     fn clip() -> Clip {
         let source = Sequence::new([9, 6], 20, |frame, x, y| (100 * frame + x + y) as u16);

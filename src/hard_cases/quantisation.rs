@@ -5,14 +5,14 @@
 
 use rayon::prelude::*;
 
-use crate::decode::Picture;
-use crate::depth::domain::{Domain, DomainKind, integer_log2};
-use crate::depth::node_encoder::NodeSettings;
-use crate::depth::quantise::FAR_CODE;
-use crate::depth::{BACKGROUND_CODE, DepthRange, Quantiser};
-use crate::error::{Error, Result};
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence};
+use codec::decode::Picture;
+use codec::depth::domain::{Domain, DomainKind, integer_log2};
+use codec::depth::node_encoder::NodeSettings;
+use codec::depth::quantise::FAR_CODE;
+use codec::depth::{BACKGROUND_CODE, DepthRange, Quantiser};
+use codec::error::{Error, Result};
 
 /// Name, near and far in metres.
 const RANGES: [(&str, f32, f32); 14] = [

@@ -6,12 +6,9 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::error::Result;
 use crate::evaluate::rendered_image::{BackgroundFill, HoleFill};
 use crate::gpu::selftest::pictures::PictureCase;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
-use crate::image::cube::{Face, FacePoint, direction_to_face};
-use crate::image::{ToneMap, Transfer};
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
 use crate::march::intersect::intersect;
@@ -19,10 +16,13 @@ use crate::march::ray::{Ray, Steps};
 use crate::march::render::{Rendered, render, render_plainly};
 use crate::march::settings::{Acceleration, Refinements, RenderSettings, SpecularMode};
 use crate::march::synthetic::{Sight, SyntheticProbe, room};
-use crate::math::random::Random;
-use crate::math::{Camera, Lens};
-use crate::monitor::Silent;
 use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, LightField, UNKNOWN};
+use codec::error::Result;
+use codec::image::cube::{Face, FacePoint, direction_to_face};
+use codec::image::{ToneMap, Transfer};
+use codec::math::random::Random;
+use codec::math::{Camera, Lens};
+use codec::monitor::Silent;
 
 /// Width and height of faces in texels, unless a case defines another size.
 pub(super) const SIDE: u32 = 32;

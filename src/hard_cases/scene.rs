@@ -9,11 +9,11 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, ROUNDING};
-use crate::math::random::Random;
 use crate::mesh::{AxisBox, Mesh, Ray};
 use crate::scene::{
     Lamp, Light, Material, MeshMaterial, Object, Optics, SceneAtTime, SceneMesh, Shape, Sphere, Texture, Window, trace,
 };
+use codec::math::random::Random;
 
 /// Scene size in metres, distance from the origin in multiples of the size, and name.
 const SIZES: [(f64, f64, &str); 4] =

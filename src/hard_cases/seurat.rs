@@ -5,8 +5,8 @@ use std::array::from_fn;
 use glam::DVec3;
 
 use crate::dataset::seurat::{CameraMatrices, DepthType, SeuratCamera};
-use crate::error::Result;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, ROUNDING};
+use codec::error::Result;
 
 const SIDE: u32 = 8;
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];

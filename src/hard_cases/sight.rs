@@ -3,14 +3,14 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::container::ProbeEntry;
-use crate::error::{Error, Result};
 use crate::hard_cases::case::{Family, Group, HardCase, Measured};
-use crate::image::{DepthKind, Face};
-use crate::math::random::Random;
-use crate::math::{Camera, Lens, Viewer};
 use crate::views::face_frustum::{DepthSpan, FaceImage};
 use crate::views::visibility::{UnitGrid, cull, cull_all};
+use codec::container::ProbeEntry;
+use codec::error::{Error, Result};
+use codec::image::{DepthKind, Face};
+use codec::math::random::Random;
+use codec::math::{Camera, Lens, Viewer};
 
 /// Number of cameras of a case, and of points tested with each.
 const CAMERAS: u64 = 300;

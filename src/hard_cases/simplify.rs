@@ -7,14 +7,8 @@
 use glam::DVec3;
 
 use crate::dataset::seurat::CaptureRay;
-use crate::effort::Effort;
-use crate::error::Result;
 use crate::hard_cases::case::{Family, Group, HardCase, Measured};
-use crate::image::Face;
-use crate::math::random::Random;
-use crate::math::{Camera, Lens};
 use crate::mesh::Ray;
-use crate::monitor::Silent;
 use crate::placement::Region;
 use crate::simplify::candidates::{CandidateLevel, Extent, Tiling};
 use crate::simplify::capture::{Capture, CaptureImage};
@@ -33,6 +27,12 @@ use crate::simplify::texture_filter::TextureFilter;
 use crate::simplify::textures::{TextureBuilder, TileTextures};
 use crate::simplify::tiles::TileSet;
 use crate::simplify::tree::TreeCell;
+use codec::effort::Effort;
+use codec::error::Result;
+use codec::image::Face;
+use codec::math::random::Random;
+use codec::math::{Camera, Lens};
+use codec::monitor::Silent;
 
 /// Pixels per side of a face.
 const SIDE: u32 = 16;

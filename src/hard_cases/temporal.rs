@@ -3,16 +3,16 @@
 //! Each must satisfy two properties: every frame is within the bound of its source, and every legal path decodes the
 //! same frames.
 
-use crate::depth::block_tiles::Layout;
-use crate::depth::domain::{Domain, DomainKind};
-use crate::depth::mode_decision::Decide;
-use crate::depth::node_encoder::NodeSettings;
-use crate::depth::predictive::projection::Shape;
-use crate::depth::{BACKGROUND_CODE, TemporalSettings};
-use crate::error::Result;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence, any_range, noise};
 use crate::hard_cases::paths::paths;
+use codec::depth::block_tiles::Layout;
+use codec::depth::domain::{Domain, DomainKind};
+use codec::depth::mode_decision::Decide;
+use codec::depth::node_encoder::NodeSettings;
+use codec::depth::predictive::projection::Shape;
+use codec::depth::{BACKGROUND_CODE, TemporalSettings};
+use codec::error::Result;
 
 /// Width and height: not multiples of 4, 8 or 16.
 const SIZE: [u32; 2] = [21, 18];

@@ -2,15 +2,15 @@
 
 use glam::DVec3;
 
-use crate::error::Result;
 use crate::evaluate::rendered_image::BackgroundFill;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::render::{CODES, SIDE, Setup, camera, code, own_codes};
 use crate::march::render::render;
 use crate::march::settings::RenderSettings;
 use crate::march::synthetic::{SyntheticProbe, room};
-use crate::monitor::Silent;
 use crate::views::light_field::{BACKGROUND, ColorTexels, LightField, UNKNOWN};
+use codec::error::Result;
+use codec::monitor::Silent;
 
 const WALL_M: f64 = 4.0;
 const RED: [u8; 3] = [220, 20, 20];

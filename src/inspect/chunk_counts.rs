@@ -1,20 +1,20 @@
 //! Per-frame counts of one chunk: keyframes, boxes, nodes, pixels, bytes.
 
-use crate::color::transform::region::{Content, Region};
-use crate::color::transform::{Keyed, TransformChunk};
-use crate::color::{CellChunk, ColorChunk, Sample};
-use crate::depth::Texel;
-use crate::depth::block_chunk::BlockChunk;
-use crate::depth::block_tiles::{BlockTileCount, Layout};
-use crate::depth::mode_statistics::ModeStatistics;
-use crate::depth::node_chunk::{NodeChunk, NodeRecord};
-use crate::depth::predictive::PredictiveChunk;
-use crate::depth::predictive::chunk::FrameBlocks;
-use crate::depth::predictive::modes::BlockCoding;
-use crate::depth::records::{Body, Record, TemporalChunk};
-use crate::depth::tree_chunk::TreeChunk;
-use crate::error::Result;
-use crate::streams::{DepthChunk, StreamChunk};
+use codec::color::transform::region::{Content, Region};
+use codec::color::transform::{Keyed, TransformChunk};
+use codec::color::{CellChunk, ColorChunk, Sample};
+use codec::depth::Texel;
+use codec::depth::block_chunk::BlockChunk;
+use codec::depth::block_tiles::{BlockTileCount, Layout};
+use codec::depth::mode_statistics::ModeStatistics;
+use codec::depth::node_chunk::{NodeChunk, NodeRecord};
+use codec::depth::predictive::PredictiveChunk;
+use codec::depth::predictive::chunk::FrameBlocks;
+use codec::depth::predictive::modes::BlockCoding;
+use codec::depth::records::{Body, Record, TemporalChunk};
+use codec::depth::tree_chunk::TreeChunk;
+use codec::error::Result;
+use codec::streams::{DepthChunk, StreamChunk};
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct FrameCost {

@@ -5,15 +5,15 @@
 
 use std::collections::BTreeMap;
 
-use crate::container::ChunkEntry;
-use crate::decode::{Decoder, StreamInfo};
-use crate::error::{Error, Result};
-use crate::image::StreamKind;
 use crate::inspect::patch::{Patch, Writing};
 use crate::inspect::unit_map::{survey_chunk, unit_map};
-use crate::monitor::Monitor;
-use crate::ordered::try_map_ordered;
-use crate::streams::StreamChunk;
+use codec::container::ChunkEntry;
+use codec::decode::{Decoder, StreamInfo};
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
+use codec::monitor::Monitor;
+use codec::ordered::try_map_ordered;
+use codec::streams::StreamChunk;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Extent {

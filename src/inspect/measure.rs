@@ -5,22 +5,22 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use crate::container::{ChunkEntry, Reader, Storage, lzma2, lzma2_independent, zstd, zstd_independent};
-use crate::decode::{DamagedChunk, Decoder, StreamInfo, memory};
-use crate::depth::mode_statistics::ModeStatistics;
-use crate::depth::predictive::settings::MAX_FRAMES;
-use crate::error::{Error, Result};
-use crate::image::FrameRange;
 use crate::inspect::chunk_counts::{
     BlockCount, ChunkMeasure, Event, FrameCost, PredictiveCount, TransformCount, count_chunk,
 };
 use crate::inspect::statistics::{
     Check, FrameRow, FrameRows, InspectSettings, Inspection, MAX_ROWS, Spread, StorageStats, StreamStats,
 };
-use crate::memory::Need;
-use crate::monitor::{Monitor, Silent};
-use crate::ordered::try_map_at_once;
-use crate::streams::{CodecHeader, DepthCoding, DepthHeader, StreamChunk};
+use codec::container::{ChunkEntry, Reader, Storage, lzma2, lzma2_independent, zstd, zstd_independent};
+use codec::decode::{DamagedChunk, Decoder, StreamInfo, memory};
+use codec::depth::mode_statistics::ModeStatistics;
+use codec::depth::predictive::settings::MAX_FRAMES;
+use codec::error::{Error, Result};
+use codec::image::FrameRange;
+use codec::memory::Need;
+use codec::monitor::{Monitor, Silent};
+use codec::ordered::try_map_at_once;
+use codec::streams::{CodecHeader, DepthCoding, DepthHeader, StreamChunk};
 
 /// Returns the number of steps by which [`inspect`] advances its monitor: one per chunk.
 pub fn steps(decoder: &Decoder, streams: &[&StreamInfo]) -> u64 {

@@ -4,23 +4,23 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::color::transform::Tables;
-use crate::color::transform::blocks::MIN_SIDE;
-use crate::container::header::VERSION_MAJOR;
-use crate::decode::{DamagedChunkReport, Decoder, StreamInfo};
-use crate::depth::TemporalSettings;
-use crate::depth::block::side_of;
-use crate::depth::mode_statistics::{ModeStatistics, Share};
-use crate::depth::nodes::Function;
-use crate::depth::predictive::PredictiveHeader;
-use crate::depth::predictive::modes::BlockCoding;
-use crate::image::{DepthKind, StreamKind, Transfer};
+use crate::depth_bound::DepthBound;
+use crate::export::DamagedChunkReport;
 use crate::inspect::chunk_counts::{PredictedShare, TransformCount};
 use crate::inspect::statistics::{FrameRow, Inspection, Spread, StorageStats, StreamStats, Totals};
 use crate::json::Number;
-use crate::streams::{
-    CodecHeader, ColorFormat, ColorHeader, DepthBound, DepthCoding, DepthHeader, MaterialHeader, MissingFrame,
-};
+use codec::color::transform::Tables;
+use codec::color::transform::blocks::MIN_SIDE;
+use codec::container::header::VERSION_MAJOR;
+use codec::decode::{Decoder, StreamInfo};
+use codec::depth::TemporalSettings;
+use codec::depth::block::side_of;
+use codec::depth::mode_statistics::{ModeStatistics, Share};
+use codec::depth::nodes::Function;
+use codec::depth::predictive::PredictiveHeader;
+use codec::depth::predictive::modes::BlockCoding;
+use codec::image::{DepthKind, StreamKind, Transfer};
+use codec::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, MissingFrame};
 
 #[derive(Debug, Serialize)]
 pub struct ContainerReport<'a> {
@@ -297,7 +297,7 @@ impl<'a> Inspection<'a> {
 
     pub fn chunks_report(&'a self, decoder: &'a Decoder) -> ChunksReport<'a> {
         let all = self.totals(None);
-        let damaged = self.damaged.iter().map(|chunk| chunk.report(decoder)).collect();
+        let damaged = self.damaged.iter().map(|chunk| DamagedChunkReport::new(chunk, decoder)).collect();
         let Totals { chunks, lzma2_chunks, zstd_chunks, .. } = all;
         ChunksReport { chunks, lzma2_chunks, zstd_chunks, damaged }
     }

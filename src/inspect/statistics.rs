@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
-use crate::decode::{DamagedChunk, StreamInfo};
-use crate::depth::mode_statistics::ModeStatistics;
-use crate::image::{FrameRange, StreamKind};
 use crate::inspect::chunk_counts::{BlockCount, FrameCost, PredictiveCount, TransformCount};
-use crate::memory::Budget;
+use codec::decode::{DamagedChunk, StreamInfo};
+use codec::depth::mode_statistics::ModeStatistics;
+use codec::image::{FrameRange, StreamKind};
+use codec::memory::Budget;
 
 pub const MAX_ROWS: u64 = 1_000_000;
 

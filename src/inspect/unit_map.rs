@@ -2,20 +2,20 @@
 
 use std::collections::HashMap;
 
-use crate::color::transform::region::Content;
-use crate::color::transform::{Keyed, TransformChunk};
-use crate::color::{CellChunk, ColorChunk, Sample};
-use crate::depth::node_chunk::NodeChunk;
-use crate::depth::nodes::{Function, Grid, Place, function_of};
-use crate::depth::predictive::PredictiveChunk;
-use crate::depth::predictive::modes::BlockCoding;
-use crate::depth::records::{Body, TemporalChunk};
-use crate::depth::runtime::Runtime;
-use crate::depth::tree_chunk::TreeChunk;
-use crate::depth::{Texel, block_chunk};
-use crate::error::Result;
 use crate::inspect::patch::{Patch, Writing};
-use crate::streams::{DepthChunk, StreamChunk};
+use codec::color::transform::region::Content;
+use codec::color::transform::{Keyed, TransformChunk};
+use codec::color::{CellChunk, ColorChunk, Sample};
+use codec::depth::node_chunk::NodeChunk;
+use codec::depth::nodes::{Function, Grid, Place, function_of};
+use codec::depth::predictive::PredictiveChunk;
+use codec::depth::predictive::modes::BlockCoding;
+use codec::depth::records::{Body, TemporalChunk};
+use codec::depth::runtime::Runtime;
+use codec::depth::tree_chunk::TreeChunk;
+use codec::depth::{Texel, block_chunk};
+use codec::error::Result;
+use codec::streams::{DepthChunk, StreamChunk};
 
 #[derive(Debug, Default)]
 pub(super) struct UnitMap {

@@ -6,14 +6,14 @@
 
 use glam::Vec3;
 
-use crate::error::Result;
 use crate::evaluate::Aov;
-use crate::image::Plane;
 use crate::march::render::first_rays;
 use crate::march::{ActiveView, ActiveViews, Counters, Ray, RenderSettings, patch};
-use crate::math::Camera;
-use crate::monitor::Monitor;
 use crate::views::{BACKGROUND, UNKNOWN};
+use codec::error::Result;
+use codec::image::Plane;
+use codec::math::Camera;
+use codec::monitor::Monitor;
 
 /// Kind of an auxiliary plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -6,7 +6,7 @@
 use glam::Vec3;
 
 use crate::march::Ray;
-use crate::math::Camera;
+use codec::math::Camera;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClipPlanes {
@@ -43,16 +43,16 @@ mod tests {
 
     use super::*;
     use crate::evaluate::rendered_image::{BackgroundFill, HoleFill};
-    use crate::image::transfer::ToneMap;
     use crate::march::active_views::ActiveViews;
     use crate::march::ray::Steps;
     use crate::march::render::{Rendered, render, render_plainly};
     use crate::march::settings::{Acceleration, Refinements, RenderSettings, SpecularMode};
     use crate::march::synthetic::{SyntheticProbe, room};
     use crate::march::tests::field;
-    use crate::math::Lens;
-    use crate::monitor::Silent;
     use crate::views::light_field::ColorCoding;
+    use codec::image::transfer::ToneMap;
+    use codec::math::Lens;
+    use codec::monitor::Silent;
 
     /// Renders 22 × 22 pixels along −Z from `eye` with a field of view of 90 degrees, from views of a room that ends at z = −2.
     fn picture(

@@ -5,12 +5,12 @@
 
 use rayon::prelude::*;
 
-use crate::error::Result;
 use crate::evaluate::{Aov, RenderedImage};
-use crate::image::{Plane, Primaries};
 use crate::march::{Counters, Rendered};
-use crate::math::Camera;
-use crate::monitor::{Monitor, Uncounted};
+use codec::error::Result;
+use codec::image::{Plane, Primaries};
+use codec::math::Camera;
+use codec::monitor::{Monitor, Uncounted};
 
 /// Renders an image of this width and height by columns. `row` renders an image of `height` by 1 pixels. The monitor advances by
 /// one per row of the image.
@@ -48,14 +48,14 @@ pub fn render_columns(
 mod tests {
     use glam::DVec3;
 
-    use crate::image::ToneMap;
     use crate::march::aov::AovKind;
     use crate::march::playback::frames::{CpuRenderer, PictureOptions, Renderer, Stage};
     use crate::march::synthetic::{SyntheticProbe, room};
     use crate::march::tests::field;
-    use crate::math::{Camera, Lens};
-    use crate::monitor::Silent;
     use crate::views::ColorCoding;
+    use codec::image::ToneMap;
+    use codec::math::{Camera, Lens};
+    use codec::monitor::Silent;
 
     #[test]
     fn each_column_is_seen_from_its_eye() {

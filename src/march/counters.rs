@@ -1,6 +1,6 @@
 //! Rendering counters.
 
-use crate::math::add_members;
+use codec::math::add_members;
 
 /// Counts over rays. They are integers, so that sums do not depend on the number of threads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]

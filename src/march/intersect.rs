@@ -54,14 +54,14 @@ mod tests {
 
     use super::*;
     use crate::evaluate::rendered_image::{BackgroundFill, HoleFill};
-    use crate::image::transfer::ToneMap;
     use crate::march::render::render;
     use crate::march::settings::{Refinements, RenderSettings, SpecularMode};
     use crate::march::synthetic::{SyntheticProbe, room};
     use crate::march::tests::field;
-    use crate::math::{Camera, Lens};
-    use crate::monitor::Silent;
     use crate::views::light_field::ColorCoding;
+    use codec::image::transfer::ToneMap;
+    use codec::math::{Camera, Lens};
+    use codec::monitor::Silent;
 
     #[test]
     fn few_steps_make_no_holes_however_they_are_refined() {

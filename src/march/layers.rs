@@ -390,10 +390,10 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::image::transfer::{ToneMap, Transfer};
     use crate::march::synthetic::{SyntheticProbe, room, set_alpha};
     use crate::march::{Acceleration, Refinements, SpecularMode, Steps};
     use crate::views::light_field::{ColorCoding, LightField};
+    use codec::image::transfer::{ToneMap, Transfer};
 
     const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
     const SIDE: u32 = 32;

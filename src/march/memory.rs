@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use crate::decode::{Decoder, StreamInfo};
-use crate::image::StreamKind;
 use crate::march::SpecularMode;
 use crate::march::playback::frames::PlaybackOptions;
 use crate::march::render::RAYS_AT_ONCE;
 use crate::march::specular::sphere_fit::{MAX_PROXIES, MAX_TEXELS, MIN_TEXELS};
+use codec::decode::{Decoder, StreamInfo};
+use codec::image::StreamKind;
 
 /// Bytes per ray that a thread holds: its direction, its layers, and the sum of its pixel.
 const RAY_BYTES: u64 = 400;

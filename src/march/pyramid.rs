@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::image::{Face, StreamKind};
 use crate::views::{Change, FaceTexels, LightField, UNKNOWN, View};
+use codec::image::{Face, StreamKind};
 
 /// Minimum depth in metres whose inverse is reliable in single precision.
 pub const MIN_M: f32 = 1e-18;

@@ -5,9 +5,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::error::Result;
 use crate::evaluate::RenderedImage;
-use crate::image::Plane;
 use crate::march::packet::render::PacketScene;
 use crate::march::samples::{PixelSum, RaySample, SampleGrid};
 use crate::march::specular::secondary_rays::{SecondaryRays, SurfaceHit};
@@ -15,8 +13,10 @@ use crate::march::{
     ActiveViews, ClipPlanes, Counters, Layer, Primary, PrimaryHit, Proxies, Ray, RenderSettings, SpecularMode,
     SphereFit, proxies_in_sight,
 };
-use crate::math::Camera;
-use crate::monitor::Monitor;
+use codec::error::Result;
+use codec::image::Plane;
+use codec::math::Camera;
+use codec::monitor::Monitor;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rendered {

@@ -9,8 +9,8 @@
 
 use glam::Vec3;
 
-use crate::image::Face;
 use crate::march::{ActiveView, ActiveViews, Counters, MIN_M, Occupancy, Ray, StepsFrom, Until};
+use codec::image::Face;
 
 /// Rounding error of a coordinate in a view's axes, relative to the sum of the largest absolute coordinates that it is computed
 /// from.

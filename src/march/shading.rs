@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use crate::image::ToneMap;
 use crate::march::{ActiveViews, HOLE_DIFFERENCE, Interpolated, background_color, surface_color};
 use crate::views::ColorCoding;
+use codec::image::ToneMap;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RayResult {
@@ -73,7 +73,7 @@ impl LightCurve {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::transfer::Transfer;
+    use codec::image::transfer::Transfer;
 
     #[test]
     fn light_is_that_of_the_curve() {

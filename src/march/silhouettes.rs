@@ -5,11 +5,11 @@
 
 use glam::DVec3;
 
-use crate::error::Result;
-use crate::image::{Face, Plane};
 use crate::march::HOLE_DIFFERENCE;
-use crate::math::Camera;
 use crate::views::{BACKGROUND, FaceTexels, UNKNOWN, View};
+use codec::error::Result;
+use codec::image::{Face, Plane};
+use codec::math::Camera;
 
 /// Maximum number of columns and rows between a silhouette and a pixel near it.
 pub const REACH_PIXELS: u32 = 3;
@@ -72,10 +72,10 @@ fn from_eye(view: &View, (face, texels): (Face, &FaceTexels), at: usize, eye: DV
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::transfer::{ToneMap, Transfer};
     use crate::march::synthetic::SyntheticProbe;
-    use crate::math::Lens;
     use crate::views::light_field::ColorCoding;
+    use codec::image::transfer::{ToneMap, Transfer};
+    use codec::math::Lens;
 
     const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
 

@@ -3,9 +3,9 @@
 use glam::{DMat3, DQuat, DVec3};
 use half::f16;
 
-use crate::image::projection::centre_of;
-use crate::image::{Face, ImageProjection, TexelMap};
 use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, View};
+use codec::image::projection::centre_of;
+use codec::image::{Face, ImageProjection, TexelMap};
 
 /// Function from a unit direction in world axes to a distance in metres and a colour; none for background.
 pub type Sight<'a> = &'a dyn Fn(DVec3) -> Option<(f64, [u8; 3])>;

@@ -4,10 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DQuat, DVec3, Vec3};
 
-use crate::error::Error;
 use crate::evaluate::rendered_image::{BackgroundFill, HoleFill};
-use crate::image::transfer::{ToneMap, Transfer};
-use crate::image::{Face, TexelMap};
 use crate::march::active_views::ActiveViews;
 use crate::march::baseline::splat::splat;
 use crate::march::counters::Counters;
@@ -22,9 +19,12 @@ use crate::march::render::{Rendered, render, render_plainly};
 use crate::march::samples::{EDGE_BLACK, EDGE_CONTRAST};
 use crate::march::settings::{Acceleration, Refinements, RenderSettings, SpecularMode};
 use crate::march::synthetic::{SyntheticProbe, room, set_alpha, set_alpha_of_blocks};
-use crate::math::{Camera, Lens};
-use crate::monitor::{Monitor, Silent};
 use crate::views::light_field::{BACKGROUND, ColorCoding, LightField, UNKNOWN, View};
+use codec::error::Error;
+use codec::image::transfer::{ToneMap, Transfer};
+use codec::image::{Face, TexelMap};
+use codec::math::{Camera, Lens};
+use codec::monitor::{Monitor, Silent};
 
 pub fn field(views: Vec<View>, coding: ColorCoding) -> LightField {
     LightField { views, coding }

@@ -4,7 +4,7 @@
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::triangles::Mesh;
-use crate::error::counted;
+use codec::error::counted;
 
 #[derive(Debug)]
 pub struct Part<'a> {

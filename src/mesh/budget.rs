@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Bytes allowed for files of any size.
 const FLOOR: u64 = 512 << 20;

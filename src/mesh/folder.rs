@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::budget::Budget;
-use crate::error::{Error, Result};
 use crate::files::open_regular;
 use crate::fingerprint::digest;
+use codec::error::{Error, Result};
 
 #[derive(Debug)]
 pub struct Folder {

@@ -8,8 +8,8 @@ use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Image
 use glam::{DVec2, DVec3, DVec4};
 
 use super::budget::Budget;
-use crate::error::{Error, Result};
-use crate::image::{ReadLimits, Transfer};
+use codec::error::{Error, Result};
+use codec::image::{ReadLimits, Transfer};
 
 /// Bytes of pixels that an image file of any size may claim; see [`ReadLimits`].
 const PIXEL_FLOOR: u64 = 64 << 20;

@@ -5,9 +5,9 @@
 use serde::Serialize;
 use serde::ser::{SerializeStruct, Serializer};
 
-use super::codes::BACKGROUND_CODE;
-use super::psnr::{SquaredError, U16_PEAK};
 use crate::json::Number;
+use codec::metrics::codes::BACKGROUND_CODE;
+use codec::metrics::psnr::{SquaredError, U16_PEAK};
 
 pub const OUTSIDE: i32 = -1;
 

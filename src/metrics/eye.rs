@@ -7,8 +7,8 @@ use butteraugli::{ButteraugliParams, Img, RGB8, butteraugli};
 use fast_ssim2::{PixelDescriptor, PixelSlice, compute_ssimulacra2};
 
 use super::ssim::common_size;
-use crate::error::{Error, Result};
-use crate::image::Plane;
+use codec::error::{Error, Result};
+use codec::image::Plane;
 
 /// Minimum side that is scored without mirroring. SSIMULACRA2 weights six scales and is invalid with fewer, so images with
 /// shorter sides are mirrored.

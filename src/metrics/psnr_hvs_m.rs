@@ -5,8 +5,8 @@
 //! masking of DCT basis functions", Third International Workshop on Video Processing and Quality Metrics (VPQM), 2007.
 
 use super::ssim::common_size;
-use crate::error::{Error, Result};
-use crate::image::Plane;
+use codec::error::{Error, Result};
+use codec::image::Plane;
 
 /// Side of a DCT block. Smaller images have no PSNR-HVS-M; columns and rows beyond the last whole block are ignored.
 pub const HVS_BLOCK: u32 = 8;

@@ -5,8 +5,8 @@
 
 use std::collections::VecDeque;
 
-use crate::error::{Error, Result};
-use crate::image::Plane;
+use codec::error::{Error, Result};
+use codec::image::Plane;
 
 /// Side of the Gaussian window (σ = 1.5 pixels). Smaller images have no SSIM.
 pub const SSIM_WINDOW: u32 = 11;

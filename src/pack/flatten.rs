@@ -2,17 +2,17 @@
 //!
 //! Each chunk of trees starts with all leaves, so chunks can be packed independently and in any order.
 
-use crate::container::{ChunkEntry, EncodedChunk, Reader, StreamEntry};
-use crate::depth::domain::Domain;
-use crate::depth::mode_decision::Decide;
-use crate::depth::node_encoder::{NodeEncoder, NodeSettings};
-use crate::depth::nodes::Grid;
-use crate::depth::tree_chunk::TreeChunk;
-use crate::effort::Effort;
 use crate::encode::ErrorBound;
-use crate::error::{Error, Result};
-use crate::monitor::Monitor;
-use crate::streams::{CodecHeader, DEPTH_TREE, DepthCoding, DepthHeader, NodeHeader};
+use codec::container::{ChunkEntry, EncodedChunk, Reader, StreamEntry};
+use codec::depth::domain::Domain;
+use codec::depth::mode_decision::Decide;
+use codec::depth::node_encoder::{NodeEncoder, NodeSettings};
+use codec::depth::nodes::Grid;
+use codec::depth::tree_chunk::TreeChunk;
+use codec::effort::Effort;
+use codec::error::{Error, Result};
+use codec::monitor::Monitor;
+use codec::streams::{CodecHeader, DEPTH_TREE, DepthCoding, DepthHeader, NodeHeader};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlattenSettings {

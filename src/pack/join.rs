@@ -3,20 +3,20 @@
 use std::collections::{HashMap, HashSet};
 use std::io::Write;
 
-use crate::container::compression::DEFAULT_LZMA2_LEVEL;
-use crate::container::{
+use crate::pack::flatten::{FlattenSettings, Flattener, is_tree};
+use codec::container::compression::DEFAULT_LZMA2_LEVEL;
+use codec::container::{
     Attributes, ChunkEntry, ChunkKey, Compression, EncodedChunk, PackedChunk, Payload, PayloadKind, ProbeEntry, Reader,
     Storage, StreamEntry, Writer,
 };
-use crate::decode::memory;
-use crate::error::{Error, Result};
-use crate::memory::{Budget, Need};
-use crate::monitor::Monitor;
-use crate::ordered::try_map_at_once;
-use crate::pack::flatten::{FlattenSettings, Flattener, is_tree};
-use crate::streams;
-use crate::streams::shard::{SHARD, SHARD_FOOTAGE};
-use crate::streams::{CodecHeader, FootageInfo, StreamKind};
+use codec::decode::memory;
+use codec::error::{Error, Result};
+use codec::memory::{Budget, Need};
+use codec::monitor::Monitor;
+use codec::ordered::try_map_at_once;
+use codec::streams;
+use codec::streams::shard::{SHARD, SHARD_FOOTAGE};
+use codec::streams::{CodecHeader, FootageInfo, StreamKind};
 
 /// Payload bytes that are fetched and compressed as one batch; a single chunk may have more.
 const BATCH_BYTES: u64 = 256 << 20;
@@ -335,8 +335,8 @@ pub(super) fn batch_length<T>(chunks: &[T], limit: u64, entry: impl Fn(&T) -> &C
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::container::Storage;
-    use crate::monitor::Silent;
+    use codec::container::Storage;
+    use codec::monitor::Silent;
 
     fn input(fps: f64, probe: &str, frames: [u32; 2]) -> Reader {
         let mut writer = Writer::new(Vec::new(), "sample", fps, 0).unwrap();

@@ -8,9 +8,9 @@ mod shards;
 
 use std::io::Write;
 
-use crate::container::Reader;
-use crate::error::Result;
-use crate::monitor::Monitor;
+use codec::container::Reader;
+use codec::error::Result;
+use codec::monitor::Monitor;
 
 pub use flatten::FlattenSettings;
 pub use join::{PackReport, PackSettings, PackSummary, Repack};

@@ -3,14 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::Write;
 
-use crate::container::{ChunkEntry, ChunkKey, PackedChunk, Reader, StreamEntry, Writer};
-use crate::error::{Error, Result, counted};
-use crate::image::{Face, StreamKind};
-use crate::monitor::Monitor;
-use crate::ordered::try_map_at_once;
 use crate::pack::join::{Copier, PackSettings, PackSummary, Repack, batch_length, limits, merge_attributes};
-use crate::streams;
-use crate::streams::shard::{FootageDigests, SHARD, SHARD_FOOTAGE, ShardEntry, WholeStream};
+use codec::container::{ChunkEntry, ChunkKey, PackedChunk, Reader, StreamEntry, Writer};
+use codec::error::{Error, Result, counted};
+use codec::image::{Face, StreamKind};
+use codec::monitor::Monitor;
+use codec::ordered::try_map_at_once;
+use codec::streams;
+use codec::streams::shard::{FootageDigests, SHARD, SHARD_FOOTAGE, ShardEntry, WholeStream};
 
 /// Maximum bytes of adjacent chunks that are read with one system call, to reduce the cost of calls.
 const RUN_BYTES: u64 = 512 << 10;
@@ -363,7 +363,7 @@ fn missing(shards: &[ShardEntry]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::container::Storage;
+    use codec::container::Storage;
 
     #[test]
     fn runs_are_neighbours_of_one_file_up_to_a_limit() {

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::region::{Region, Volume};
 use super::sampled_scene::SampledScene;
 use super::sequence;
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Maximum number of positions tested per candidate.
 const TRIES: usize = 64;

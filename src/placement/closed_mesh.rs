@@ -10,9 +10,9 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::sequence;
-use crate::error::{Error, Result};
 use crate::mesh::{AxisBox, Bvh, Mesh, Ray};
 use crate::scene::{Model, Play};
+use codec::error::{Error, Result};
 
 /// Number of rays that vote on whether a point is inside: an odd number, because a ray along an edge may give a wrong result.
 const VOTES: usize = 5;

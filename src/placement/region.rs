@@ -5,9 +5,9 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::closed_mesh::ClosedMesh;
-use crate::error::{Error, Result};
 use crate::mesh::AxisBox;
 use crate::scene::Sphere;
+use codec::error::{Error, Result};
 
 #[derive(Debug, Clone)]
 pub enum Volume {

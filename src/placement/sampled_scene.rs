@@ -11,10 +11,10 @@ use super::objective::{Surfel, VisibleSet};
 use super::region::Region;
 use super::sequence;
 use super::surface::{self, SurfacePoint};
-use crate::error::{Error, Result};
 use crate::mesh::{AxisBox, Ray};
-use crate::monitor::Monitor;
 use crate::scene::{FirstHit, HitSurface, SceneAtTime, Shape};
+use codec::error::{Error, Result};
+use codec::monitor::Monitor;
 
 /// Number of directions tested to determine whether a position is inside a solid.
 const DIRECTIONS: usize = 26;
@@ -191,8 +191,8 @@ mod tests {
 
     use super::*;
     use crate::mesh::Mesh;
-    use crate::monitor::Silent;
     use crate::scene::{Light, Material, Object, Quad, SceneMesh, Sphere, Texture};
+    use codec::monitor::Silent;
 
     fn object(shape: Shape) -> Object {
         Object::new(shape, Material::diffuse(Texture::Solid(DVec3::ONE)))

@@ -8,10 +8,10 @@ use super::greedy::{self, Calls, Choice, Lazy};
 use super::objective::{Lighting, Problem, State, VisibleSet};
 use super::region::Region;
 use super::sampled_scene::{SampledScene, Surfels};
-use crate::effort::Effort;
-use crate::error::{Error, Result};
-use crate::monitor::Monitor;
 use crate::scene::SceneAtTime;
+use codec::effort::Effort;
+use codec::error::{Error, Result};
+use codec::monitor::Monitor;
 
 /// Default gain at which a search ends, as a fraction of all area and time.
 pub const DEFAULT_UNTIL: f64 = 1e-3;

@@ -11,16 +11,16 @@ mod tints;
 use std::path::Path;
 
 use crate::compare::{Pair, Pairing, Side, error_map};
-use crate::decode::{Decoder, StreamInfo};
-use crate::error::{Error, Result};
-use crate::image::StreamKind;
-use crate::image::png;
+use crate::image_files::png;
 use crate::inspect::{self, Survey, coding_map, survey};
-use crate::monitor::Monitor;
-use crate::ordered::try_map_ordered;
+use codec::decode::{Decoder, StreamInfo};
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
+use codec::monitor::Monitor;
+use codec::ordered::try_map_ordered;
 
-pub use crate::error::counted;
 use crate::report::picture::sheet::Sheet;
+pub use codec::error::counted;
 use subject::Subject;
 pub use subject::What;
 

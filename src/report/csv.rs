@@ -3,8 +3,8 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::error::{Error, Result};
 use crate::json;
+use codec::error::{Error, Result};
 
 /// Writes one row per flat structure. The columns are the fields.
 pub fn of_rows<T: Serialize>(rows: &[T]) -> Result<String> {

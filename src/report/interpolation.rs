@@ -9,12 +9,13 @@ use serde::Serialize;
 
 use super::picture::error_picture;
 use crate::epipolar::pipeline::Picture;
-use crate::error::Result;
 use crate::evaluate::reference::Truth;
 use crate::evaluate::similarity::{Similarity, difference, truth_codes};
 use crate::files::OutputFolder;
-use crate::image::{Plane, ToneMap, png};
+use crate::image_files::png;
 use crate::json::Number;
+use codec::error::Result;
+use codec::image::{Plane, ToneMap};
 
 /// Quality figures of all compared views.
 #[derive(Debug, Default)]

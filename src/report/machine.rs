@@ -1,7 +1,7 @@
 //! Description of the machine that figures were measured on, and the memory use of this process. Values that the
 //! operating system does not provide are omitted.
 
-use crate::error::counted;
+use codec::error::counted;
 use std::fs;
 
 /// Returns the peak resident memory of this process in bytes. `None` if the system does not provide it.

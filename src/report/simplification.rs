@@ -9,9 +9,7 @@ use super::plot::axis::Axis;
 use super::plot::chart::{Chart, Kind, Mark, Series};
 use super::plot::marker::Look;
 use super::plot::palette::{Rgb, heat};
-use crate::error::Result;
 use crate::evaluate::similarity::difference;
-use crate::image::plane::Plane;
 use crate::simplify::capture::{Capture, CaptureImage};
 use crate::simplify::fidelity::Compared;
 use crate::simplify::pipeline::Stages;
@@ -19,6 +17,8 @@ use crate::simplify::quad_mesh::QuadMesh;
 use crate::simplify::raster::overdraw;
 use crate::simplify::samples::Background;
 use crate::simplify::selection::Bounds;
+use codec::error::Result;
+use codec::image::plane::Plane;
 
 const SIZE: [u32; 2] = [860, 420];
 /// Number of triangles over a pixel at which the colour scale ends.
@@ -162,9 +162,9 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::math::{Camera, Lens};
     use crate::mesh::{Bvh, ImageTexture, Mesh, Ray, Wrap};
     use crate::simplify::raster::draw;
+    use codec::math::{Camera, Lens};
 
     /// Counts the triangles that the ray of each pixel hits.
     fn rays(scene: &QuadMesh, camera: &Camera, [width, height]: [u32; 2]) -> Plane<u32> {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{DemoKind, DemoScene, Model, Play, SceneAtTime};
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 const ENDINGS: [&str; 3] = ["glb", "gltf", "obj"];
 

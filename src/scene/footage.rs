@@ -9,9 +9,9 @@ use super::capture::{COLOR_SAMPLES, CapturePlan, Pass};
 use super::procedural::{DemoKind, DemoScene};
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::dataset::manifest::Manifest;
-use crate::error::{Error, Result};
-use crate::image::{DepthKind, FrameRange, Projection};
-use crate::monitor::Monitor;
+use codec::error::{Error, Result};
+use codec::image::{DepthKind, FrameRange, Projection};
+use codec::monitor::Monitor;
 
 pub const FPS: f64 = 24.0;
 
@@ -76,10 +76,10 @@ impl FootagePlan {
 mod tests {
     use super::*;
     use crate::dataset::source::{Source, SourceOptions};
-    use crate::image::StreamKind;
-    use crate::monitor::Silent;
     use crate::scene::capture::MAX_FACE_SIZE;
     use crate::scene::capture_face;
+    use codec::image::StreamKind;
+    use codec::monitor::Silent;
 
     const PLAN: FootagePlan = FootagePlan { kind: DemoKind::Courtyard, frames: 2, face_size: 8, probes: 2 };
 

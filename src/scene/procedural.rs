@@ -91,9 +91,9 @@ impl DemoScene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Face;
     use crate::mesh::AxisBox;
     use crate::scene::capture_face;
+    use codec::image::Face;
 
     #[test]
     fn names_round_trip() {

@@ -217,9 +217,9 @@ impl SceneAtTime {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Random;
     use crate::mesh::Mesh;
     use crate::scene::{DemoKind, DemoScene, MeshMaterial};
+    use codec::math::random::Random;
 
     /// Depth peeling (Epipolar listings 3.1 to 3.3): repeatedly finds the nearest surface behind the last one.
     fn peeled(scene: &SceneAtTime, ray: &Ray) -> Vec<FirstHit> {

@@ -22,8 +22,8 @@ use super::film_body;
 use super::hosts::{Addressee, addressee};
 use super::player::PlayerFile;
 use super::range::{Asked, asked};
-use crate::error::{Error, Result};
 use crate::json;
+use codec::error::{Error, Result};
 
 pub type Body = Either<Full<Bytes>, Channel<Bytes, io::Error>>;
 

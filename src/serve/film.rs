@@ -7,14 +7,15 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
-use crate::container::header::{FOOT_BYTES, MAGIC};
 use crate::dataset::manifest::{MANIFEST_NAME, MAX_MANIFEST_BYTES};
-use crate::decode::Decoder;
-use crate::error::{Error, Result};
 use crate::files::open_regular;
-use crate::image::quilt::{QuiltName, parse_quilt_name};
-use crate::image::{ReadLimits, png};
+use crate::image_files::png;
+use crate::image_files::quilt::{QuiltName, parse_quilt_name};
 use crate::mesh::gltf::document::is_glb;
+use codec::container::header::{FOOT_BYTES, MAGIC};
+use codec::decode::Decoder;
+use codec::error::{Error, Result};
+use codec::image::ReadLimits;
 
 const PNG_MAGIC: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 /// Magic, version and length of the file.
@@ -338,7 +339,7 @@ mod tests {
     fn a_quilt_that_is_damaged_anywhere_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a_qs2x2.png");
-        png::write_color8(&path, &crate::image::Plane::from_fn(12, 8, |x, y| [x as u8, y as u8, 7])).unwrap();
+        png::write_color8(&path, &codec::image::Plane::from_fn(12, 8, |x, y| [x as u8, y as u8, 7])).unwrap();
         let whole = std::fs::read(&path).unwrap();
         assert!(Film::open(&path).is_ok());
         let refused = |bytes: &[u8]| {
@@ -356,7 +357,7 @@ mod tests {
     #[test]
     fn quilts_have_the_layout_of_their_names() {
         let folder = tempfile::tempdir().unwrap();
-        let plane = crate::image::Plane::filled(12, 8, [0u8; 3]);
+        let plane = codec::image::Plane::filled(12, 8, [0u8; 3]);
         let shape = |name: &str| {
             let path = folder.path().join(name);
             png::write_color8(&path, &plane).unwrap();

@@ -7,7 +7,7 @@ use http_body_util::channel::{Channel, Sender};
 use hyper::body::Bytes;
 
 use super::film::{OpenFilm, State};
-use crate::container::ByteSource;
+use codec::container::ByteSource;
 
 /// Bytes that are read at once. A connection holds at most a few pieces, however slowly its client reads.
 const PIECE_BYTES: u64 = 64 << 10;

@@ -20,7 +20,7 @@ use super::answering::{AnswerMark, Answering};
 use super::connections::{Connection, Connections, Limits};
 use super::film::Film;
 use super::watched::Watched;
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Maximum number of threads that read the file.
 const MAX_READERS: usize = 16;

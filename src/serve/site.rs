@@ -8,10 +8,10 @@ use serde_json::Value;
 
 use super::film::{Description, Film, State};
 use super::player::{self, PlayerFile};
-use crate::error::{Error, Result};
 use crate::files::{self, DiskFile, OutputFolder, create_folders, parent_of};
 use crate::json;
-use crate::monitor::Monitor;
+use codec::error::{Error, Result};
+use codec::monitor::Monitor;
 
 /// Bytes copied between checks of the monitor.
 const PIECE_BYTES: u64 = 16 << 20;

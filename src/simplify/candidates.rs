@@ -14,10 +14,10 @@ use super::fit::{FitBounds, TilePlane, WeightedPoint, fit_plane};
 use super::points::MergedPoint;
 use super::short_cuts::ShortCuts;
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell, direction};
-use crate::effort::Effort;
-use crate::error::Result;
-use crate::math::random::Random;
-use crate::monitor::Monitor;
+use codec::effort::Effort;
+use codec::error::Result;
+use codec::math::random::Random;
+use codec::monitor::Monitor;
 
 /// Maximum number of tiles of a tiling: K of Seurat 4.2.
 pub const MAX_TILES: usize = 8;
@@ -107,7 +107,7 @@ impl Extent {
 /// Returns the tilings of all cells, by level. Cells without points have no tilings and cost nothing.
 ///
 /// # Errors
-/// [`crate::error::Error::Interrupted`] if the monitor is interrupted.
+/// [`codec::error::Error::Interrupted`] if the monitor is interrupted.
 pub fn candidates(
     points: &[MergedPoint],
     extent: &Extent,
@@ -305,7 +305,7 @@ impl Clusters {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::Silent;
+    use codec::monitor::Silent;
 
     const EXTENT: Extent = Extent { least_m: 0.01, most_m: 100.0, margin: 0.01 };
 

@@ -6,10 +6,10 @@ use glam::DVec3;
 use half::slice::HalfFloatSliceExt;
 
 use crate::dataset::seurat::{CaptureRay, SeuratCapture, SeuratView, is_manifest};
-use crate::error::{Error, Result};
 use crate::evaluate::reference::Reference;
-use crate::image::{DepthPlane, MaterialPlane, NormalPlane, ReadLimits};
-use crate::math::Camera;
+use codec::error::{Error, Result};
+use codec::image::{DepthPlane, MaterialPlane, NormalPlane, ReadLimits};
+use codec::math::Camera;
 
 #[derive(Debug, Clone)]
 pub struct CaptureImage {

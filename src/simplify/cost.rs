@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::candidates::{CandidateLevel, Extent, Tiling};
 use super::fit::TilePlane;
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell, direction};
-use crate::image::Face;
+use codec::image::Face;
 
 /// F of Seurat 4: number of 90-degree views whose mean overdraw is bounded.
 pub const VIEWS: usize = 126;

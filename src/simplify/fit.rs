@@ -271,7 +271,7 @@ mod tests {
 
     #[test]
     fn noise_is_fitted_better_by_more_evaluations() {
-        let mut random = crate::math::random::Random::new(3);
+        let mut random = codec::math::random::Random::new(3);
         let mut points = on_plane(TilePlane(DVec3::new(0.3, 0.2, -0.3)));
         for point in &mut points {
             point.position *= 1.0 + 0.4 * (f64::from(random.word()) / f64::from(u32::MAX) - 0.5);

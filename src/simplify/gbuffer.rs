@@ -14,9 +14,9 @@ use super::texture_filter::TextureFilter;
 use super::texture_sizes::Layout;
 use super::textures::{constraints_by_tile, for_each_tile};
 use super::tiles::TileSet;
-use crate::error::{Error, Result};
-use crate::image::{MaterialPlane, NormalPlane, Plane};
-use crate::monitor::Monitor;
+use codec::error::{Error, Result};
+use codec::image::{MaterialPlane, NormalPlane, Plane};
+use codec::monitor::Monitor;
 
 /// Atlases other than that of colour.
 #[derive(Debug, Default)]

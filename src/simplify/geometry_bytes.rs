@@ -7,7 +7,7 @@
 use meshopt::{encode_index_sequence, encode_vertex_buffer_level};
 
 use super::quad_mesh::QuadMesh;
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Version of the extension's vertex codec, which has no levels.
 const VERTEX_VERSION: i32 = 0;

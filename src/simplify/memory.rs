@@ -8,8 +8,8 @@ use super::samples::Sample;
 use super::selected::MAX_POINTS;
 use super::settings::{Settings, SurfaceAtlases};
 use super::textures::SAMPLES_AT_ONCE;
-use crate::error::Result;
-use crate::memory::{Budget, Need};
+use codec::error::Result;
+use codec::memory::{Budget, Need};
 
 /// Maximum number of images that are compared at once.
 const MAX_COMPARED: usize = 8;

@@ -22,10 +22,10 @@ use super::settings::{Settings, SurfaceAtlases};
 use super::short_cuts::ShortCuts;
 use super::texturing::{Textured, Texturing};
 use super::tiles::TileSet;
-use crate::effort::Effort;
-use crate::error::Result;
 use crate::json;
-use crate::monitor::Monitor;
+use codec::effort::Effort;
+use codec::error::Result;
+use codec::monitor::Monitor;
 
 /// Durations of the stages.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
@@ -297,7 +297,6 @@ fn solid_threshold(capture: &Capture, notes: &mut Vec<String>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::Silent;
     use crate::placement::Region;
     use crate::scene::{DemoKind, FootagePlan};
     use crate::simplify::cost::TextureCoordinates;
@@ -305,6 +304,7 @@ mod tests {
     use crate::simplify::selection::{Budgets, CONSTRAINTS};
     use crate::simplify::settings::TilingKind;
     use crate::simplify::tree::{MAX_LEVEL, TreeCell};
+    use codec::monitor::Silent;
 
     const BUDGETS: Budgets = Budgets { triangles: 3000.0, area: 2.0, peak_overdraw: 4.0 };
 
@@ -438,7 +438,7 @@ mod tests {
         let light = floats.scene.light.as_ref().unwrap();
         assert_eq!(floats.counters.float_texels, light.len() as u64);
         assert!(floats.scene.texture.pixels == codes.scene.texture.pixels && floats.scene.mesh == codes.scene.mesh);
-        let tone = crate::image::ToneMap::default();
+        let tone = codec::image::ToneMap::default();
         for (light, pixel) in light.iter().zip(&floats.scene.texture.pixels) {
             for (light, code) in light.iter().zip(pixel) {
                 assert!(tone.code(light.to_f32()).abs_diff(*code) <= 1, "{light:?} {pixel:?}");

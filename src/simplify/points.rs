@@ -15,7 +15,7 @@ use std::iter::Peekable;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::image::cube::{FacePoint, direction_to_face};
+use codec::image::cube::{FacePoint, direction_to_face};
 
 /// A point of the merged cloud.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -202,7 +202,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::math::random::Random;
+    use codec::math::random::Random;
 
     /// Returns points on a wall, so dense that many share a voxel.
     fn wall(count: usize) -> Vec<DVec3> {

@@ -20,10 +20,10 @@ use glam::Vec4;
 use rayon::prelude::*;
 
 use super::quad_mesh::QuadMesh;
-use crate::error::Result;
-use crate::image::plane::Plane;
-use crate::math::Camera;
-use crate::monitor::Monitor;
+use codec::error::Result;
+use codec::image::plane::Plane;
+use codec::math::Camera;
+use codec::monitor::Monitor;
 
 pub use drawn::Drawn;
 pub use plain::draw_plainly;

@@ -6,13 +6,13 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use super::quad_mesh::QuadMesh;
-use crate::error::{Error, Result};
 use crate::mesh::budget::Budget;
 use crate::mesh::folder::{self, Folder};
 use crate::mesh::gltf::buffers::Buffers;
 use crate::mesh::gltf::document::{self, Parsed};
 use crate::mesh::gltf::{materials, primitives};
 use crate::mesh::{Material, Mesh};
+use codec::error::{Error, Result};
 
 /// A simplified scene read from a file.
 #[derive(Debug)]
@@ -202,7 +202,7 @@ mod tests {
         }
         // Changes every byte: the file is rejected, or it is read and drawn.
         let camera =
-            crate::math::Camera::look_at(DVec3::ZERO, DVec3::X, DVec3::Y, crate::math::Lens::new(90.0)).unwrap();
+            codec::math::Camera::look_at(DVec3::ZERO, DVec3::X, DVec3::Y, codec::math::Lens::new(90.0)).unwrap();
         let mut read_again = 0;
         for at in 0..bytes.len() {
             let mut other = bytes.clone();

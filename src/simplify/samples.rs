@@ -7,8 +7,8 @@ use glam::DVec3;
 use super::capture::{Capture, ImageRays};
 use super::region::ViewingRegion;
 use crate::dataset::seurat::CaptureRay;
-use crate::error::{Error, Result};
-use crate::monitor::Monitor;
+use codec::error::{Error, Result};
+use codec::monitor::Monitor;
 
 /// A ray: its origin and its end, relative to the centre of the region in metres, and linear RGB.
 #[derive(Debug, Clone, Copy, PartialEq)]

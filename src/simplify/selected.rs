@@ -18,10 +18,10 @@ use super::selection::{Bounds, CONSTRAINTS, Problem, SelectedTiling, Selection};
 use super::settings::{Settings, SurfaceAtlases, TilingKind};
 use super::tiles::{QuadTile, TileSet};
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell};
-use crate::effort::Effort;
-use crate::error::{Error, Result};
-use crate::image::Face;
-use crate::monitor::Monitor;
+use codec::effort::Effort;
+use codec::error::{Error, Result};
+use codec::image::Face;
+use codec::monitor::Monitor;
 
 /// Maximum number of points that samples are merged into.
 pub const MAX_POINTS: usize = 1_500_000;

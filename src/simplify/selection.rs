@@ -11,8 +11,8 @@ use rayon::prelude::*;
 
 use super::cost::{TilingCost, VIEWS, ViewShares};
 use super::tree::{MAX_LEVEL, TreeCell};
-use crate::error::{Error, Result};
-use crate::monitor::Monitor;
+use codec::error::{Error, Result};
+use codec::monitor::Monitor;
 
 /// Limits of the drawing cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -393,8 +393,8 @@ const _: () = assert!(MAX_LEVEL <= 10);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Random;
-    use crate::monitor::Silent;
+    use codec::math::random::Random;
+    use codec::monitor::Silent;
 
     const LEVELS: u32 = 3;
 

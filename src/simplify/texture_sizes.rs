@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use super::textures::TileTexture;
 use crate::atlas::{Allocation, Atlas};
-use crate::error::{Error, Result};
-use crate::monitor::Monitor;
+use codec::error::{Error, Result};
+use codec::monitor::Monitor;
 
 /// Sides are multiples of this, so that no two tiles share a block of a compressed texture.
 pub const BLOCK: usize = 4;
@@ -250,8 +250,8 @@ fn resize(texels: &[[f32; 4]], from: usize, to: usize, filter: Filter) -> Vec<[f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Random;
-    use crate::monitor::Silent;
+    use codec::math::random::Random;
+    use codec::monitor::Silent;
 
     /// Returns textures of noise and flat textures.
     fn textures() -> Vec<TileTexture> {

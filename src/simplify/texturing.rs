@@ -10,8 +10,8 @@ use super::texture_filter::TextureFilter;
 use super::texture_sizes::{BLOCK, Layout, Sizing, layout};
 use super::textures::{TextureBuilder, TileTextures};
 use super::tiles::{QuadTile, TileSet};
-use crate::error::{Error, Result};
-use crate::monitor::Monitor;
+use codec::error::{Error, Result};
+use codec::monitor::Monitor;
 
 /// Maximum side of a tile's texture, in texels.
 const LARGEST_SIDE: f64 = 8192.0;

@@ -1,12 +1,12 @@
 //! Quadtrees over the faces of a cube around the centre of the viewing region (Seurat 4).
 //!
 //! A tree cell is a square of a face; the rays from the centre through it form a frustum. Coordinates in a face are those of its
-//! plane at distance 1, from −1 to 1, as returned by [`crate::image::cube::direction_to_face`].
+//! plane at distance 1, from −1 to 1, as returned by [`codec::image::cube::direction_to_face`].
 
 use glam::DVec3;
 
-use crate::image::Face;
-use crate::image::cube::{FacePoint, direction_to_face};
+use codec::image::Face;
+use codec::image::cube::{FacePoint, direction_to_face};
 
 /// Finest level of the trees: cells of 1/128 of a face, 0.9 degrees.
 pub const MAX_LEVEL: u32 = 7;

@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::error::Result;
-use crate::ordered::try_map_ordered;
 use crate::views::{CachedUnit, FaceCache, FaceChanges, FaceTexels, InverseDepth};
+use codec::error::Result;
+use codec::ordered::try_map_ordered;
 
 #[derive(Debug, Clone, Copy)]
 pub struct NewFace<'f> {

@@ -9,12 +9,12 @@ use rayon::prelude::*;
 
 use serde::Serialize;
 
-use crate::decode::{Decoder, StreamFrames, StreamInfo, UnitFilter};
 use crate::evaluate::TimedCamera;
-use crate::image::{Face, FrameRange};
-use crate::math::{Viewer, add_members};
-use crate::streams::CodecHeader;
 use crate::views::{DepthSpan, FaceImage, UnitGrid, cull};
+use codec::decode::{Decoder, StreamFrames, StreamInfo, UnitFilter};
+use codec::image::{Face, FrameRange};
+use codec::math::{Viewer, add_members};
+use codec::streams::CodecHeader;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct CameraUnitCounts {
@@ -174,7 +174,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::math::{Camera, Lens};
+    use codec::math::{Camera, Lens};
 
     #[test]
     fn ranges_are_joined() {

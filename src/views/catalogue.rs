@@ -1,12 +1,12 @@
 //! Probes of a container that can be rendered: their streams, poses and memory, without decoding.
 
-use crate::decode::memory::{self, stream_pixels};
-use crate::decode::{Decoder, StreamInfo};
-use crate::depth::DepthRange;
-use crate::error::{Error, Result};
-use crate::image::StreamKind;
-use crate::streams::{CodecHeader, ColorFormat, ColorHeader};
 use crate::views::{ColorCoding, FaceStreams, LightField, View};
+use codec::decode::memory::{self, stream_pixels};
+use codec::decode::{Decoder, StreamInfo};
+use codec::depth::DepthRange;
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
+use codec::streams::{CodecHeader, ColorFormat, ColorHeader};
 
 /// Selection of the probes of a container to load; by default all.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

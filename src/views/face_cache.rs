@@ -12,18 +12,18 @@ use std::sync::Arc;
 
 use half::f16;
 
-use crate::color::HalfKey;
-use crate::container::StreamEntry;
-use crate::decode::{Decoder, StreamInfo, UnitDecoder, UnitFilter, UnitPixels};
-use crate::error::Result;
-use crate::image::StreamKind;
-use crate::streams::DepthHeader;
-use crate::streams::convert::alpha_byte;
 use crate::views::rects::joined;
 use crate::views::{
     ColorTexels, FaceTexels, InverseDepth, Rect, StraightCodes, UNKNOWN, bounds, has_specular_weight, overlap,
     straight_half,
 };
+use codec::color::HalfKey;
+use codec::container::StreamEntry;
+use codec::decode::{Decoder, StreamInfo, UnitDecoder, UnitFilter, UnitPixels};
+use codec::error::Result;
+use codec::image::StreamKind;
+use codec::streams::DepthHeader;
+use codec::streams::convert::alpha_byte;
 
 /// Streams of a face; all of its images have the same size.
 #[derive(Debug, Clone)]

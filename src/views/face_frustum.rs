@@ -5,10 +5,10 @@
 
 use glam::DVec3;
 
-use crate::container::ProbeEntry;
-use crate::image::{DepthKind, Face, ImageProjection};
-use crate::math::camera::rotation;
-use crate::math::{Frustum, Window};
+use codec::container::ProbeEntry;
+use codec::image::{DepthKind, Face, ImageProjection};
+use codec::math::camera::rotation;
+use codec::math::{Frustum, Window};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthSpan {

@@ -2,15 +2,15 @@
 
 use half::f16;
 
-use crate::container::ProbeEntry;
 use crate::dataset::{Pose, Source, SourceGroup};
-use crate::depth::DepthRange;
-use crate::error::{Error, Result};
-use crate::image::{
+use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View, straight, straight_half};
+use codec::container::ProbeEntry;
+use codec::depth::DepthRange;
+use codec::error::{Error, Result};
+use codec::image::{
     AlphaPlane, ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, Primaries, StreamKind, TexelMap,
 };
-use crate::streams::convert::material_codes;
-use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View, straight, straight_half};
+use codec::streams::convert::material_codes;
 
 /// Images of a face; all have the same size.
 #[derive(Debug, Clone)]
@@ -138,7 +138,7 @@ pub fn from_dataset(source: &Source, frame: u32, coding: ColorCoding) -> Result<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::ToneMap;
+    use codec::image::ToneMap;
 
     #[test]
     fn colours_are_divided_by_their_alpha() {

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::depth::DepthRange;
-use crate::image::DepthKind;
 use crate::views::FaceTexels;
+use codec::depth::DepthRange;
+use codec::image::DepthKind;
 
 #[derive(Debug, Clone)]
 pub struct InverseDepth {

@@ -6,12 +6,12 @@
 use glam::{DMat3, DVec3, Vec3};
 use half::f16;
 
-use crate::container::ProbeEntry;
-use crate::depth::DepthRange;
-use crate::error::{Error, Result};
-use crate::image::texel_map::PlanarPoint;
-use crate::image::{Face, TexelMap, ToneMap};
-use crate::math::camera::rotation;
+use codec::container::ProbeEntry;
+use codec::depth::DepthRange;
+use codec::error::{Error, Result};
+use codec::image::texel_map::PlanarPoint;
+use codec::image::{Face, TexelMap, ToneMap};
+use codec::math::camera::rotation;
 
 /// Inverse planar depth of background.
 pub const BACKGROUND: f32 = 0.0;

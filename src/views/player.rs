@@ -7,18 +7,18 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::decode::{AllUnits, Decoder, StreamInfo, UnitFilter};
-use crate::error::{Error, Result};
-use crate::image::{FrameRange, StreamKind, TexelMap};
-use crate::math::add_members;
-use crate::memory::{Budget, Need};
-use crate::ordered::try_map_ordered;
-use crate::streams::DepthHeader;
 use crate::views::catalogue::{Catalogue, ViewStreams};
 use crate::views::{
     CachedUnit, ColorCoding, CpuBackend, FaceCache, FaceStreams, FaceTexels, FaceUpdate, InverseDepth, LightField,
     NewFace, ProbeChoice, Rect, StraightCodes, TexelBackend,
 };
+use codec::decode::{AllUnits, Decoder, StreamInfo, UnitFilter};
+use codec::error::{Error, Result};
+use codec::image::{FrameRange, StreamKind, TexelMap};
+use codec::math::add_members;
+use codec::memory::{Budget, Need};
+use codec::ordered::try_map_ordered;
+use codec::streams::DepthHeader;
 
 /// Bytes of idle views that are kept if there is no memory budget.
 const KEPT_BYTES: u64 = 2 << 30;

@@ -2,7 +2,7 @@
 
 use half::f16;
 
-use crate::image::Transfer;
+use codec::image::Transfer;
 
 /// Divides light by the alpha that it was multiplied by; 0 if alpha is 0.
 pub(crate) fn straight(light: f32, alpha: f32) -> f32 {
@@ -49,7 +49,7 @@ impl StraightCodes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::ToneMap;
+    use codec::image::ToneMap;
 
     #[test]
     fn multiplied_light_is_divided_again() {

@@ -4,8 +4,8 @@
 //! image. The frustum of a node contains those of its children, so a camera that misses the node misses all of them. Beyond the
 //! paper, a camera that sees all directions of a node sees all its units without further tests.
 
-use crate::math::{Sight, Viewer};
 use crate::views::FaceImage;
+use codec::math::{Sight, Viewer};
 
 /// Division of an image into units, which are numbered row by row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

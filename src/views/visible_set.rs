@@ -9,11 +9,11 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use crate::decode::{Decoder, StreamInfo, UnitFilter};
-use crate::image::DepthKind;
-use crate::math::{Camera, Viewer};
-use crate::streams::CodecHeader;
 use crate::views::{DepthSpan, FaceImage, UnitGrid, cull};
+use codec::decode::{Decoder, StreamInfo, UnitFilter};
+use codec::image::DepthKind;
+use codec::math::{Camera, Viewer};
+use codec::streams::CodecHeader;
 
 /// Margin around a unit in pixels: half a pixel for bilinear lookups, one more for the texels next to these, and the rest for
 /// rounding.

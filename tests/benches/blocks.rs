@@ -6,8 +6,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use lightfold::block::{Bc1, Bc4, Bc5, Bc6h, Bc7, BlockEncoder, BlockFormat, decode_image};
-use lightfold::effort::Effort;
+use codec::block::{Bc1, Bc4, Bc5, Bc6h, Bc7, BlockEncoder, BlockFormat, decode_image};
+use codec::effort::Effort;
 
 /// Sides of the image that is decoded and of the one that is encoded, in pixels.
 const DECODED: usize = 1024;

@@ -15,18 +15,18 @@
 
 use std::time::{Duration, Instant};
 
-use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
-use lightfold::decode::{Decoder, StreamInfo};
+use codec::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
+use codec::decode::{Decoder, StreamInfo};
+use codec::image::StreamKind;
+use codec::math::Camera;
+use codec::math::camera::Lens;
+use codec::monitor::Silent;
 use lightfold::evaluate::frame_requests::FrameRequest;
 use lightfold::gpu::decode::{GpuDecoder, picture_words};
 use lightfold::gpu::device::{Gpu, Pick};
 use lightfold::gpu::render::RenderCost;
 use lightfold::gpu::render::playback::DeviceRenderer;
-use lightfold::image::StreamKind;
 use lightfold::march::playback::frames::{PictureOptions, Playback, PlaybackOptions};
-use lightfold::math::Camera;
-use lightfold::math::camera::Lens;
-use lightfold::monitor::Silent;
 use lightfold::{Error, Result};
 
 /// Times that all frames are shown.

@@ -8,6 +8,10 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use codec::error::{Error, Result};
+use codec::image::ToneMap;
+use codec::math::{Camera, Lens};
+use codec::monitor::Silent;
 use lightfold::epipolar::acquire::{AcquireSettings, acquire};
 use lightfold::epipolar::backend::{Backend, Cpu};
 use lightfold::epipolar::brute_force;
@@ -18,16 +22,12 @@ use lightfold::epipolar::interpolate::InterpolateSettings;
 use lightfold::epipolar::pipeline::{Request, RowsAtOnce, Settings, interpolate};
 use lightfold::epipolar::view_store::Storage;
 use lightfold::epipolar::views::{OutputViews, Spread};
-use lightfold::error::{Error, Result};
 use lightfold::evaluate::reference::Truth;
 use lightfold::evaluate::similarity::Similarity;
 use lightfold::gpu::Gpu;
 use lightfold::gpu::device::Pick;
 use lightfold::gpu::epipolar::GpuInterpolator;
 use lightfold::gpu::triangles::{GpuTriangles, Readback};
-use lightfold::image::ToneMap;
-use lightfold::math::{Camera, Lens};
-use lightfold::monitor::Silent;
 use lightfold::scene::capture::SamplePattern;
 use lightfold::scene::{Play, Scene, SceneAtTime};
 

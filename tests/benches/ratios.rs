@@ -11,16 +11,16 @@
 
 use std::time::Instant;
 
+use codec::color::blend::lerp_all;
+use codec::container::{ChunkKey, Compression, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer};
+use codec::decode::{self, Decoder, Selection, StreamFrames, decoded_pixel_bytes};
+use codec::depth::node_chunk::NodeChunk;
+use codec::depth::quantise::DepthRange;
+use codec::depth::{TemporalEncoder, TemporalSettings};
+use codec::image::{DepthKind, StreamKind};
+use codec::monitor::Silent;
+use codec::streams::{CodecHeader, DepthChunk, DepthCoding, DepthHeader, PictureChunk};
 use lightfold::Result;
-use lightfold::color::blend::lerp_all;
-use lightfold::container::{ChunkKey, Compression, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer};
-use lightfold::decode::{self, Decoder, Selection, StreamFrames, decoded_pixel_bytes};
-use lightfold::depth::node_chunk::NodeChunk;
-use lightfold::depth::quantise::DepthRange;
-use lightfold::depth::{TemporalEncoder, TemporalSettings};
-use lightfold::image::{DepthKind, StreamKind};
-use lightfold::monitor::Silent;
-use lightfold::streams::{CodecHeader, DepthChunk, DepthCoding, DepthHeader, PictureChunk};
 use rayon::prelude::*;
 
 /// Turns of two copies and a decode.

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use lightfold::container::journal::MAGIC;
-use lightfold::container::{ChunkEntry, ChunkKey, Index, StreamEntry};
+use codec::container::journal::MAGIC;
+use codec::container::{ChunkEntry, ChunkKey, Index, StreamEntry};
 use lightfold::evaluate::cameras::CameraFormat;
 use serde_json::Value;
 

@@ -4,6 +4,13 @@ use std::fs;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
+use codec::container::{
+    ChunkKey, Compression as Stored, Journal, PackedChunk, PayloadKind, Reader, StreamEntry, Writer, compression,
+};
+use codec::image::Plane;
+use codec::monitor::Silent;
+use codec::streams::shard::{ShardEntry, WholeStream};
+use codec::streams::{CodecHeader, ColorCoding};
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds, Layer,
     LayerAttributes, LineOrder, Vec2, WritableImage,
@@ -12,20 +19,14 @@ use glam::DVec3;
 use half::f16;
 use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
-use lightfold::container::{
-    ChunkKey, Compression as Stored, Journal, PackedChunk, PayloadKind, Reader, StreamEntry, Writer, compression,
-};
 use lightfold::dataset::{Source, SourceOptions};
 use lightfold::encode::{EncodeSettings, ScanFile, Shard};
 use lightfold::evaluate::cameras::{self as camera_formats, CameraFormat, Content, FileCamera, Written};
-use lightfold::image::{Plane, png};
+use lightfold::image_files::png;
 use lightfold::mesh::{ImageTexture, Mesh, Wrap};
-use lightfold::monitor::Silent;
 use lightfold::report::tradeoff::coding::CODING;
 use lightfold::simplify::export::glb as quads_glb;
 use lightfold::simplify::quad_mesh::QuadMesh;
-use lightfold::streams::shard::{ShardEntry, WholeStream};
-use lightfold::streams::{CodecHeader, ColorCoding};
 
 use crate::model_files::{Gltf, MTL, OBJ, rich};
 use crate::samples::{self, Random, Shape};
@@ -48,7 +49,7 @@ pub fn containers() -> Vec<Vec<u8>> {
     let mut all = vectors("valid");
     all.retain(|file| file.len() < 12 << 10);
     let shape = Shape { face: 2, size: [9, 6], unit: [8, 4], first_frame: 3, frame_count: 5 };
-    let settings = lightfold::depth::TemporalSettings { window: 1, epsilon: 0, max_aabbs: 4, keyframe_interval: 2 };
+    let settings = codec::depth::TemporalSettings { window: 1, epsilon: 0, max_aabbs: 4, keyframe_interval: 2 };
     let moving = samples::moving_codes([9, 6], 5, 3);
     let streams = [
         samples::depth(shape, [0.5, 8.0], &moving, settings),
@@ -398,8 +399,10 @@ pub fn scans() -> Vec<Vec<u8>> {
     for frame in 0..2 {
         let depth = Plane::from_fn(8, 4, |x, y| 1.0 + (x * 3 + y + frame) as f32);
         let color = Plane::from_fn(8, 4, |x, y| [f16::from_f32((x + y + frame) as f32 / 16.0); 3]);
-        lightfold::image::exr::write_depth(&folder.path().join(format!("d.{frame:04}.exr")), &depth).expect("depth");
-        lightfold::image::exr::write_color(&folder.path().join(format!("c.{frame:04}.exr")), &color).expect("colour");
+        lightfold::image_files::exr::write_depth(&folder.path().join(format!("d.{frame:04}.exr")), &depth)
+            .expect("depth");
+        lightfold::image_files::exr::write_color(&folder.path().join(format!("c.{frame:04}.exr")), &color)
+            .expect("colour");
     }
     let source = Source::open(folder.path(), &SourceOptions::default()).expect("footage");
     let settings = EncodeSettings::default();

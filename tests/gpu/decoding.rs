@@ -3,9 +3,13 @@
 
 use std::path::Path;
 
+use codec::decode::{AllUnits, Decoder};
+use codec::math::Camera;
+use codec::math::camera::Lens;
+use codec::monitor::Silent;
+use codec::streams::CodecHeader;
 use glam::DVec3;
 use libtest_mimic::Failed;
-use lightfold::decode::{AllUnits, Decoder};
 use lightfold::evaluate::frame_requests::FrameRequest;
 use lightfold::gpu::Gpu;
 use lightfold::gpu::render::backend::{GpuBackend, buffer_bytes};
@@ -17,10 +21,6 @@ use lightfold::march::playback::frames::{CpuRenderer, PictureOptions, Playback, 
 use lightfold::march::playback::selection::SelectionSettings;
 use lightfold::march::pyramid::{DepthPyramid, Level, ViewPyramids};
 use lightfold::march::settings::SpecularMode;
-use lightfold::math::Camera;
-use lightfold::math::camera::Lens;
-use lightfold::monitor::Silent;
-use lightfold::streams::CodecHeader;
 use lightfold::views::catalogue::ProbeChoice;
 use lightfold::views::light_field::{ColorTexels, FaceTexels, LightField};
 use lightfold::views::player::{Player, UnitRequest};

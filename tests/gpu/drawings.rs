@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
+use codec::monitor::Silent;
 use libtest_mimic::Failed;
 use lightfold::Error;
 use lightfold::gpu::kernels::Drawing;
 use lightfold::gpu::quads::GpuQuads;
 use lightfold::gpu::selftest::drawings::{self, DrawingCase};
 use lightfold::mesh::ImageTexture;
-use lightfold::monitor::Silent;
 use lightfold::simplify::raster::{Compositing, draw};
 
 use crate::{lightfold, with_gpu};

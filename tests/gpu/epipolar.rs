@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use codec::image::limits::ReadLimits;
+use codec::math::{Camera, Lens};
+use codec::monitor::Silent;
 use libtest_mimic::Failed;
 use lightfold::Error;
 use lightfold::epipolar::acquire::{AcquireSettings, Acquisition, Hierarchy, StoppingRule, acquire};
@@ -20,10 +23,7 @@ use lightfold::gpu::render::agreement::Agreement;
 use lightfold::gpu::selftest::slices::{self, InterpolationCase};
 use lightfold::gpu::selftest::triangles;
 use lightfold::gpu::triangles::{GpuTriangles, Readback};
-use lightfold::image::exr;
-use lightfold::image::limits::ReadLimits;
-use lightfold::math::{Camera, Lens};
-use lightfold::monitor::Silent;
+use lightfold::image_files::exr;
 use lightfold::scene::capture::SamplePattern;
 use lightfold::scene::{Play, Scene};
 

@@ -13,23 +13,23 @@ mod projection;
 use std::path::Path;
 use std::process::Command;
 
+use codec::color::cells::LEADS_NOWHERE;
+use codec::container::{ChunkKey, Compression, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer};
+use codec::decode::{AllUnits, Decoder, Request, Selection, StreamInfo, UnitFilter};
+use codec::depth::{DepthRange, TemporalSettings};
+use codec::image::{DepthKind, StreamKind};
+use codec::monitor::{Monitor, Silent};
+use codec::streams::{CodecHeader, DepthCoding, DepthHeader};
 use libtest_mimic::{Arguments, Failed, Trial};
 use lightfold::Error;
 use lightfold::cli::GlobalArgs;
 use lightfold::cli::device::or_on_cpu;
-use lightfold::color::cells::LEADS_NOWHERE;
-use lightfold::container::{ChunkKey, Compression, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer};
-use lightfold::decode::{AllUnits, Decoder, Request, Selection, StreamInfo, UnitFilter};
-use lightfold::depth::{DepthRange, TemporalSettings};
 use lightfold::gpu::decode::GpuDecoder;
 use lightfold::gpu::device::Pick;
 use lightfold::gpu::kernels::{DRAWINGS, Kernel, ShaderFile};
 use lightfold::gpu::selftest::{self, ROWS, SEED, streams};
 use lightfold::gpu::{Gpu, device, verify};
 use lightfold::hard_cases;
-use lightfold::image::{DepthKind, StreamKind};
-use lightfold::monitor::{Monitor, Silent};
-use lightfold::streams::{CodecHeader, DepthCoding, DepthHeader};
 
 /// Random streams that are decoded; `lightfold selftest --streams` takes more.
 const STREAMS: u64 = 400;

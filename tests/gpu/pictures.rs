@@ -2,9 +2,12 @@
 
 use std::path::Path;
 
+use codec::decode::Decoder;
+use codec::math::Camera;
+use codec::math::camera::Lens;
+use codec::monitor::{Monitor, Silent};
 use glam::DVec3;
 use libtest_mimic::Failed;
-use lightfold::decode::Decoder;
 use lightfold::evaluate::frame_requests::FrameRequest;
 use lightfold::gpu::Gpu;
 use lightfold::gpu::kernels::KERNELS;
@@ -16,9 +19,6 @@ use lightfold::march::playback::frames::{CpuRenderer, PictureOptions, Playback, 
 use lightfold::march::playback::selection::SelectionSettings;
 use lightfold::march::render::{Rendered, render};
 use lightfold::march::settings::{Acceleration, SpecularMode};
-use lightfold::math::Camera;
-use lightfold::math::camera::Lens;
-use lightfold::monitor::{Monitor, Silent};
 use lightfold::views::light_field::BACKGROUND;
 use lightfold::views::player::Change;
 use lightfold::{Error, Result};

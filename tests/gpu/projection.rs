@@ -1,12 +1,12 @@
 //! `project` of shaders/march/light_field.wgsl against `View::project` and the image model.
 
+use codec::image::transfer::ToneMap;
+use codec::image::{Face, ImageProjection, TexelMap};
 use glam::{DMat3, DVec3, Vec3};
 use libtest_mimic::Failed;
 use lightfold::gpu::Gpu;
 use lightfold::gpu::harness::groups;
 use lightfold::gpu::kernels::{Binding, BindingKind, Kernel, ShaderFile};
-use lightfold::image::transfer::ToneMap;
-use lightfold::image::{Face, ImageProjection, TexelMap};
 use lightfold::views::light_field::{ColorCoding, FaceTexels, View};
 
 const NO_FACE: u32 = u32::MAX;

@@ -3,9 +3,10 @@
 use std::path::Path;
 use std::time::SystemTime;
 
+use codec::image::{Plane, ReadLimits};
 use half::f16;
 use lightfold::dataset::{InvalidColor, Manifest, Missing, Source, SourceOptions, StreamKind};
-use lightfold::image::{Plane, ReadLimits, exr, png};
+use lightfold::image_files::{exr, png};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 

@@ -3,19 +3,19 @@
 
 use std::path::Path;
 
+use codec::color::SearchSettings;
+use codec::container::Compression;
+use codec::decode::Picture;
+use codec::depth::settings::TemporalSettings;
+use codec::effort::Effort;
+use codec::image::{ColorPlane, Face, MaterialPlane, Plane};
+use codec::monitor::Silent;
+use codec::streams::{CodecHeader, ColorBlocks, ColorFormat, convert};
 use half::f16;
 use lightfold::Error;
-use lightfold::color::SearchSettings;
-use lightfold::container::Compression;
-use lightfold::decode::Picture;
-use lightfold::depth::settings::TemporalSettings;
-use lightfold::effort::Effort;
 use lightfold::encode::{
     ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode,
 };
-use lightfold::image::{ColorPlane, Face, MaterialPlane, Plane};
-use lightfold::monitor::Silent;
-use lightfold::streams::{CodecHeader, ColorBlocks, ColorFormat, convert};
 use tempfile::TempDir;
 
 use crate::commands::{fine, refused};

@@ -6,12 +6,13 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
+use codec::image::StreamKind;
+use codec::image::{Face, ReadLimits};
+use codec::monitor::Silent;
 use lightfold::convention::Verdict;
 use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::dataset::{DepthKind, Manifest};
-use lightfold::image::StreamKind;
-use lightfold::image::{Face, ReadLimits, exr};
-use lightfold::monitor::Silent;
+use lightfold::image_files::exr;
 use lightfold::scene::{DemoKind, DemoScene, FootagePlan};
 use tempfile::TempDir;
 

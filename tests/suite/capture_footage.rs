@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use codec::image::Face;
+use codec::image::StreamKind;
 use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::image::Face;
-use lightfold::image::StreamKind;
 use tempfile::TempDir;
 
 use crate::commands::fine;

@@ -8,9 +8,9 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use clap::Parser;
+use codec::container::Reader;
+use codec::monitor::Silent;
 use lightfold::cli::Cli;
-use lightfold::container::Reader;
-use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
 use tempfile::TempDir;
 
@@ -348,8 +348,8 @@ fn a_full_disk_is_named() {
 /// The shared dataset played over and over, by links: long to encode, quick to make.
 #[cfg(unix)]
 fn long_dataset(folder: &Path) {
+    use codec::image::StreamKind;
     use lightfold::dataset::manifest::{MANIFEST_NAME, Manifest};
-    use lightfold::image::StreamKind;
 
     const FRAMES: u32 = 1200;
     let mut manifest = Manifest::read(dataset()).unwrap();

@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use codec::decode::{Decoder, Picture, StreamInfo};
+use codec::image::{DepthPlane, Face, Plane};
+use codec::monitor::Silent;
 use half::f16;
 use lightfold::compare::{CompareSettings, Coverage, Measured, Pairing, SideOptions, compare, error_map, open_both};
-use lightfold::decode::{Decoder, Picture, StreamInfo};
-use lightfold::image::{DepthPlane, Face, Plane};
 use lightfold::inspect::{CodingMap, FrameRows, InspectSettings, Writing, coding_map, inspect, steps, survey};
-use lightfold::monitor::Silent;
 use lightfold::report::coding_map::{Request, plot};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -173,7 +173,7 @@ fn moving(width: u32, height: u32) -> impl Fn(Face, u32) -> DepthPlane {
     }
 }
 
-fn still_color(width: u32, height: u32) -> impl Fn(Face, u32) -> lightfold::image::ColorPlane {
+fn still_color(width: u32, height: u32) -> impl Fn(Face, u32) -> codec::image::ColorPlane {
     move |_, frame| Plane::from_fn(width, height, |x, y| [f16::from_f32(0.01 * (x * y % 64 + frame) as f32); 3])
 }
 

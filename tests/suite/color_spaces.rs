@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use codec::image::{ChannelSelect, ColorPlane, Face, Plane, Primaries, ReadLimits};
 use half::f16;
-use lightfold::image::{ChannelSelect, ColorPlane, Face, Plane, Primaries, ReadLimits, exr, png};
+use lightfold::image_files::{exr, png};
 use tempfile::TempDir;
 
 use crate::commands::{fine, lightfold, refused};
@@ -124,7 +125,7 @@ fn light_of_other_primaries_stays_what_it_is() {
     assert_eq!(exr::read_primaries(&at.join("view.exr")).unwrap(), Primaries::ACESCG);
     fine("decode a.lfold -o png --format png --stream color", at);
     let codes = png::read_rgba8(&at.join("png").join(FIRST.replace("exr", "png")), &ReadLimits::default()).unwrap();
-    let tone = lightfold::image::ToneMap::default();
+    let tone = codec::image::ToneMap::default();
     let shown = converted.get(3, 20).map(|value| tone.code(value.to_f32()));
     assert_eq!(codes.get(3, 20)[..3], shown);
 }

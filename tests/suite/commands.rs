@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use codec::image::{Face, Plane};
 use half::f16;
-use lightfold::image::{Face, Plane};
 use tempfile::TempDir;
 
 use crate::footage::Footage;

@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use codec::image::ImageProjection;
+use codec::image::{DepthPlane, Face, Plane};
+use codec::monitor::Silent;
 use lightfold::convention::{Choice, Finding, MAX_PROBES, Report, Verdict, check};
 use lightfold::dataset::cameras::{CameraSet, PlacedCamera};
 use lightfold::dataset::manifest::Background;
 use lightfold::dataset::{DepthKind, Manifest, Source, SourceOptions};
-use lightfold::image::ImageProjection;
-use lightfold::image::{DepthPlane, Face, Plane, exr};
-use lightfold::monitor::Silent;
+use lightfold::image_files::exr;
 use lightfold::scene::{DemoKind, DemoScene, FootagePlan, Scene};
 use tempfile::TempDir;
 

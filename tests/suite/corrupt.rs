@@ -1,12 +1,12 @@
 //! Damaged containers: whatever happens to a file, it is refused or shows exactly what it showed before. Where the
 //! damage is made to look sound (its CRC-32s are repaired), nothing panics.
 
+use codec::color::{SearchSettings, Target};
+use codec::container::{ChunkEntry, ChunkKey, Compression, Index, OpenLimits, Reader, Storage, StreamEntry};
+use codec::decode::Decoder;
+use codec::depth::TemporalSettings;
+use codec::streams::ColorBlocks;
 use half::f16;
-use lightfold::color::{SearchSettings, Target};
-use lightfold::container::{ChunkEntry, ChunkKey, Compression, Index, OpenLimits, Reader, Storage, StreamEntry};
-use lightfold::decode::Decoder;
-use lightfold::depth::TemporalSettings;
-use lightfold::streams::ColorBlocks;
 use rayon::prelude::*;
 
 use crate::samples::{self, Images, Random, Shape};

@@ -3,15 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
+use codec::color::Target;
+use codec::decode;
+use codec::decode::Decoder;
+use codec::image::{ColorPlane, DepthPlane, Face, Plane, ReadLimits};
+use codec::monitor::Silent;
+use codec::streams::ColorFormat;
 use half::f16;
-use lightfold::color::Target;
 use lightfold::dataset::{Source, SourceOptions};
-use lightfold::decode;
-use lightfold::decode::Decoder;
 use lightfold::encode::{DepthCodec, EncodeSettings, encode};
-use lightfold::image::{ColorPlane, DepthPlane, Face, Plane, ReadLimits, exr, png};
-use lightfold::monitor::Silent;
-use lightfold::streams::ColorFormat;
+use lightfold::export;
+use lightfold::image_files::{exr, png};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -88,12 +90,12 @@ impl Bench {
     fn decode(&self, container: &str, folder: &str) {
         let decoder = Decoder::open(self.path(container)).unwrap();
         let chosen = decode::Selection::default().choose(&decoder).unwrap();
-        let destination = decode::Destination::Dataset(self.path(folder));
-        let format = decode::FileFormat::Exr;
+        let destination = export::Destination::Dataset(self.path(folder));
+        let format = export::FileFormat::Exr;
         let request = decode::Request::all(&chosen);
         {
-            let coding = decode::FileCoding { format, space: None };
-            decode::decode_to_files(&decode::OnCpu::default(), &decoder, request, &destination, coding, &Silent)
+            let coding = export::FileCoding { format, space: None };
+            export::decode_to_files(&decode::OnCpu::default(), &decoder, request, &destination, coding, &Silent)
         }
         .unwrap();
     }

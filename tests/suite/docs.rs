@@ -4,22 +4,22 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use codec::color::{HalfKey, Sample};
+use codec::container::{Compression, Fields, Reader};
+use codec::depth::domain::Domain;
+use codec::depth::mode_decision::Decide;
+use codec::depth::node_chunk::NodeChunk;
+use codec::depth::node_encoder::{NodeEncoder, NodeSettings};
+use codec::depth::nodes::Grid;
+use codec::depth::predictive::encoder::PredictiveEncoder;
+use codec::depth::predictive::projection::Projection;
+use codec::depth::predictive::tables::Tables;
+use codec::depth::predictive::{self, Levels, PredictiveChunk, PredictiveHeader, UnitArea};
+use codec::depth::tree_chunk::encoder::TreeEncoder;
+use codec::depth::{DepthRange, TemporalSettings};
+use codec::effort::Effort;
+use codec::entropy::{self, Distribution};
 use half::f16;
-use lightfold::color::{HalfKey, Sample};
-use lightfold::container::{Compression, Fields, Reader};
-use lightfold::depth::domain::Domain;
-use lightfold::depth::mode_decision::Decide;
-use lightfold::depth::node_chunk::NodeChunk;
-use lightfold::depth::node_encoder::{NodeEncoder, NodeSettings};
-use lightfold::depth::nodes::Grid;
-use lightfold::depth::predictive::encoder::PredictiveEncoder;
-use lightfold::depth::predictive::projection::Projection;
-use lightfold::depth::predictive::tables::Tables;
-use lightfold::depth::predictive::{self, Levels, PredictiveChunk, PredictiveHeader, UnitArea};
-use lightfold::depth::tree_chunk::encoder::TreeEncoder;
-use lightfold::depth::{DepthRange, TemporalSettings};
-use lightfold::effort::Effort;
-use lightfold::entropy::{self, Distribution};
 
 use crate::samples::{self, Shape};
 
@@ -162,7 +162,7 @@ fn the_examples_of_depth_md_are_what_the_encoders_write() {
 
 #[test]
 fn the_smallest_file_is_as_small_as_container_md_says() {
-    let writer = lightfold::container::Writer::new(Vec::new(), "", 1.0, 0).unwrap();
+    let writer = codec::container::Writer::new(Vec::new(), "", 1.0, 0).unwrap();
     let (file, _) = writer.finish().unwrap();
     assert_eq!(file.len(), 16 + 18 + 40);
     assert!(Reader::from_memory(file).unwrap().index().streams.is_empty());
@@ -205,9 +205,9 @@ fn the_tables_of_arithmetic_md_hold() {
 
 #[test]
 fn functions_and_logarithms_of_arithmetic_md_hold() {
-    use lightfold::depth::biquadratic::Biquadratic;
-    use lightfold::depth::domain::{DomainKind, LOG2_TABLE, integer_log2};
-    use lightfold::depth::platelet::{Plane, Platelet};
+    use codec::depth::biquadratic::Biquadratic;
+    use codec::depth::domain::{DomainKind, LOG2_TABLE, integer_log2};
+    use codec::depth::platelet::{Plane, Platelet};
     let document = read("formats/arithmetic.md");
     let numbers = |row: &[String]| row.iter().map(|cell| cell.parse().unwrap()).collect::<Vec<i64>>();
     for row in table(&document, "| a0 | a1 | a2 |").iter() {
@@ -245,7 +245,7 @@ fn functions_and_logarithms_of_arithmetic_md_hold() {
 
 #[test]
 fn the_constants_of_the_documents_are_those_of_the_code() {
-    use lightfold::container::{chunk, index};
+    use codec::container::{chunk, index};
     let limits = table(&read("formats/container.md"), "| name | value | applies to |");
     let value = |name: &str| {
         let row = limits.iter().find(|row| row[0] == name).unwrap_or_else(|| panic!("{name} is not in the table"));
@@ -265,7 +265,7 @@ fn the_constants_of_the_documents_are_those_of_the_code() {
     for y in [0.005f64, 0.1, 1.0, 80.0, 100.0, 10_000.0] {
         let power = y.powf(p4);
         let said = p7 * (((p1 + p2 * power) / (1.0 + p3 * power)).powf(p5) - p6);
-        assert!((said - lightfold::metrics::pu21_encode(y)).abs() < 1e-9);
+        assert!((said - codec::metrics::pu21_encode(y)).abs() < 1e-9);
     }
 }
 

@@ -1,19 +1,19 @@
 //! Sections 6 to 8 of formats/color.md say what the library does.
 
-use lightfold::color::transform::authored::{Author, Question, contexts_of};
-use lightfold::color::transform::basis::{COSINES, LENGTHS};
-use lightfold::color::transform::blocks::{Block, MAX_FRAMES};
-use lightfold::color::transform::contexts::{CLUSTERS, CONTEXTS, FAMILIES};
-use lightfold::color::transform::domain::{ChromaSlopes, Domain};
-use lightfold::color::transform::palette::CACHED;
-use lightfold::color::transform::payload::Header;
-use lightfold::color::transform::region::{Region, Setting};
-use lightfold::color::transform::steps::{OFFSET_SETS, StepIndices, Steps};
-use lightfold::color::transform::tables::BUILT_IN;
-use lightfold::color::transform::{Tables, TransformChunk};
-use lightfold::entropy::Encoder;
-use lightfold::entropy::Family;
-use lightfold::entropy::tables::MAX_OWN;
+use codec::color::transform::authored::{Author, Question, contexts_of};
+use codec::color::transform::basis::{COSINES, LENGTHS};
+use codec::color::transform::blocks::{Block, MAX_FRAMES};
+use codec::color::transform::contexts::{CLUSTERS, CONTEXTS, FAMILIES};
+use codec::color::transform::domain::{ChromaSlopes, Domain};
+use codec::color::transform::palette::CACHED;
+use codec::color::transform::payload::Header;
+use codec::color::transform::region::{Region, Setting};
+use codec::color::transform::steps::{OFFSET_SETS, StepIndices, Steps};
+use codec::color::transform::tables::BUILT_IN;
+use codec::color::transform::{Tables, TransformChunk};
+use codec::entropy::Encoder;
+use codec::entropy::Family;
+use codec::entropy::tables::MAX_OWN;
 
 use crate::docs::{hex_bytes, read, table};
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
+use codec::image::channels;
 use lightfold::dataset::Manifest;
-use lightfold::image::channels;
 
 use crate::house::{blocks, files_below, read, root, subcommands};
 

@@ -1,12 +1,16 @@
 //! Mirrors and glass of rendered pictures, against the renderer of scenes (CALF 6.1).
 
+use codec::container::ProbeEntry;
+use codec::depth::DepthRange;
+use codec::image::DepthKind;
+use codec::image::transfer::{EncodeTable, ToneMap, Transfer};
+use codec::image::{Face, ImageProjection, TexelMap};
+use codec::math::{Camera, Lens};
+use codec::metrics::psnr::SquaredError;
+use codec::monitor::Silent;
+use codec::streams::convert::{color_codes, material_codes};
 use glam::{DVec3, Vec3};
-use lightfold::container::ProbeEntry;
-use lightfold::depth::DepthRange;
 use lightfold::evaluate::rendered_image::{BackgroundFill, HoleFill};
-use lightfold::image::DepthKind;
-use lightfold::image::transfer::{EncodeTable, ToneMap, Transfer};
-use lightfold::image::{Face, ImageProjection, TexelMap};
 use lightfold::march::active_views::ActiveViews;
 use lightfold::march::counters::Counters;
 use lightfold::march::intersect::intersect;
@@ -17,13 +21,9 @@ use lightfold::march::specular::normal::patch;
 use lightfold::march::specular::proxy::Proxies;
 use lightfold::march::specular::sphere_fit::SphereFit;
 use lightfold::march::synthetic::SyntheticProbe;
-use lightfold::math::{Camera, Lens};
-use lightfold::metrics::psnr::SquaredError;
-use lightfold::monitor::Silent;
 use lightfold::scene::capture::{Images, Pass, PassSettings, SamplePattern, Viewpoint, capture_view};
 use lightfold::scene::procedural::{DemoKind, DemoScene};
 use lightfold::scene::raycast::SceneAtTime;
-use lightfold::streams::convert::{color_codes, material_codes};
 use lightfold::views::inverse_depth::InverseDepth;
 use lightfold::views::light_field::{ColorCoding, ColorTexels, FaceTexels, LightField, View};
 

@@ -218,10 +218,10 @@ fn frames_become_point_clouds() {
     assert_eq!(report["points"], points.len());
     fine("decode a.lfold --probe 00 --face nx --frames 1 -o decoded", at);
     fine("decode a.lfold --probe 00 --face nx --stream color --frames 1 --format png -o c.png", at);
-    let depth = lightfold::image::exr::read_depth(
+    let depth = lightfold::image_files::exr::read_depth(
         &at.join("decoded/probe_00/face_nx/depth.0001.exr"),
-        &lightfold::image::ChannelSelect::default(),
-        &lightfold::image::ReadLimits::default(),
+        &codec::image::ChannelSelect::default(),
+        &codec::image::ReadLimits::default(),
     )
     .unwrap();
     let color = image::open(at.join("c.png")).unwrap().into_rgb8();

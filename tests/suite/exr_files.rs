@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use codec::image::{ChannelSelect, Plane, ReadLimits};
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds, Layer,
     LayerAttributes, LineOrder, Vec2, WritableImage,
 };
 use half::f16;
-use lightfold::image::{ChannelSelect, Plane, ReadLimits, exr as ours};
+use lightfold::image_files::exr as ours;
 use tempfile::TempDir;
 
 use crate::input::{assert_says, message, ramp};

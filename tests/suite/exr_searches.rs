@@ -3,9 +3,10 @@
 
 use std::path::Path;
 
+use codec::image::{ChannelSelect, ReadLimits};
 use exr::prelude::{Blocks, Compression, FlatSamples, IntegerBounds, Vec2};
 use half::f16;
-use lightfold::image::{ChannelSelect, ReadLimits, exr as ours};
+use lightfold::image_files::exr as ours;
 use tempfile::TempDir;
 
 use crate::exr_files::{Part, write_parts};

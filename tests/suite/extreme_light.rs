@@ -3,10 +3,10 @@
 
 use std::path::Path;
 
+use codec::decode::Picture;
+use codec::image::{ColorPlane, Face, Plane};
 use half::f16;
 use lightfold::Decoder;
-use lightfold::decode::Picture;
-use lightfold::image::{ColorPlane, Face, Plane};
 use tempfile::TempDir;
 
 use crate::commands::{fine, lightfold};

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use codec::image::{AlphaPlane, ColorPlane, DepthPlane, Face, MaterialPlane, Plane};
 use half::f16;
 use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::image::{AlphaPlane, ColorPlane, DepthPlane, Face, MaterialPlane, Plane, exr};
+use lightfold::image_files::exr;
 
 /// A dataset that is about to be written: every closure answers the image of (face, frame).
 pub struct Footage<'a> {

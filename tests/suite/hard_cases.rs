@@ -5,9 +5,9 @@
 use std::fs;
 use std::path::Path;
 
-use lightfold::depth::block::{Block, BlockMut};
+use codec::depth::block::{Block, BlockMut};
+use codec::monitor::Silent;
 use lightfold::hard_cases::{CaseReport, FamilyRow, family_rows, notes, number, run_all, table};
-use lightfold::monitor::Silent;
 
 /// Pipelines whose blocks a library finds in floating point, by the processor's instruction set.
 const BY_PROCESSOR: [&str; 4] = ["CCB1", "CCB7", "CCB6", "MAB1"];

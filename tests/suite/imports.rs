@@ -79,10 +79,17 @@ fn expand(tree: &str) -> Vec<(Vec<String>, String)> {
         .collect()
 }
 
-/// A path as seen from a module, from the root of the crate; none for those of other crates.
+/// The crate below `src/` that has a folder of its own; its modules have its name before them.
+const CODEC: &str = "codec";
+
+/// A path as seen from a module, from the root of `src/`; `None` for those of other packages.
 fn absolute(path: &[String], module: &[String], children: &BTreeSet<String>) -> Option<Vec<String>> {
     match path.first()?.as_str() {
-        "crate" => Some(path[1..].to_vec()),
+        "crate" => {
+            let root = module.first().filter(|first| *first == CODEC);
+            Some(root.into_iter().chain(&path[1..]).cloned().collect())
+        }
+        CODEC => Some(path.to_vec()),
         "self" => Some(module.iter().chain(&path[1..]).cloned().collect()),
         "super" => {
             let parent = &module[..module.len().checked_sub(1)?];
@@ -100,9 +107,9 @@ fn is_word(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_'
 }
 
-/// Paths in code that begin with `crate`, `self`, `super` or a child.
+/// Paths in code that begin with `crate`, `codec`, `self`, `super` or a child.
 fn paths_in(code: &str, children: &BTreeSet<String>) -> Vec<Vec<String>> {
-    let starts = ["crate", "super", "self"].into_iter().chain(children.iter().map(String::as_str));
+    let starts = ["crate", CODEC, "super", "self"].into_iter().chain(children.iter().map(String::as_str));
     let mut found = Vec::new();
     for start in starts {
         for (at, word) in code.match_indices(&format!("{start}::")) {

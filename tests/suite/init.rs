@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use codec::image::{ColorPlane, Eye, Face, ImageProjection, Plane, Primaries, StereoLayout};
+use codec::monitor::Silent;
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
     WritableImage,
@@ -9,10 +11,7 @@ use exr::prelude::{
 use half::f16;
 use lightfold::dataset::manifest::{Background, FaceFiles, Unit};
 use lightfold::dataset::{DepthKind, Manifest, Projection};
-use lightfold::image::{
-    ColorPlane, ColorSpace, Eye, Face, ImageProjection, Plane, Primaries, StereoLayout, exr as ours, png,
-};
-use lightfold::monitor::Silent;
+use lightfold::image_files::{ColorSpace, exr as ours, png};
 use lightfold::scene::{DemoKind, FootagePlan};
 use tempfile::TempDir;
 

@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use codec::image::{ColorPlane, DepthPlane, Face, FrameRange, ImageProjection, Plane};
 use glam::DVec3;
 use half::f16;
 use lightfold::dataset::{
     Arrangement, DepthKind, InvalidColor, InvalidDepth, Projection, SequenceLayout, Source, SourceOptions, StreamKind,
 };
-use lightfold::image::{ColorPlane, DepthPlane, Face, FrameRange, ImageProjection, Plane, exr as ours, png};
+use lightfold::image_files::{exr as ours, png};
 use tempfile::TempDir;
 
 pub(crate) fn ramp(width: u32, height: u32) -> DepthPlane {

@@ -4,19 +4,20 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use codec::color::Target;
+use codec::color::cells::builder::CellBuilder;
+use codec::container::{ChunkKey, Compression, PackedChunk, PayloadKind, Reader, Storage, Writer};
+use codec::decode::{Decoder, Picture, Request, StreamFrames, check_windows};
+use codec::depth::TemporalSettings;
+use codec::image::{ColorPlane, DepthPlane, FrameRange, Plane};
+use codec::memory::Budget;
+use codec::monitor::Silent;
 use half::f16;
-use lightfold::color::Target;
-use lightfold::color::cells::builder::CellBuilder;
-use lightfold::container::{ChunkKey, Compression, PackedChunk, PayloadKind, Reader, Storage, Writer};
 use lightfold::dataset::manifest::{ColorInfo, Files, MaterialChannels, MaterialInfo, Probe};
 use lightfold::dataset::{Manifest, Projection, Source, SourceOptions, StreamKind};
-use lightfold::decode::{Decoder, Picture, Request, StreamFrames, check_windows};
-use lightfold::depth::TemporalSettings;
 use lightfold::encode::{ColorCodec, DepthCodec, EncodeSettings, encode};
-use lightfold::image::{ColorPlane, ColorSpace, DepthPlane, FrameRange, Plane, exr};
+use lightfold::image_files::{ColorSpace, exr};
 use lightfold::inspect::{Check, FrameRows, InspectSettings, Inspection, inspect};
-use lightfold::memory::Budget;
-use lightfold::monitor::Silent;
 use tempfile::TempDir;
 
 use crate::input::{assert_says, message};
@@ -156,7 +157,7 @@ fn same_inside(a: &Picture, b: &Picture, [left, top, width, height]: [u32; 4]) -
 #[test]
 fn rows_of_frames_are_what_a_decoder_does() {
     let mut half = settings();
-    half.color = lightfold::streams::ColorFormat::Half { white_cd_m2: 100.0 };
+    half.color = codec::streams::ColorFormat::Half { white_cd_m2: 100.0 };
     let mut blended = settings();
     // Few keyframes and weights between them.
     blended.search.target = Target::Psnr(6.0);

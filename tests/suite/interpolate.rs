@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use codec::image::{Plane, ReadLimits, ToneMap};
+use codec::math::{Camera, Lens};
+use codec::monitor::Silent;
 use lightfold::epipolar::acquire::{AcquireSettings, Acquisition, Culling, acquire};
 use lightfold::epipolar::backend::Cpu;
 use lightfold::epipolar::brute_force;
@@ -16,9 +19,7 @@ use lightfold::epipolar::views::{OutputViews, Spread};
 use lightfold::evaluate::reference::Truth;
 use lightfold::evaluate::similarity::Similarity;
 use lightfold::evaluate::{RenderedImage, TimedCamera};
-use lightfold::image::{Plane, ReadLimits, ToneMap, exr, png};
-use lightfold::math::{Camera, Lens};
-use lightfold::monitor::Silent;
+use lightfold::image_files::{exr, png};
 use lightfold::scene::capture::SamplePattern;
 use lightfold::scene::{
     Lamp, Light, Material, Object, Phong, Play, Quad, Scene, SceneAtTime, Shape, Sky, Texture, Window,

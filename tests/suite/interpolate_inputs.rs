@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
+use codec::image::ReadLimits;
+use codec::math::{Camera, Lens};
+use codec::monitor::Silent;
 use lightfold::epipolar::acquire::{
     AcquireSettings, Acquisition, Hierarchy, SourcePlacement, StoppingRule, acquire, hierarchical,
 };
 use lightfold::epipolar::backend::Cpu;
 use lightfold::epipolar::views::{OutputViews, Spread};
-use lightfold::image::{ReadLimits, exr, png};
-use lightfold::math::{Camera, Lens};
-use lightfold::monitor::Silent;
+use lightfold::image_files::{exr, png};
 use lightfold::scene::capture::SamplePattern;
 use lightfold::scene::{Play, Scene, SceneAtTime};
 use serde_json::Value;
@@ -292,7 +293,7 @@ fn sources_are_added_until_little_is_missing() {
     let none = Hierarchy { hole_threshold_percent: 0.0, time: Some(std::time::Duration::ZERO), ..Hierarchy::default() };
     assert_eq!(places(none), [-0.75, 0.75]);
     // What makes a source may fail.
-    let failed = hierarchical(&views, &none, &Cpu, |_| Err(lightfold::error::Error::Interrupted));
+    let failed = hierarchical(&views, &none, &Cpu, |_| Err(codec::error::Error::Interrupted));
     assert!(failed.is_err());
 }
 

@@ -4,6 +4,9 @@
 
 use std::fmt::Write as _;
 
+use codec::image::ToneMap;
+use codec::math::{Camera, Lens};
+use codec::monitor::Silent;
 use lightfold::epipolar::acquire::{AcquireSettings, Acquisition};
 use lightfold::epipolar::brute_force;
 use lightfold::epipolar::fill::HoleFilling;
@@ -14,9 +17,6 @@ use lightfold::epipolar::view_store::Storage;
 use lightfold::epipolar::views::{OutputViews, Spread};
 use lightfold::evaluate::reference::Truth;
 use lightfold::evaluate::similarity::Similarity;
-use lightfold::image::ToneMap;
-use lightfold::math::{Camera, Lens};
-use lightfold::monitor::Silent;
 use lightfold::scene::capture::SamplePattern;
 use lightfold::scene::{DemoKind, Play, Scene};
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use lightfold::monitor::Silent;
+use codec::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
 use tempfile::TempDir;
 

@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
-use lightfold::color::{SearchSettings, Target};
-use lightfold::container::{Compression, Reader};
-use lightfold::decode::Decoder;
-use lightfold::depth::TemporalSettings;
-use lightfold::streams::ColorBlocks;
+use codec::color::{SearchSettings, Target};
+use codec::container::{Compression, Reader};
+use codec::decode::Decoder;
+use codec::depth::TemporalSettings;
+use codec::streams::ColorBlocks;
 use serde_json::Value;
 use tempfile::TempDir;
 

@@ -1,11 +1,11 @@
 //! The library as a program uses it: frames from memory in, pixels in slices out.
 
+use codec::color::Target;
+use codec::image::Plane;
+use codec::monitor::Silent;
+use codec::streams::convert;
 use half::f16;
-use lightfold::color::Target;
 use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::image::Plane;
-use lightfold::monitor::Silent;
-use lightfold::streams::convert;
 use lightfold::{ColorFormat, Decoder, EncodeSettings, Encoder, Face, PixelsMut, ProbePose, StreamKind};
 use tempfile::TempDir;
 
@@ -122,7 +122,7 @@ fn pixels_are_written_into_slices_whole_and_by_unit() {
                     let mut codes = vec![[0u8; 3]; pixels];
                     face.decode_into(frame, PixelsMut::ColorHalf(&mut lights[0])).unwrap();
                     face.decode_into(frame, PixelsMut::Color8(&mut codes)).unwrap();
-                    let table = lightfold::image::DecodeTable::new(&lightfold::image::ToneMap::default());
+                    let table = codec::image::DecodeTable::new(&codec::image::ToneMap::default());
                     let light = convert::color_light(&Plane::new(SIZE[0], SIZE[1], codes).unwrap(), &table);
                     assert_eq!(light.data(), lights[0]);
                     let mut single = vec![[0.0; 3]; pixels];

@@ -3,6 +3,7 @@
 #![allow(clippy::disallowed_methods)]
 
 mod alpha;
+mod bc4w_search;
 mod blocks;
 mod cameras;
 mod capture;

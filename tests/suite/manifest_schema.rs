@@ -2,12 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use codec::image::{Eye, StereoLayout};
 use jsonschema::Validator;
 use lightfold::dataset::manifest::{
     AlphaInfo, Background, ColorInfo, DepthInfo, FaceFiles, Files, MaterialChannels, MaterialInfo, Pose, Probe, Unit,
 };
 use lightfold::dataset::{DepthKind, Manifest, Missing, Projection};
-use lightfold::image::{ColorSpace, Eye, StereoLayout};
+use lightfold::image_files::ColorSpace;
 use serde_json::{Value, json};
 
 use crate::commands::fine;

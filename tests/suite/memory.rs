@@ -5,16 +5,17 @@
 use std::path::Path;
 use std::process::Command;
 
+use codec::color::SearchSettings;
+use codec::color::cells::builder::CellBuilder;
+use codec::container::{ChunkKey, Compression, PackedChunk, PayloadKind, Reader, Writer};
+use codec::decode::Decoder;
+use codec::depth::TemporalSettings;
+use codec::image::{Face, Plane};
+use codec::monitor::Silent;
 use half::f16;
-use lightfold::color::SearchSettings;
-use lightfold::color::cells::builder::CellBuilder;
-use lightfold::container::{ChunkKey, Compression, PackedChunk, PayloadKind, Reader, Writer};
 use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::decode::Decoder;
-use lightfold::depth::TemporalSettings;
 use lightfold::encode::{self, EncodeSettings};
-use lightfold::image::{Face, Plane, png};
-use lightfold::monitor::Silent;
+use lightfold::image_files::png;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -498,7 +499,7 @@ fn soak_child() {
     let folder = TempDir::new().unwrap();
     footage(folder.path(), 48, 3, 6, "");
     let mut settings = EncodeSettings { cell: 16, compression: Compression::Lzma2(1), ..EncodeSettings::default() };
-    settings.depth.effort = lightfold::effort::Effort::Fast;
+    settings.depth.effort = codec::effort::Effort::Fast;
     let mut settled = 0;
     for cycle in 0..SOAK_CYCLES {
         let source = Source::open(folder.path(), &SourceOptions::default()).unwrap();

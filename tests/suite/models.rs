@@ -13,11 +13,7 @@ use crate::model_files::{Gltf, MTL, OBJ, TRIANGLE, rich};
 pub const HALF: f32 = std::f32::consts::FRAC_1_SQRT_2;
 
 /// Opens a file of these bytes beside some others.
-pub fn open_beside(
-    name: &str,
-    bytes: &[u8],
-    others: &[(&str, &[u8])],
-) -> lightfold::error::Result<(Model, Vec<String>)> {
+pub fn open_beside(name: &str, bytes: &[u8], others: &[(&str, &[u8])]) -> codec::error::Result<(Model, Vec<String>)> {
     let folder = tempfile::tempdir().unwrap();
     for (name, bytes) in others {
         std::fs::write(folder.path().join(name), bytes).unwrap();

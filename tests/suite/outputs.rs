@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use lightfold::monitor::Silent;
+use codec::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
 use tempfile::TempDir;
 

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use lightfold::image::{ChannelSelect, Plane, ReadLimits, exr};
+use codec::image::{ChannelSelect, Plane, ReadLimits};
+use lightfold::image_files::exr;
 use tempfile::TempDir;
 
 use crate::commands::{fine, refused};

@@ -1,22 +1,22 @@
 //! What goes in comes out, whatever it is: containers, payloads of every codec, manifests, cameras, patterns, codes.
 
-use half::f16;
-use lightfold::color::quality::{EightBit, Quality};
-use lightfold::color::{SearchSettings, Target};
-use lightfold::container::{
+use codec::color::quality::{EightBit, Quality};
+use codec::color::{SearchSettings, Target};
+use codec::container::{
     ChunkEntry, ChunkKey, Compression, Index, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer,
     compact, compression, lzma2, lzma2_independent,
 };
+use codec::depth::domain::DomainKind;
+use codec::depth::node_encoder::NodeSettings;
+use codec::depth::quantise::Quantiser;
+use codec::depth::{DepthRange, TemporalSettings};
+use codec::image::{DepthKind, Projection};
+use codec::image::{FrameRange, Pattern};
+use codec::streams::ColorBlocks;
+use half::f16;
 use lightfold::dataset::Manifest;
 use lightfold::dataset::manifest::{Background, DepthInfo, Files, MaterialChannels, MaterialInfo, Probe, Unit};
-use lightfold::depth::domain::DomainKind;
-use lightfold::depth::node_encoder::NodeSettings;
-use lightfold::depth::quantise::Quantiser;
-use lightfold::depth::{DepthRange, TemporalSettings};
 use lightfold::evaluate::camera_file::{CameraEntry, CameraFile};
-use lightfold::image::{DepthKind, Projection};
-use lightfold::image::{FrameRange, Pattern};
-use lightfold::streams::ColorBlocks;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -123,7 +123,7 @@ fn index() -> impl Strategy<Value = Index> {
                     let frame_count = step.min(frame_count - from);
                     let key = ChunkKey { stream: at, unit, first_frame: first_frame + from, frame_count };
                     let (offset, bytes) = (16 + u64::from(from), sizes[0] % 9);
-                    let storage = lightfold::container::Storage::Raw;
+                    let storage = codec::container::Storage::Raw;
                     let (stored_bytes, raw_bytes) = (bytes, bytes);
                     index.chunks.push(ChunkEntry { key, offset, stored_bytes, raw_bytes, crc32: from, storage });
                 }
@@ -263,7 +263,7 @@ proptest! {
         unit in 1u32..40,
     ) {
         let settings = NodeSettings {
-            bound, epsilon, window, keyframe_interval, effort: lightfold::effort::Effort::Fast, ..NodeSettings::default()
+            bound, epsilon, window, keyframe_interval, effort: codec::effort::Effort::Fast, ..NodeSettings::default()
         };
         let stream = samples::nodes(shape(size, [unit, unit], images.len()), kind, &images, settings);
         prop_assert!(largest_error(&decoded_codes(stream), &images) <= bound + epsilon);

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use lightfold::container::Reader;
-use lightfold::decode::{Decoder, Picture};
-use lightfold::image::{Face, Plane};
-use lightfold::streams::CodecHeader;
+use codec::container::Reader;
+use codec::decode::{Decoder, Picture};
+use codec::image::{Face, Plane};
+use codec::streams::CodecHeader;
 use serde_json::Value;
 use tempfile::TempDir;
 

@@ -5,21 +5,21 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use lightfold::color::{SearchSettings, Target};
-use lightfold::container::{Compression, Reader};
+use codec::color::{SearchSettings, Target};
+use codec::container::{Compression, Reader};
+use codec::decode::{Decoder, Picture};
+use codec::depth::TemporalSettings;
+use codec::effort::Effort;
+use codec::image::StreamKind;
+use codec::image::transfer::{EncodeTable, ToneMap};
+use codec::metrics::psnr::SquaredError;
+use codec::monitor::Silent;
+use codec::streams::{CodecHeader, ColorBlocks, convert};
 use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::decode::{Decoder, Picture};
-use lightfold::depth::TemporalSettings;
-use lightfold::effort::Effort;
 use lightfold::encode::{
     ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode,
 };
-use lightfold::image::StreamKind;
-use lightfold::image::transfer::{EncodeTable, ToneMap};
-use lightfold::metrics::psnr::SquaredError;
-use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
-use lightfold::streams::{CodecHeader, ColorBlocks, convert};
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/footage.csv");
 const HEAD: &str = "set,kind,lzma2,bytes,max_error_codes,min_psnr_db";

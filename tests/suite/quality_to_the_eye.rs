@@ -2,19 +2,19 @@
 
 use std::path::Path;
 
+use codec::color::quality::Pu21;
+use codec::color::{SearchSettings, Target};
+use codec::container::Reader;
+use codec::decode::{Decoder, Picture, StreamInfo};
+use codec::effort::Effort;
+use codec::image::transfer::{EncodeTable, ToneMap};
+use codec::image::{ColorPlane, Face, Plane, StreamKind};
+use codec::monitor::Silent;
+use codec::streams::{ColorFormat, convert};
 use half::f16;
-use lightfold::color::quality::Pu21;
-use lightfold::color::{SearchSettings, Target};
-use lightfold::container::Reader;
 use lightfold::dataset::{Source, SourceGroup, SourceOptions};
-use lightfold::decode::{Decoder, Picture, StreamInfo};
-use lightfold::effort::Effort;
 use lightfold::encode::EncodeSettings;
-use lightfold::image::transfer::{EncodeTable, ToneMap};
-use lightfold::image::{ColorPlane, Face, Plane, StreamKind};
-use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
-use lightfold::streams::{ColorFormat, convert};
 use serde_json::Value;
 use tempfile::TempDir;
 

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use codec::image::{Plane, ReadLimits};
 use half::f16;
-use lightfold::image::{Plane, ReadLimits, exr, png};
+use lightfold::image_files::{exr, png};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use lightfold::image::{ReadLimits, Transfer, exr};
+use codec::image::{ReadLimits, Transfer};
+use lightfold::image_files::exr;
 use serde_json::Value;
 use tempfile::TempDir;
 

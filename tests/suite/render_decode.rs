@@ -3,19 +3,20 @@
 use std::fs;
 use std::path::Path;
 
+use codec::decode::{AllUnits, Decoder, StreamInfo, UnitFilter};
+use codec::image::{Plane, StreamKind};
+use codec::math::{Camera, Lens};
+use codec::memory::Budget;
+use codec::monitor::Silent;
 use glam::DVec3;
 use half::f16;
 use lightfold::dataset::{Source, SourceOptions};
-use lightfold::decode::{AllUnits, Decoder, StreamInfo, UnitFilter};
 use lightfold::evaluate::frame_requests::FrameRequest;
-use lightfold::image::{Plane, StreamKind, exr};
+use lightfold::image_files::exr;
 use lightfold::march::playback::frames::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Shown};
 use lightfold::march::playback::selection::SelectionSettings;
 use lightfold::march::pyramid::{Pyramids, ViewPyramids};
 use lightfold::march::settings::{Acceleration, SpecularMode};
-use lightfold::math::{Camera, Lens};
-use lightfold::memory::Budget;
-use lightfold::monitor::Silent;
 use lightfold::views::backend::{FaceUpdate, NewFace, TexelBackend};
 use lightfold::views::catalogue::ProbeChoice;
 use lightfold::views::face_cache::{CachedUnit, FaceChanges};

@@ -8,16 +8,17 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use codec::color::Target;
+use codec::color::transform::Tables;
+use codec::container::Compression;
+use codec::container::journal::{self, Recovered};
+use codec::image::{Plane, StreamKind};
+use codec::monitor::{Monitor, Silent};
 use lightfold::Error;
-use lightfold::color::Target;
-use lightfold::color::transform::Tables;
-use lightfold::container::Compression;
-use lightfold::container::journal::{self, Recovered};
 use lightfold::encode::{
     self, DepthCodec, EncodeSettings, EncodeSummary, ErrorBound, Kept, Resumable, Stopped, TileSize,
 };
-use lightfold::image::{Plane, StreamKind, exr};
-use lightfold::monitor::{Monitor, Silent};
+use lightfold::image_files::exr;
 
 use crate::resume_footage::{Footage, all, color, dataset, depth, few_depths, transform};
 use crate::samples::Random;
@@ -325,7 +326,7 @@ fn other_options_are_refused_by_name() {
         ("`update_threshold`", |s| s.temporal.epsilon = 1),
         ("`keyframe_interval`", |s| s.temporal.keyframe_interval = 6),
         ("`min_children`", |s| s.depth.min_children = 1),
-        ("`effort`", |s| s.depth.effort = lightfold::effort::Effort::Fast),
+        ("`effort`", |s| s.depth.effort = codec::effort::Effort::Fast),
         ("`color_cell`", |s| s.cell = 32),
         ("`color_tables` was none and is given now", |s| s.color_tables = Some(Tables::default().sets()[1].clone())),
         ("`psnr`", |s| s.search.target = Target::Psnr(49.0)),

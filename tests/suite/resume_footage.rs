@@ -3,13 +3,14 @@
 use std::fs;
 use std::path::PathBuf;
 
-use lightfold::color::Target;
-use lightfold::container::Compression;
+use codec::color::Target;
+use codec::container::Compression;
+use codec::depth::predictive::tables::Tables;
+use codec::image::{Plane, StreamKind};
+use codec::streams::{ColorBlocks, ColorFormat};
 use lightfold::dataset::source::{SequenceLayout, Source, SourceOptions};
-use lightfold::depth::predictive::tables::Tables;
 use lightfold::encode::{ColorBlockSettings, ColorCodec, DepthCodec, EncodeSettings, ErrorBound};
-use lightfold::image::{Plane, StreamKind, exr, png};
-use lightfold::streams::{ColorBlocks, ColorFormat};
+use lightfold::image_files::{exr, png};
 use tempfile::TempDir;
 
 use crate::roundtrip::{decoder, encoded};
@@ -90,7 +91,7 @@ pub fn color(hdr: bool, blocks: Option<ColorBlocks>) -> Footage {
     settings.search.target = Target::Psnr(38.0);
     settings.search.lookahead = 3;
     if blocks.is_some() {
-        settings.search.effort = lightfold::effort::Effort::Fast;
+        settings.search.effort = codec::effort::Effort::Fast;
     }
     if hdr {
         settings.color = ColorFormat::Half { white_cd_m2: 100.0 };

@@ -2,23 +2,24 @@
 
 use std::path::Path;
 
+use codec::color::cells::builder::CellBuilder;
+use codec::color::quality::{EightBit, Pu21, Quality};
+use codec::color::{SearchSettings, Target};
+use codec::container::{Compression, Reader, Writer};
+use codec::decode::{Decoder, OnDamage, Picture, Request, Selection, decode_units};
+use codec::depth::TemporalEncoder;
+use codec::depth::quantise::{BACKGROUND_CODE, DepthRange};
+use codec::depth::settings::TemporalSettings;
+use codec::effort::Effort;
+use codec::image::transfer::{EncodeTable, ToneMap};
+use codec::image::{Face, Plane, StreamKind};
+use codec::metrics::SquaredError;
+use codec::monitor::Silent;
+use codec::streams::{CodecHeader, ColorFormat, DepthCoding, convert};
 use half::f16;
-use lightfold::color::cells::builder::CellBuilder;
-use lightfold::color::quality::{EightBit, Pu21, Quality};
-use lightfold::color::{SearchSettings, Target};
-use lightfold::container::{Compression, Reader, Writer};
 use lightfold::dataset::{InvalidDepth, SequenceLayout, Source, SourceOptions};
-use lightfold::decode::{Decoder, OnDamage, Picture, Request, Selection, decode_units};
-use lightfold::depth::TemporalEncoder;
-use lightfold::depth::quantise::{BACKGROUND_CODE, DepthRange};
-use lightfold::depth::settings::TemporalSettings;
-use lightfold::effort::Effort;
 use lightfold::encode::{ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, TileSize, encode};
-use lightfold::image::transfer::{EncodeTable, ToneMap};
-use lightfold::image::{Face, Plane, StreamKind, exr};
-use lightfold::metrics::SquaredError;
-use lightfold::monitor::Silent;
-use lightfold::streams::{CodecHeader, ColorFormat, DepthCoding, convert};
+use lightfold::image_files::exr;
 
 use crate::footage::{Footage, Random, drifting_color};
 use crate::samples;

@@ -2,35 +2,35 @@
 
 use std::sync::Arc;
 
-use half::f16;
-use lightfold::Result;
-use lightfold::color::cells::builder::CellBuilder;
-use lightfold::color::quality::{EightBit, Pu21, Quality};
-use lightfold::color::temporal::BlockStage;
-use lightfold::color::transform::encode::{PricedTables, TransformEncoder};
-use lightfold::color::transform::{Keyed, Tables};
-use lightfold::color::{CellEncoder, CellFormat, HalfKey, Sample, SearchSettings};
-use lightfold::container::{
+use codec::color::cells::builder::CellBuilder;
+use codec::color::quality::{EightBit, Pu21, Quality};
+use codec::color::temporal::BlockStage;
+use codec::color::transform::encode::{PricedTables, TransformEncoder};
+use codec::color::transform::{Keyed, Tables};
+use codec::color::{CellEncoder, CellFormat, HalfKey, Sample, SearchSettings};
+use codec::container::{
     ChunkEntry, ChunkKey, Compression, EncodedChunk, Index, PackedChunk, PayloadKind, ProbeEntry, Reader, Storage,
     StreamEntry, Writer, compression,
 };
-use lightfold::decode::{Decoder, Picture};
-use lightfold::depth::block_chunk::encoder::BlockEncoder;
-use lightfold::depth::domain::{Domain, DomainKind};
-use lightfold::depth::mode_decision::Decide;
-use lightfold::depth::node_encoder::{NodeEncoder, NodeSettings};
-use lightfold::depth::nodes::Grid;
-use lightfold::depth::predictive::encoder::PredictiveEncoder;
-use lightfold::depth::predictive::{PredictiveHeader, UnitArea};
-use lightfold::depth::tree_chunk::encoder::TreeEncoder;
-use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
-use lightfold::effort::Effort;
-use lightfold::image::DepthKind;
-use lightfold::image::transfer::ToneMap;
-use lightfold::streams::{
+use codec::decode::{Decoder, Picture};
+use codec::depth::block_chunk::encoder::BlockEncoder;
+use codec::depth::domain::{Domain, DomainKind};
+use codec::depth::mode_decision::Decide;
+use codec::depth::node_encoder::{NodeEncoder, NodeSettings};
+use codec::depth::nodes::Grid;
+use codec::depth::predictive::encoder::PredictiveEncoder;
+use codec::depth::predictive::{PredictiveHeader, UnitArea};
+use codec::depth::tree_chunk::encoder::TreeEncoder;
+use codec::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
+use codec::effort::Effort;
+use codec::image::DepthKind;
+use codec::image::transfer::ToneMap;
+use codec::streams::{
     AlphaHeader, CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCoding, DepthHeader,
     MaterialHeader, NodeHeader,
 };
+use half::f16;
+use lightfold::Result;
 
 // Both test binaries that include this file find it there.
 #[path = "samples_of_files.rs"]
@@ -311,7 +311,7 @@ fn cell_encoder<S: Sample>(
     CellFormat { size, blocks }: CellFormat<S>,
     db: f64,
 ) -> CellEncoder<S> {
-    let encoder = CellEncoder::new(search, lightfold::color::temporal::CLOSE_AT_BYTES);
+    let encoder = CellEncoder::new(search, codec::color::temporal::CLOSE_AT_BYTES);
     match blocks {
         Some(blocks) => encoder.with_blocks(BlockStage { blocks, size, final_psnr_db: db }),
         None => encoder,

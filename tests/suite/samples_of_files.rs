@@ -1,6 +1,6 @@
 //! Containers taken apart and put together again, with right CRC-32s around what a test changes.
 
-use lightfold::container::{Index, Reader, Storage};
+use codec::container::{Index, Reader, Storage};
 
 /// Puts a container of version 1.0 together around an index, with right CRC-32s: `stored` is what lies between head and
 /// index, `patch` may spoil the index's bytes.

@@ -4,10 +4,11 @@
 use std::fs;
 use std::path::Path;
 
-use lightfold::container::Reader;
-use lightfold::decode::Decoder;
-use lightfold::image::{DepthKind, Plane, ReadLimits, png};
-use lightfold::streams::{CodecHeader, DepthCoding};
+use codec::container::Reader;
+use codec::decode::Decoder;
+use codec::image::{DepthKind, Plane, ReadLimits};
+use codec::streams::{CodecHeader, DepthCoding};
+use lightfold::image_files::png;
 use tempfile::TempDir;
 
 use crate::commands::fine;

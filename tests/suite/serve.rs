@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use lightfold::image::{Face, Plane, png};
+use codec::image::{Face, Plane};
+use lightfold::image_files::png;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 

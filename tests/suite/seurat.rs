@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use codec::image::ReadLimits;
 use lightfold::dataset::seurat::SeuratCapture;
-use lightfold::image::ReadLimits;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 

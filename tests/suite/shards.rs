@@ -1,11 +1,11 @@
 //! Shards of an encode join to its bytes: every codec, in process.
 
+use codec::color::Target;
+use codec::container::Reader;
+use codec::image::{FrameRange, StreamKind};
+use codec::monitor::Silent;
 use lightfold::Error;
-use lightfold::color::Target;
-use lightfold::container::Reader;
 use lightfold::encode::{self, Footage as Content, Part, ScanFile, Shard, ShardBy, ShardChoice};
-use lightfold::image::{FrameRange, StreamKind};
-use lightfold::monitor::Silent;
 use lightfold::pack::{PackSettings, pack};
 
 use crate::resume_footage::{Footage, all, dataset};

@@ -4,12 +4,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
+use codec::container::Reader;
+use codec::image::{Face, Plane, StreamKind};
+use codec::monitor::Silent;
 use half::f16;
-use lightfold::container::Reader;
 use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::encode::{self, EncodeSettings, Footage as Content, FrameSource, Part, ScanFile, Shard, ShardBy};
-use lightfold::image::{Face, Plane, StreamKind, exr};
-use lightfold::monitor::Silent;
+use lightfold::image_files::exr;
 use lightfold::pack::{PackSettings, pack};
 use tempfile::TempDir;
 

@@ -3,9 +3,10 @@
 use std::fs;
 use std::path::Path;
 
+use codec::block::{Bc6h, Bc7Rgba, BlockFormat, decode_image};
+use codec::image::ReadLimits;
 use half::f16;
-use lightfold::block::{Bc6h, Bc7Rgba, BlockFormat, decode_image};
-use lightfold::image::{ReadLimits, exr};
+use lightfold::image_files::exr;
 use serde_json::Value;
 
 use crate::commands::{fine, refused};

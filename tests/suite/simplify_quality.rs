@@ -4,8 +4,8 @@
 
 use std::fmt::Write as _;
 
-use lightfold::effort::Effort;
-use lightfold::monitor::Silent;
+use codec::effort::Effort;
+use codec::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
 use lightfold::simplify::capture::Capture;
 use lightfold::simplify::fidelity::Evaluation;

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use lightfold::image::{DepthPlane, Face, Plane};
+use codec::image::{DepthPlane, Face, Plane};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -168,7 +168,7 @@ fn bounds_hold_in_every_pixel_as_they_are_stated() {
         let mut face = decoder.face(&decoder.streams()[0]);
         let range = decoder.streams()[0].depth_range().unwrap();
         for frame in 0..3 {
-            let lightfold::decode::Picture::Depth(codes) = face.decode(frame).unwrap() else {
+            let codec::decode::Picture::Depth(codes) = face.decode(frame).unwrap() else {
                 panic!("depth was expected")
             };
             for (code, z) in codes.data().iter().zip(surfaces(frame, strays).data()) {
@@ -229,7 +229,7 @@ fn only_the_probe_with_strays_is_named() {
             let folder = at.join(probe);
             std::fs::create_dir_all(&folder).unwrap();
             let path = folder.join(format!("depth.{frame:04}.exr"));
-            lightfold::image::exr::write_depth(&path, &surfaces(frame, strays)).unwrap();
+            lightfold::image_files::exr::write_depth(&path, &surfaces(frame, strays)).unwrap();
         }
     }
     let manifest = r#"{ "lightfield": 1, "name": "two", "fps": 24, "frames": [0, 1], "projection": "cubemap",

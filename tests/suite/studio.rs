@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use codec::image::{Face, ImageProjection};
 use exr::prelude::{Blocks, Compression, FlatSamples, IntegerBounds, Vec2};
 use half::f16;
 use lightfold::dataset::{Source, SourceOptions, StreamKind};
-use lightfold::image::{Face, ImageProjection, exr as ours};
+use lightfold::image_files::exr as ours;
 use tempfile::TempDir;
 
 use crate::commands::{fine, refused};

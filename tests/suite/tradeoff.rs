@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 
-use lightfold::monitor::Silent;
+use codec::monitor::Silent;
 use lightfold::report::tradeoff::coding::CODING;
 use lightfold::report::tradeoff::store::{Store, StoredPoint};
 use lightfold::scene::{DemoKind, FootagePlan};

@@ -2,18 +2,18 @@
 
 use std::fs;
 
+use codec::color::transform::tables::{TableSet, Transform};
+use codec::color::{SearchSettings, Target};
+use codec::container::Compression;
+use codec::decode::Decoder;
+use codec::effort::Effort;
+use codec::entropy::table_text;
+use codec::image::{ColorPlane, Face, Plane};
+use codec::memory::Budget;
+use codec::monitor::Silent;
+use codec::streams::{CodecHeader, ColorFormat};
 use half::f16;
-use lightfold::color::transform::tables::{TableSet, Transform};
-use lightfold::color::{SearchSettings, Target};
-use lightfold::container::Compression;
-use lightfold::decode::Decoder;
-use lightfold::effort::Effort;
 use lightfold::encode::EncodeSettings;
-use lightfold::entropy::table_text;
-use lightfold::image::{ColorPlane, Face, Plane};
-use lightfold::memory::Budget;
-use lightfold::monitor::Silent;
-use lightfold::streams::{CodecHeader, ColorFormat};
 use lightfold::train::{self, TrainSettings, TrainSummary, train};
 use serde_json::Value;
 use tempfile::TempDir;

@@ -1,15 +1,15 @@
 //! The transform codec through the library: footage is encoded, decoded, and keeps its promise in every frame of every cell.
 
+use codec::color::{SearchSettings, Target};
+use codec::container::Compression;
+use codec::decode::Picture;
+use codec::effort::Effort;
+use codec::image::{ColorPlane, Face, Plane};
+use codec::memory::Budget;
+use codec::streams::ColorFormat;
 use half::f16;
-use lightfold::color::{SearchSettings, Target};
-use lightfold::container::Compression;
-use lightfold::decode::Picture;
-use lightfold::effort::Effort;
 use lightfold::encode::{ColorCodec, EncodeSettings};
-use lightfold::image::{ColorPlane, Face, Plane};
 use lightfold::inspect::{TransformCount, statistics};
-use lightfold::memory::Budget;
-use lightfold::streams::ColorFormat;
 use tempfile::TempDir;
 
 use crate::footage::{Footage, Random, drifting_color};

@@ -2,15 +2,15 @@
 
 use std::collections::BTreeSet;
 
-use lightfold::color::transform::Tables;
-use lightfold::color::transform::contexts::{ALPHABETS, FAMILIES, NODE};
-use lightfold::color::transform::domain::ChromaSlopes;
-use lightfold::color::transform::payload::Header;
-use lightfold::color::transform::region::{Content, Region};
-use lightfold::color::transform::steps::StepIndices;
-use lightfold::container::fields::Fields;
-use lightfold::container::serialize::PutFields;
-use lightfold::entropy::Family;
+use codec::color::transform::Tables;
+use codec::color::transform::contexts::{ALPHABETS, FAMILIES, NODE};
+use codec::color::transform::domain::ChromaSlopes;
+use codec::color::transform::payload::Header;
+use codec::color::transform::region::{Content, Region};
+use codec::color::transform::steps::StepIndices;
+use codec::container::fields::Fields;
+use codec::container::serialize::PutFields;
+use codec::entropy::Family;
 
 use crate::samples::Random;
 

@@ -6,13 +6,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use codec::color::cells::builder::CellBuilder;
+use codec::color::{HalfKey, SearchSettings, Target};
+use codec::container::{Compression, Reader, Storage, Writer};
+use codec::decode::Decoder;
+use codec::depth::TemporalSettings;
 use half::f16;
 use lightfold::Error;
-use lightfold::color::cells::builder::CellBuilder;
-use lightfold::color::{HalfKey, SearchSettings, Target};
-use lightfold::container::{Compression, Reader, Storage, Writer};
-use lightfold::decode::Decoder;
-use lightfold::depth::TemporalSettings;
 
 use crate::samples::{self, Random, Shape, Stream};
 use crate::{
@@ -284,7 +284,7 @@ fn valid() -> Vec<(&'static str, Vec<u8>)> {
         payload.extend_from_slice(&[0, 0, 0, 0, 1, 2, 3, 4]);
         payload.extend_from_slice(&[1, 0, 0, 0, 255, 255]);
         payload.extend_from_slice(&[2, 0, 2, 0, 1, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 1, 0, 1, 0, 7, 8, 9, 10]);
-        let chunk = lightfold::container::EncodedChunk { first_frame: 0, frame_count: 7, payload };
+        let chunk = codec::container::EncodedChunk { first_frame: 0, frame_count: 7, payload };
         one(Stream { entry: samples::entry(shape(0, [2, 1], [4, 4], 0, 7), &header), chunks: vec![(0, chunk)] })
     }));
 

@@ -1,11 +1,11 @@
 //! The frozen containers of [`crate::vectors`] with pieces or keyframes in blocks of texture formats.
 
+use codec::color::cells::builder::CellBuilder;
+use codec::color::{HalfKey, SearchSettings, Target};
+use codec::container::{Compression, EncodedChunk};
+use codec::depth::TemporalSettings;
+use codec::streams::{CodecHeader, ColorBlocks};
 use half::f16;
-use lightfold::color::cells::builder::CellBuilder;
-use lightfold::color::{HalfKey, SearchSettings, Target};
-use lightfold::container::{Compression, EncodedChunk};
-use lightfold::depth::TemporalSettings;
-use lightfold::streams::{CodecHeader, ColorBlocks};
 
 use crate::samples::{self, Random, Stream};
 use crate::vectors::{one, shape};

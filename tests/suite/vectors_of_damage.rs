@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use lightfold::color::SearchSettings;
-use lightfold::color::cells::builder::CellBuilder;
-use lightfold::container::{Compression, Index, PayloadKind, Storage, compression};
+use codec::color::SearchSettings;
+use codec::color::cells::builder::CellBuilder;
+use codec::container::{Compression, Index, PayloadKind, Storage, compression};
 
 use crate::samples;
 use crate::vectors::{keys, one, shape, temporal};

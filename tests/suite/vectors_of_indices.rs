@@ -1,9 +1,9 @@
 //! The frozen containers of [`crate::vectors`] whose index is compact (container.md 6.3).
 
-use lightfold::color::cells::builder::CellBuilder;
-use lightfold::color::{SearchSettings, Target};
-use lightfold::container::{ChunkKey, Compression, EncodedChunk, PackedChunk, PayloadKind, Storage, Writer};
-use lightfold::depth::TemporalSettings;
+use codec::color::cells::builder::CellBuilder;
+use codec::color::{SearchSettings, Target};
+use codec::container::{ChunkKey, Compression, EncodedChunk, PackedChunk, PayloadKind, Storage, Writer};
+use codec::depth::TemporalSettings;
 
 use crate::samples::{self, Random, Stream};
 use crate::vectors::{closing_cells, shape};
@@ -36,7 +36,7 @@ fn of_many_streams(by_time: bool) -> Vec<u8> {
     let mut writer = Writer::new(Vec::new(), "many", 59.94, 0).unwrap();
     let mut other = samples::probe("other", 300);
     (other.position, other.orientation) = ([9.0, 8.0, 7.0], [0.0, 1.0, 0.0, 0.0]);
-    let third = lightfold::container::ProbeEntry { name: "third".into(), ..other.clone() };
+    let third = codec::container::ProbeEntry { name: "third".into(), ..other.clone() };
     let probes = [samples::probe("00", 300), other, third].map(|probe| writer.add_probe(probe).unwrap());
     let mut chunks: Vec<(u32, u32, &EncodedChunk)> = Vec::new();
     for (at, stream) in streams.iter().enumerate() {

@@ -3,14 +3,14 @@
 
 use std::path::Path;
 
-use lightfold::color::SearchSettings;
-use lightfold::color::cells::LEADS_NOWHERE;
-use lightfold::color::cells::builder::CellBuilder;
-use lightfold::decode::Decoder;
-use lightfold::depth::predictive::UnitArea;
+use codec::color::SearchSettings;
+use codec::color::cells::LEADS_NOWHERE;
+use codec::color::cells::builder::CellBuilder;
+use codec::decode::Decoder;
+use codec::depth::predictive::UnitArea;
+use codec::monitor::Silent;
 use lightfold::gpu::prepare;
 use lightfold::inspect::{self, InspectSettings, coding_map, survey};
-use lightfold::monitor::Silent;
 
 use crate::samples;
 use crate::vectors::{one, shape};

@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use lightfold::container::{Compression, EncodedChunk, Storage};
-use lightfold::depth::domain::DomainKind;
-use lightfold::depth::mode_decision::Decide;
-use lightfold::depth::node_chunk::NodeChunk;
-use lightfold::depth::node_encoder::NodeSettings;
-use lightfold::depth::nodes::{Function, Node, Place};
-use lightfold::depth::record_table::builder::TableBuilder;
-use lightfold::depth::storage;
-use lightfold::effort::Effort;
-use lightfold::streams::CodecHeader;
+use codec::container::{Compression, EncodedChunk, Storage};
+use codec::depth::domain::DomainKind;
+use codec::depth::mode_decision::Decide;
+use codec::depth::node_chunk::NodeChunk;
+use codec::depth::node_encoder::NodeSettings;
+use codec::depth::nodes::{Function, Node, Place};
+use codec::depth::record_table::builder::TableBuilder;
+use codec::depth::storage;
+use codec::effort::Effort;
+use codec::streams::CodecHeader;
 
 use crate::samples::{self, Stream};
 use crate::vectors::{one, shape};

@@ -1,11 +1,11 @@
 //! The frozen containers of [`crate::vectors`] whose depth or alpha is predicted (formats/depth.md 15 and 16).
 
-use lightfold::container::{Compression, EncodedChunk, StreamEntry};
-use lightfold::depth::predictive::projection::{Projection, Shape as Pixels};
-use lightfold::depth::predictive::tables::{Predictive, TableSet, Tables};
-use lightfold::depth::predictive::{Levels, PredictiveChunk, PredictiveHeader, UnitArea};
-use lightfold::entropy::{Distribution, Model, SYMBOLS, Trainer};
-use lightfold::streams::AlphaHeader;
+use codec::container::{Compression, EncodedChunk, StreamEntry};
+use codec::depth::predictive::projection::{Projection, Shape as Pixels};
+use codec::depth::predictive::tables::{Predictive, TableSet, Tables};
+use codec::depth::predictive::{Levels, PredictiveChunk, PredictiveHeader, UnitArea};
+use codec::entropy::{Distribution, Model, SYMBOLS, Trainer};
+use codec::streams::AlphaHeader;
 
 use crate::samples::{self, Random, Stream};
 use crate::vectors::{one, shape};

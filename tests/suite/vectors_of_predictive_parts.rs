@@ -1,10 +1,10 @@
 //! Frozen containers of predictive depth, each named by the part of depth.md 15 that it exercises.
 
-use lightfold::container::Compression;
-use lightfold::depth::predictive::projection::{Projection, Shape as Pixels};
-use lightfold::depth::predictive::tables::{Predictive, TableSet, Tables};
-use lightfold::depth::predictive::{Levels, PredictiveChunk, PredictiveHeader, UnitArea};
-use lightfold::entropy::{Counts, Model, Trainer};
+use codec::container::Compression;
+use codec::depth::predictive::projection::{Projection, Shape as Pixels};
+use codec::depth::predictive::tables::{Predictive, TableSet, Tables};
+use codec::depth::predictive::{Levels, PredictiveChunk, PredictiveHeader, UnitArea};
+use codec::entropy::{Counts, Model, Trainer};
 
 use crate::samples::{self, Random, Stream};
 use crate::vectors::{one, shape};

@@ -1,24 +1,24 @@
 //! The frozen containers of [`crate::vectors`] whose colour is coded by a transform (formats/color.md 6).
 
-use half::f16;
-use lightfold::color::cells::builder::CellBuilder;
-use lightfold::color::transform::authored::{
+use codec::color::cells::builder::CellBuilder;
+use codec::color::transform::authored::{
     ANY, Author, PALETTES, Question, Taste, USUAL, WHOLE, contexts_of, random_payload,
 };
-use lightfold::color::transform::basis::LENGTHS;
-use lightfold::color::transform::blocks::Block;
-use lightfold::color::transform::contexts::{NODE, PALETTE_SIZE, PIXEL};
-use lightfold::color::transform::domain::{ChromaSlopes, Domain};
-use lightfold::color::transform::payload::{CELLS, Header, holds_cells};
-use lightfold::color::transform::region::{Content, PALETTE, QUARTERS, Region, Setting};
-use lightfold::color::transform::steps::StepIndices;
-use lightfold::color::transform::tables::BUILT_IN;
-use lightfold::color::transform::{Keyed, Tables, TransformChunk};
-use lightfold::color::{HalfKey, SearchSettings, Target};
-use lightfold::container::{Compression, EncodedChunk, Reader, StreamEntry};
-use lightfold::entropy::Encoder;
-use lightfold::image::transfer::ToneMap;
-use lightfold::streams::{CodecHeader, ColorCoding, ColorFormat, ColorHeader};
+use codec::color::transform::basis::LENGTHS;
+use codec::color::transform::blocks::Block;
+use codec::color::transform::contexts::{NODE, PALETTE_SIZE, PIXEL};
+use codec::color::transform::domain::{ChromaSlopes, Domain};
+use codec::color::transform::payload::{CELLS, Header, holds_cells};
+use codec::color::transform::region::{Content, PALETTE, QUARTERS, Region, Setting};
+use codec::color::transform::steps::StepIndices;
+use codec::color::transform::tables::BUILT_IN;
+use codec::color::transform::{Keyed, Tables, TransformChunk};
+use codec::color::{HalfKey, SearchSettings, Target};
+use codec::container::{Compression, EncodedChunk, Reader, StreamEntry};
+use codec::entropy::Encoder;
+use codec::image::transfer::ToneMap;
+use codec::streams::{CodecHeader, ColorCoding, ColorFormat, ColorHeader};
+use half::f16;
 
 use crate::samples::{self, Random, Shape, Stream};
 use crate::transform_payloads::{Coverage, own_set, own_sets, usual_header};

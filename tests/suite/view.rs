@@ -3,14 +3,12 @@
 use std::fs;
 use std::path::Path;
 
+use codec::decode::{AllUnits, Decoder, OnDamage, Picture, Request, Selection, StreamInfo, UnitFilter, decode_units};
+use codec::depth::BACKGROUND_CODE;
+use codec::image::{Face, Plane};
+use codec::monitor::Silent;
 use half::f16;
-use lightfold::decode::{
-    AllUnits, Decoder, OnDamage, Picture, Request, Selection, StreamInfo, UnitFilter, decode_units,
-};
-use lightfold::depth::BACKGROUND_CODE;
 use lightfold::evaluate::camera_file::CameraFile;
-use lightfold::image::{Face, Plane};
-use lightfold::monitor::Silent;
 use lightfold::views::camera_units::CameraUnits;
 use serde_json::Value;
 use tempfile::TempDir;

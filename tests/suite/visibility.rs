@@ -2,13 +2,13 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use codec::container::ProbeEntry;
+use codec::image::DepthKind;
+use codec::image::Face;
+use codec::image::cube::{FacePoint, direction_to_face};
+use codec::math::camera::rotation;
+use codec::math::{Camera, Lens, Sight, Viewer};
 use glam::{DQuat, DVec3};
-use lightfold::container::ProbeEntry;
-use lightfold::image::DepthKind;
-use lightfold::image::Face;
-use lightfold::image::cube::{FacePoint, direction_to_face};
-use lightfold::math::camera::rotation;
-use lightfold::math::{Camera, Lens, Sight, Viewer};
 use lightfold::views::face_frustum::DepthSpan;
 use lightfold::views::face_frustum::FaceImage;
 use lightfold::views::visibility::Culled;

@@ -6,8 +6,8 @@ use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
 
+use codec::container::{zstd, zstd_independent};
 use lightfold::Error;
-use lightfold::container::{zstd, zstd_independent};
 
 use crate::samples::Random;
 use crate::vectors;

@@ -1,5 +1,5 @@
-// Reads symbols and raw bits of a region's substream (color.md 6.6, 7). Mirrors src/color/transform/coder.rs and
-// src/entropy/rans.rs. The host has checked that the substream is long enough for everything that is read. Needs `reader`,
+// Reads symbols and raw bits of a region's substream (color.md 6.6, 7). Mirrors src/codec/color/transform/coder.rs and
+// src/codec/entropy/rans.rs. The host has checked that the substream is long enough for everything that is read. Needs `reader`,
 // `stream` and `tables`.
 
 // Index in `tables` of the first word of the chunk's distributions.

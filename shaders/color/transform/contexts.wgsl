@@ -1,5 +1,5 @@
 // Contexts of symbols (color.md 6.6), and offsets of the format's tables in `tables` (src/gpu/transform_tables.rs). Mirrors
-// src/color/transform/contexts.rs. Needs `tables`.
+// src/codec/color/transform/contexts.rs. Needs `tables`.
 
 // First context of each symbol family.
 const CONTEXT_NODE: u32 = 0u;

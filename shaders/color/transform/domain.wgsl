@@ -1,4 +1,4 @@
-// Conversion between keys and channels (color.md 6.2). Mirrors src/color/transform/domain.rs. Needs `slope_of` and `MIDDLE`.
+// Conversion between keys and channels (color.md 6.2). Mirrors src/codec/color/transform/domain.rs. Needs `slope_of` and `MIDDLE`.
 
 fn predicted_chroma(slope: i32, luma: i32) -> i32 {
     return (slope * luma + 8) >> 4u;

@@ -1,4 +1,4 @@
-// 8-bit samples in the transform codec: `Domain::BYTES` of src/color/transform/domain.rs.
+// 8-bit samples in the transform codec: `Domain::BYTES` of src/codec/color/transform/domain.rs.
 
 const FRACTION_BITS: u32 = 6u;
 // Fraction bits of a pixel's channels in chunks with frequency-dependent steps (offset_set 1).

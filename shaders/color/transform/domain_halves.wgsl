@@ -1,4 +1,4 @@
-// Half-float samples in the transform codec: `Domain::HALVES` of src/color/transform/domain.rs. Needs `bits_of`.
+// Half-float samples in the transform codec: `Domain::HALVES` of src/codec/color/transform/domain.rs. Needs `bits_of`.
 
 const FRACTION_BITS: u32 = 0u;
 const FINE_BITS: u32 = 0u;

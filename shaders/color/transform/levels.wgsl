@@ -1,5 +1,5 @@
 // Reads the levels of a transformed block (color.md 6.6), and accumulates the spatial coefficients of one frame while reading.
-// Mirrors src/color/transform/levels.rs and `FrameLevels` of src/color/transform/reconstruct.rs.
+// Mirrors src/codec/color/transform/levels.rs and `FrameLevels` of src/codec/color/transform/reconstruct.rs.
 
 fn open_block() {
     reader.first_plane_number = reader.plane_number + 1u;

@@ -1,5 +1,5 @@
 // Steps (color.md 6.3), means of 4x4 squares, and the levels predicted from them (color.md 6.5). Mirrors
-// src/color/transform/steps.rs and src/color/transform/means.rs.
+// src/codec/color/transform/steps.rs and src/codec/color/transform/means.rs.
 
 // Returns the step of a level; `frequency` is the sum of its horizontal and vertical frequencies.
 fn step_of(channel: u32, length: u32, level: u32, frequency: u32) -> i32 {

@@ -1,4 +1,4 @@
-// Palette blocks (color.md 6.8). Mirrors src/color/transform/palette.rs.
+// Palette blocks (color.md 6.8). Mirrors src/codec/color/transform/palette.rs.
 
 fn index_in(position: u32, of_slot: u32) -> u32 {
     return (scratch[region_slot].indices[position >> 2u] >> (8u * (position & 3u) + 4u * of_slot)) & 15u;

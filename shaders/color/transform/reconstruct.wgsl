@@ -1,5 +1,5 @@
 // Inverse transform of one frame of a region (color.md 6.3), one workgroup per region: all invocations transform one block at a
-// time. Mirrors src/color/transform/reconstruct.rs.
+// time. Mirrors src/codec/color/transform/reconstruct.rs.
 
 // Coefficients after the column transform, 32 per row.
 var<workgroup> columns: array<i32, 1024>;

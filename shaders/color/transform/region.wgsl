@@ -1,5 +1,5 @@
-// Reads the block tree of a region (color.md 6.4), one region per invocation. Mirrors src/color/transform/region.rs and
-// src/color/transform/blocks.rs. A long region takes several passes; reading ends when all pixels of the wanted frame are
+// Reads the block tree of a region (color.md 6.4), one region per invocation. Mirrors src/codec/color/transform/region.rs and
+// src/codec/color/transform/blocks.rs. A long region takes several passes; reading ends when all pixels of the wanted frame are
 // known.
 
 const NODE_QUARTERS: u32 = 1u;

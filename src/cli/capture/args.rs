@@ -7,8 +7,8 @@ use glam::DVec3;
 use crate::cli::options::{self, Choices, FrameArgs, one_of, parse_point, parse_shard};
 use crate::dataset::manifest::parse_frame_rate;
 use crate::encode::Shard;
-use crate::image::{DepthKind, Projection};
 use crate::scene::Pass;
+use codec::image::{DepthKind, Projection};
 
 #[derive(Debug, clap::Args)]
 #[command(

@@ -7,12 +7,12 @@ use glam::DVec3;
 use super::args::Args;
 use crate::cli::refuse;
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
-use crate::error::Result;
 use crate::evaluate::camera_file::CameraFile;
-use crate::image::{FrameRange, Projection};
-use crate::math::{Camera, Lens};
 use crate::scene::capture::frames_of_animation;
 use crate::scene::{CapturePlan, Pass, Scene};
+use codec::error::Result;
+use codec::image::{FrameRange, Projection};
+use codec::math::{Camera, Lens};
 
 /// Default side of a cube face. Panoramas are four times as wide.
 const DEFAULT_SIDE: u32 = 512;

@@ -6,9 +6,9 @@ use crate::cli::device::{DEVICES, GpuArgs};
 use crate::cli::options::{
     CameraArgs, Choices, FrameArgs, LIGHT_SPACES, MemoryArgs, SelectionArgs, StreamArgs, one_of,
 };
-use crate::decode::FileFormat;
+use crate::export::FileFormat;
 use crate::gpu::device::DeviceChoice;
-use crate::image::ColorSpace;
+use crate::image_files::ColorSpace;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold decode film.lfold -o frames\n  \

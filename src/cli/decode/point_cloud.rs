@@ -11,15 +11,15 @@ use crate::cli::options::check_report;
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::decode::Decoder;
-use crate::error::{Error, Result};
 use crate::evaluate::point_cloud::{POINT_BYTES, write_ply};
 use crate::evaluate::reference::Reference;
 use crate::files::{DiskFile, OutputFolder, parent_of};
-use crate::image::FrameRange;
-use crate::image::sequence::Pattern;
-use crate::memory::Need;
 use crate::report::coding_map::counted;
+use codec::decode::Decoder;
+use codec::error::{Error, Result};
+use codec::image::FrameRange;
+use codec::image::sequence::Pattern;
+use codec::memory::Need;
 
 #[derive(Serialize)]
 struct Report {

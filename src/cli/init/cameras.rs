@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use crate::dataset::Pose;
 use crate::dataset::discover::Proposal;
 use crate::dataset::manifest::{Manifest, Probe};
-use crate::error::Result;
 use crate::evaluate::cameras::{self, FileCamera};
-use crate::image::Projection;
-use crate::image::sequence::split_number;
+use codec::error::Result;
+use codec::image::Projection;
+use codec::image::sequence::split_number;
 
 /// Names of camera files. Text files of USD are recognised under any name.
 const NAMES: [&str; 2] = ["transforms.json", "images.txt"];

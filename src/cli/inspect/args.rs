@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use crate::cli::options::{MemoryArgs, SelectionArgs, SideArgs};
 use crate::cli::refuse;
-use crate::decode::{Decoder, StreamInfo};
-use crate::error::Result;
-use crate::image::sequence::FrameRange;
 use crate::inspect::Inspection;
+use codec::decode::{Decoder, StreamInfo};
+use codec::error::Result;
+use codec::image::sequence::FrameRange;
 
 #[derive(Debug, clap::Args)]
 #[command(

@@ -13,8 +13,8 @@ use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::convention::{self, Choice, MAX_PROBES, Report, Verdict};
 use crate::dataset::{Source, manifest};
 use crate::encode::{self, ProbePrecision};
-use crate::error::{Result, counted};
 use crate::report::Table;
+use codec::error::{Result, counted};
 
 /// Maximum number of characters of a line of text.
 const COLUMNS: u16 = 100;

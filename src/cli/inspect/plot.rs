@@ -9,11 +9,11 @@ use super::args::{Args, Report};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, refuse};
 use crate::compare::{self, Coverage, Pairing};
-use crate::decode::StreamInfo;
-use crate::error::Result;
 use crate::files::OutputFolder;
-use crate::image::sequence::FrameRange;
 use crate::report::coding_map::{self, Request, What};
+use codec::decode::StreamInfo;
+use codec::error::Result;
+use codec::image::sequence::FrameRange;
 
 /// Maximum number of images that are listed; more are only counted.
 const MAX_LINES: usize = 24;

@@ -6,9 +6,9 @@ use serde::Serialize;
 
 use super::args::Args;
 use crate::cli::{ExitStatus, GlobalArgs, output};
-use crate::error::Result;
 use crate::report::Table;
 use crate::scene::{Play, Scene, SceneBounds, SceneSummary};
+use codec::error::Result;
 
 #[derive(Serialize)]
 struct Document<'a> {

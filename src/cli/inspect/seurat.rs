@@ -9,9 +9,9 @@ use super::args::Args;
 use super::scene::box_text;
 use crate::cli::{ExitStatus, GlobalArgs, output};
 use crate::dataset::seurat::{DepthType, SeuratCapture, SeuratView};
-use crate::error::Result;
 use crate::report::Table;
 use crate::scene::SceneBounds;
+use codec::error::Result;
 
 #[derive(Serialize)]
 struct Document {

@@ -6,21 +6,21 @@ use std::fmt::Write;
 use super::args::Report;
 use crate::cli::output::human_bytes;
 use crate::cli::{damage, depth_bound};
-use crate::container::header::{VERSION_MAJOR, VERSION_MINOR};
-use crate::depth::block::side_of;
-use crate::depth::mode_statistics::{ModeStatistics, Share};
-use crate::depth::nodes::Function;
-use crate::depth::predictive::PredictiveHeader;
-use crate::depth::predictive::modes::BlockCoding;
-use crate::depth::settings::TemporalSettings;
-use crate::error::escaped;
-use crate::image::{ColorSpace, StreamKind};
+use crate::depth_bound::DepthBound;
+use crate::image_files::ColorSpace;
 use crate::inspect::{BlockCount, PredictiveCount, StreamStats, Totals, TransformCount, percent, projection_name};
 use crate::report::Table;
 use crate::report::coding_map::counted;
-use crate::streams::{
-    CodecHeader, ColorBlocks, ColorCoding, ColorFormat, DepthBound, DepthCoding, MissingFrame, NodeHeader,
-};
+use codec::container::header::{VERSION_MAJOR, VERSION_MINOR};
+use codec::depth::block::side_of;
+use codec::depth::mode_statistics::{ModeStatistics, Share};
+use codec::depth::nodes::Function;
+use codec::depth::predictive::PredictiveHeader;
+use codec::depth::predictive::modes::BlockCoding;
+use codec::depth::settings::TemporalSettings;
+use codec::error::escaped;
+use codec::image::StreamKind;
+use codec::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, DepthCoding, MissingFrame, NodeHeader};
 
 /// Maximum number of streams with a row each. More are summed by probe and kind, unless `--streams` is given.
 const MAX_STREAM_ROWS: usize = 24;

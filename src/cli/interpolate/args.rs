@@ -23,12 +23,12 @@ use crate::epipolar::memory::Plan;
 use crate::epipolar::pipeline::Settings;
 use crate::epipolar::source::MAX_LAYERS;
 use crate::epipolar::views::{MAX_VIEWS, OutputViews, Spread};
-use crate::error::Result;
 use crate::gpu::device::DeviceChoice;
-use crate::image::quilt::QuiltLayout;
-use crate::image::{Face, FrameRange};
-use crate::math::{Camera, Lens};
+use crate::image_files::quilt::QuiltLayout;
 use crate::scene::capture::{MAX_FACE_SIZE, MAX_SAMPLES, SamplePattern};
+use codec::error::Result;
+use codec::image::{Face, FrameRange};
+use codec::math::{Camera, Lens};
 
 const DEFAULT_SIZE: u32 = 512;
 

@@ -12,14 +12,14 @@ use crate::epipolar::counters::Counters;
 use crate::epipolar::drawing::{PixelWindow, TriangleDrawing, TriangleLayers};
 use crate::epipolar::erosion::Moves;
 use crate::epipolar::interpolate::{InterpolatedView, Interpolator};
-use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::device::DeviceChoice;
 use crate::gpu::epipolar::GpuInterpolator;
 use crate::gpu::triangles::GpuTriangles;
-use crate::monitor::Monitor;
 use crate::scene::SceneAtTime;
 use crate::scene::capture::Viewpoint;
+use codec::error::{Error, Result};
+use codec::monitor::Monitor;
 
 /// A graphics device, or the CPU. With `--device auto` the CPU takes over if the device fails.
 pub(super) struct Device<'a> {

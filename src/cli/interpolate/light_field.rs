@@ -6,21 +6,21 @@ use half::f16;
 
 use super::args::Args;
 use crate::cli::refuse;
-use crate::decode::Decoder;
 use crate::epipolar::acquire::{Places, hierarchical};
 use crate::epipolar::backend::Backend;
 use crate::epipolar::counters::Counters;
 use crate::epipolar::source::{SourceView, in_order};
 use crate::epipolar::views::OutputViews;
-use crate::error::{Error, Result};
 use crate::evaluate::RenderedImage;
 use crate::evaluate::frame_requests::FrameRequest;
-use crate::image::{FrameRange, Plane, ToneMap};
 use crate::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer, Stage};
 use crate::march::{ActiveViews, Rendered, distances_m};
-use crate::math::Camera;
-use crate::monitor::Monitor;
 use crate::views::Change;
+use codec::decode::Decoder;
+use codec::error::{Error, Result};
+use codec::image::{FrameRange, Plane, ToneMap};
+use codec::math::Camera;
+use codec::monitor::Monitor;
 
 /// A frame of a container.
 pub(super) struct LightField<'a> {

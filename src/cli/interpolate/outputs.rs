@@ -8,15 +8,16 @@ use half::f16;
 use super::args::Args;
 use crate::cli::picture_files::{PictureCoding, PictureFiles, WORD_FIELD, has_word};
 use crate::cli::{GlobalArgs, refuse};
-use crate::decode::FileFormat;
 use crate::epipolar::views::OutputViews;
-use crate::error::{Error, Result};
 use crate::evaluate::RenderedImage;
 use crate::evaluate::rendered_image::HoleFill;
+use crate::export::FileFormat;
 use crate::files::DiskFile;
 use crate::fingerprint::Fingerprint;
-use crate::image::quilt::{Quilt, QuiltLayout, quilt_path};
-use crate::image::{Pattern, Primaries, ToneMap, exr, png};
+use crate::image_files::quilt::{Quilt, QuiltLayout, quilt_path};
+use crate::image_files::{exr, png};
+use codec::error::{Error, Result};
+use codec::image::{Pattern, Primaries, ToneMap};
 
 pub(super) struct Outputs {
     files: PictureFiles,

@@ -11,9 +11,9 @@ use crate::epipolar::counters::Counters;
 use crate::epipolar::pipeline::{SourceReport, Summary};
 use crate::epipolar::stages::Stages;
 use crate::epipolar::views::OutputViews;
-use crate::error::{Result, counted};
 use crate::json::{self, Number};
 use crate::report::interpolation::{Quality, QualityReport};
+use codec::error::{Result, counted};
 
 /// Measurements of a run besides its stages.
 #[derive(Debug, Default)]

@@ -6,12 +6,12 @@ use clap::Args;
 use glam::DVec3;
 
 use crate::cli::output::{self, human_bytes};
-use crate::decode::{self, AllUnits, DecodeSummary, Decoder, StreamFrames, UnitFilter};
-use crate::error::Result;
 use crate::evaluate::camera_path::TimedCamera;
 use crate::evaluate::cameras;
-use crate::math::{Camera, Lens};
 use crate::views::camera_units::{CameraUnitCounts, CameraUnits, CameraUnitsReport};
+use codec::decode::{self, AllUnits, DecodeSummary, Decoder, StreamFrames, UnitFilter};
+use codec::error::Result;
+use codec::math::{Camera, Lens};
 
 pub fn parse_point(text: &str) -> Result<DVec3, String> {
     let numbers: Option<Vec<f64>> =

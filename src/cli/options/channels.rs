@@ -4,8 +4,8 @@ use clap::Args;
 
 use crate::cli::refuse;
 use crate::dataset::SourceOptions;
-use crate::error::Result;
-use crate::image::StreamKind;
+use codec::error::Result;
+use codec::image::StreamKind;
 
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Channels")]

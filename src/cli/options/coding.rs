@@ -5,8 +5,8 @@ use clap::Args;
 use super::{ColorArgs, DatasetArgs, DepthArgs, EffortArgs, MaterialArgs, PresetArgs, StoreArgs, parse_kind};
 use crate::dataset::source::SourceOptions;
 use crate::encode::EncodeSettings;
-use crate::error::Result;
-use crate::image::StreamKind;
+use codec::error::Result;
+use codec::image::StreamKind;
 
 /// Options of `encode`, which `scan` takes, too.
 #[derive(Debug, Clone, Args)]

@@ -6,17 +6,17 @@ use clap::Args;
 
 use super::choice::{Choices, one_of};
 use crate::cli::refuse;
-use crate::color::quality::MAX_QUALITY;
-use crate::color::settings::{SearchSettings, Target};
-use crate::color::transform::blocks::MAX_FRAMES;
-use crate::color::transform::tables::TableSet;
 use crate::dataset::{InvalidColor, SourceOptions};
 use crate::encode::{Clipping, ColorBlockSettings, ColorCodec, EncodeSettings};
-use crate::entropy::table_text;
-use crate::error::Result;
-use crate::image::transfer::{ToneMap, Transfer};
-use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;
-use crate::streams::{ColorBlocks, ColorFormat};
+use crate::train::read_tables;
+use codec::color::quality::MAX_QUALITY;
+use codec::color::settings::{SearchSettings, Target};
+use codec::color::transform::blocks::MAX_FRAMES;
+use codec::color::transform::tables::TableSet;
+use codec::error::Result;
+use codec::image::transfer::{ToneMap, Transfer};
+use codec::metrics::pu21::DEFAULT_WHITE_CD_M2;
+use codec::streams::{ColorBlocks, ColorFormat};
 
 /// Block format of keyframes, or none for raw samples. An alias, because clap treats an `Option` as an option that may
 /// be absent.
@@ -148,7 +148,7 @@ impl ColorArgs {
         settings.cell = self.color_cell;
         settings.color_codec = codec;
         settings.color_chunk = self.color_chunk.unwrap_or(settings.color_chunk);
-        settings.color_tables = self.color_tables.as_deref().map(read_tables).transpose()?;
+        settings.color_tables = self.color_tables.as_deref().map(read_table_set).transpose()?;
         settings.search = SearchSettings { target, effort: settings.search.effort, lookahead: self.lookahead };
         settings.color_blocks = blocks.map(|blocks| {
             let usual = ColorBlockSettings::new(blocks, &settings.search);
@@ -179,8 +179,8 @@ impl ColorArgs {
     }
 }
 
-fn read_tables(path: &Path) -> Result<TableSet> {
-    let sets = table_text::read_file(path)?;
+fn read_table_set(path: &Path) -> Result<TableSet> {
+    let sets = read_tables(path)?;
     match <[TableSet; 1]>::try_from(sets) {
         Ok([set]) => Ok(set),
         Err(sets) => refuse(format!(

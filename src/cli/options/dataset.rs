@@ -9,8 +9,8 @@ use super::{COLOR_SPACES, ChannelArgs, FrameArgs, MissingArgs};
 use crate::cli::refuse;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
-use crate::error::{Error, Result};
-use crate::image::ColorSpace;
+use crate::image_files::ColorSpace;
+use codec::error::{Error, Result};
 
 #[derive(Debug, Clone, Args)]
 pub struct DatasetArgs {

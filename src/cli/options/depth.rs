@@ -7,15 +7,15 @@ use clap::Args;
 use super::choice::{Choices, InBlocks, one_of};
 use crate::cli::refuse;
 use crate::dataset::{InvalidDepth, SourceOptions};
-use crate::depth::domain::DomainKind;
-use crate::depth::mode_decision::Decide;
-use crate::depth::node_encoder::NodeSettings;
-use crate::depth::quantise::FAR_CODE;
-use crate::depth::settings::TemporalSettings;
 use crate::encode::{DepthCodec, EncodeSettings, ErrorBound, TileSize};
-use crate::entropy::table_text;
-use crate::error::Result;
-use crate::image::DepthKind;
+use crate::train::read_tables;
+use codec::depth::domain::DomainKind;
+use codec::depth::mode_decision::Decide;
+use codec::depth::node_encoder::NodeSettings;
+use codec::depth::quantise::FAR_CODE;
+use codec::depth::settings::TemporalSettings;
+use codec::error::Result;
+use codec::image::DepthKind;
 
 pub fn parse_background(text: &str) -> std::result::Result<f32, String> {
     let value: f32 = text.parse().map_err(|_| format!("'{text}' is no number"))?;
@@ -237,8 +237,7 @@ impl DepthArgs {
         }
         let usual = ErrorBound::Codes(NodeSettings::default().bound);
         settings.depth.error = self.max_error_relative.map(ErrorBound::Relative).or(self.max_error).unwrap_or(usual);
-        settings.depth_tables =
-            self.depth_tables.as_deref().map(table_text::read_file).transpose()?.unwrap_or_default();
+        settings.depth_tables = self.depth_tables.as_deref().map(read_tables).transpose()?.unwrap_or_default();
         settings.temporal.max_aabbs = self.max_aabbs;
         settings.depth.domain = self.domain.depth_domain;
         self.model.apply(settings);

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::cli::refuse;
-use crate::container::Compression;
 use crate::encode::EncodeSettings;
-use crate::error::Result;
 use crate::files::DiskFile;
-use crate::memory::Budget;
+use codec::container::Compression;
+use codec::error::Result;
+use codec::memory::Budget;
 
 #[derive(Debug, Clone, Args)]
 pub struct OutputArgs {

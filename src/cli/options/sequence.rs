@@ -7,10 +7,10 @@ use super::{ChannelArgs, EffortArgs, FrameArgs, MissingArgs, parse_face};
 use crate::cli::refuse;
 use crate::dataset::source::{Arrangement, SequenceLayout, Source, SourceOptions};
 use crate::encode::EncodeSettings;
-use crate::error::Result;
-use crate::image::ColorSpace;
-use crate::image::StreamKind;
-use crate::image::cube::Face;
+use crate::image_files::ColorSpace;
+use codec::error::Result;
+use codec::image::StreamKind;
+use codec::image::cube::Face;
 
 const REC709: (&str, ColorSpace, &str) = ("linear-rec709", ColorSpace::LinearRec709, "Scene-linear Rec. 709");
 const ACESCG: (&str, ColorSpace, &str) = ("acescg", ColorSpace::AcesCg, "Scene-linear AP1");

@@ -7,8 +7,8 @@ use clap::Args;
 use super::choice::{Choices, one_of};
 use super::parse_kind;
 use crate::encode::{EncodeSettings, FrameSource, Part, Shard, ShardBy, ShardChoice};
-use crate::error::Result;
-use crate::image::{FrameRange, StreamKind};
+use codec::error::Result;
+use codec::image::{FrameRange, StreamKind};
 
 const SHARD_BYS: &Choices<ShardBy> = &[
     ("auto", ShardBy::Segment, "Streams and segments of these in time: the most even shards"),

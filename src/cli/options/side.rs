@@ -9,10 +9,10 @@ use super::{DepthReadingArgs, ImageArgs};
 use crate::compare::SideOptions;
 use crate::dataset::source::{Arrangement, SourceOptions};
 use crate::dataset::{InvalidColor, InvalidDepth};
-use crate::decode::Selection;
-use crate::error::Result;
-use crate::image::ColorSpace;
-use crate::image::cube::Face;
+use crate::image_files::ColorSpace;
+use codec::decode::Selection;
+use codec::error::Result;
+use codec::image::cube::Face;
 
 #[derive(Debug, Clone, Args)]
 pub struct SideArgs {

@@ -7,9 +7,9 @@ use clap::Args;
 
 use super::{Choices, check_stdout, one_of};
 use crate::cli::refuse;
-use crate::error::Result;
 use crate::files::standard_output;
-use crate::image::picture_stream::{FrameRate, PictureStream, StreamFormat};
+use crate::image_files::picture_stream::{FrameRate, PictureStream, StreamFormat};
+use codec::error::Result;
 
 const STREAM_FORMATS: &Choices<StreamFormat> = &[
     ("png", StreamFormat::Png, "PNG files, one behind the other"),

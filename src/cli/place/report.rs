@@ -8,12 +8,12 @@ use serde::Serialize;
 
 use super::args::Args;
 use crate::dataset::cameras::CameraSet;
-use crate::error::Result;
 use crate::placement::report::{DecayPlacement, PlacementReport};
 use crate::placement::{Figures, Lighting, Placement, Search};
 use crate::report::coding_map::counted;
 use crate::report::placement::Curve;
 use crate::report::{Table, csv};
+use codec::error::Result;
 
 /// Visible fraction of the surface below which the region is probably misplaced.
 const HARDLY_ANYTHING: f64 = 0.01;

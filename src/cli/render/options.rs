@@ -12,7 +12,7 @@ use crate::march::aov::AovKind;
 use crate::march::playback::frames::DecodeScope;
 use crate::march::playback::selection::ViewPriority;
 use crate::march::settings::{Acceleration, Refinements, SpecularMode};
-use crate::math::Camera;
+use codec::math::Camera;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {

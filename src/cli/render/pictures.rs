@@ -10,18 +10,18 @@ use super::args::Args;
 use super::options::{ProjectionArgs, StereoLayout};
 use crate::cli::picture_files::{PictureCoding, PictureFiles, WORD_FIELD, has_word};
 use crate::cli::refuse;
-use crate::decode::FileFormat;
-use crate::error::{Error, Result};
 use crate::evaluate::frame_requests::FrameRequest;
 use crate::evaluate::rendered_image::{Aov, HoleFill, RenderedImage};
+use crate::export::FileFormat;
 use crate::files::OutputFile;
-use crate::image::picture_stream::{CodePicture, PictureStream};
-use crate::image::plane::Plane;
-use crate::image::png;
-use crate::image::sequence::Pattern;
-use crate::image::transfer::ToneMap;
-use crate::math::Camera;
+use crate::image_files::picture_stream::{CodePicture, PictureStream};
+use crate::image_files::png;
 use crate::report::picture::contact_sheet::ContactSheet;
+use codec::error::{Error, Result};
+use codec::image::plane::Plane;
+use codec::image::sequence::Pattern;
+use codec::image::transfer::ToneMap;
+use codec::math::Camera;
 
 /// Number of cube map faces per row.
 const CUBE_COLUMNS: u32 = 3;

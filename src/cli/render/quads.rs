@@ -13,18 +13,18 @@ use super::subject::{JobRenderer, RenderedJob, Subject};
 use super::truth::TruthRun;
 use crate::cli::options::word_of;
 use crate::cli::{GlobalArgs, refuse};
-use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::quads::GpuQuads;
-use crate::image::FrameRange;
-use crate::image::transfer::ToneMap;
 use crate::march::memory::picture_bytes;
-use crate::math::Camera;
-use crate::memory::Need;
 use crate::mesh::gltf::document::is_glb;
-use crate::monitor::Monitor;
 use crate::simplify::raster::{Compositing, DrawSettings, Drawn, draw_picture, drawing_bytes};
 use crate::simplify::read_glb::{QuadScene, read_glb};
+use codec::error::Result;
+use codec::image::FrameRange;
+use codec::image::transfer::ToneMap;
+use codec::math::Camera;
+use codec::memory::Need;
+use codec::monitor::Monitor;
 
 /// Default number of samples in each row and column of a pixel for z-buffer rendering: four steps of alpha.
 const Z_BUFFER_SAMPLES: u32 = 2;

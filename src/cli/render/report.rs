@@ -6,7 +6,6 @@ use super::args::Args;
 use super::truth::{TruthReport, TruthRun};
 use crate::cli::GlobalArgs;
 use crate::cli::output::{self, human_bytes};
-use crate::error::Result;
 use crate::evaluate::rendered_image::HoleFill;
 use crate::evaluate::similarity::some_psnr;
 use crate::gpu::render::RenderCost;
@@ -17,6 +16,7 @@ use crate::march::playback::trace::FrameTrace;
 use crate::report::coding_map::counted;
 use crate::simplify::raster::Drawn;
 use crate::views::player::ShowCounts;
+use codec::error::Result;
 
 #[derive(Debug, Clone, Default)]
 pub struct Frames {

@@ -5,14 +5,14 @@ use super::pictures::Job;
 use super::report::Figures;
 use super::truth::TruthRun;
 use crate::cli::GlobalArgs;
-use crate::error::Result;
 use crate::evaluate::rendered_image::RenderedImage;
 use crate::gpu::Gpu;
-use crate::image::transfer::ToneMap;
-use crate::image::{FrameRange, Plane};
 use crate::march::playback::trace::FrameTrace;
-use crate::math::Camera;
-use crate::monitor::Monitor;
+use codec::error::Result;
+use codec::image::transfer::ToneMap;
+use codec::image::{FrameRange, Plane};
+use codec::math::Camera;
+use codec::monitor::Monitor;
 
 /// An open input.
 pub trait Subject {

@@ -9,19 +9,19 @@ use super::options::{METHODS, Method, TruthArgs};
 use super::pictures::{Job, PictureName};
 use crate::cli::options::word_of;
 use crate::cli::{GlobalArgs, refuse};
-use crate::error::{Error, Result};
 use crate::evaluate::frame_requests::FrameRequest;
 use crate::evaluate::reference::Reference;
 use crate::evaluate::rendered_image::RenderedImage;
 use crate::evaluate::similarity::{Similarity, SimilarityReport, difference, truth_codes};
 use crate::files::OutputFolder;
-use crate::image::FrameRange;
-use crate::image::Plane;
-use crate::image::plane::DepthPlane;
-use crate::image::png;
-use crate::image::transfer::ToneMap;
+use crate::image_files::png;
 use crate::json::Number;
 use crate::report::picture::error_picture;
+use codec::error::{Error, Result};
+use codec::image::FrameRange;
+use codec::image::Plane;
+use codec::image::plane::DepthPlane;
+use codec::image::transfer::ToneMap;
 
 pub struct TruthRun {
     pub path: PathBuf,

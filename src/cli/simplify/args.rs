@@ -3,8 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use crate::cli::options::{Choices, EFFORTS, MemoryArgs, check_stdout, one_of, parse_positive, word_of};
-use crate::effort::Effort;
-use crate::error::{Error, Result};
 use crate::placement::Region;
 use crate::simplify::cost::TextureCoordinates;
 use crate::simplify::export::{Ktx2Output, Outputs};
@@ -15,6 +13,8 @@ use crate::simplify::settings::{Settings, SurfaceAtlases, TilingKind};
 use crate::simplify::short_cuts::ShortCuts;
 use crate::simplify::texture_filter::TextureFilter;
 use crate::simplify::texture_sizes::Sizing;
+use codec::effort::Effort;
+use codec::error::{Error, Result};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::Result;
 use crate::files::OutputFolder;
-use crate::image::png;
+use crate::image_files::png;
 use crate::report::plot::save;
 use crate::report::simplification::{charts, pictures};
 use crate::simplify::capture::Capture;
 use crate::simplify::pipeline::Simplified;
 use crate::simplify::samples::Background;
+use codec::error::Result;
 
 /// Writes all charts and pictures, and returns their paths.
 pub fn write(

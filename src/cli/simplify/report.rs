@@ -7,10 +7,10 @@ use serde::Serialize;
 
 use super::args::Args;
 use crate::cli::output::{self, human_bytes};
-use crate::error::{Result, counted};
 use crate::json::{self, Number};
 use crate::simplify::fidelity::{Evaluation, Fidelity};
 use crate::simplify::pipeline::{Counters, Simplified, Stages};
+use codec::error::{Result, counted};
 
 /// Comparisons with pictures, and written files.
 pub struct Compared {

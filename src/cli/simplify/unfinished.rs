@@ -6,12 +6,12 @@ use std::path::Path;
 use super::args::Args;
 use crate::cli::GlobalArgs;
 use crate::cli::output;
-use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
 use crate::fingerprint::{Fingerprint, digest, file_state};
-use crate::memory::Budget;
 use crate::simplify::capture::Capture;
 use crate::simplify::settings::Settings;
+use codec::error::{Error, Result};
+use codec::memory::Budget;
 
 /// Returns everything that tiles depend on. Files are identified by size and modification time.
 pub fn fingerprint(args: &Args, settings: &Settings, capture: &Capture) -> Fingerprint {

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use crate::cli::options::{self, Choices, one_of, parse_positive};
 use crate::cli::refuse;
-use crate::error::Result;
-use crate::image::StreamKind;
 use crate::report::tradeoff::coding::recommend::Demands;
 use crate::report::tradeoff::plan::{Preset, Sweep};
 use crate::report::tradeoff::study::Weights;
+use codec::error::Result;
+use codec::image::StreamKind;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \

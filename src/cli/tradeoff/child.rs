@@ -10,9 +10,9 @@ use serde_json::Value;
 
 use crate::cli::EXIT_INTERRUPTED;
 use crate::cli::global::EXIT_RETRY;
-use crate::error::{Error, Result};
-use crate::monitor::Monitor;
 use crate::report::tradeoff::runner::{Runner, shell_line};
+use codec::error::{Error, Result};
+use codec::monitor::Monitor;
 
 /// Polling interval of a child. Its run time comes from its own clock.
 const POLL: Duration = Duration::from_millis(2);
@@ -145,7 +145,7 @@ fn read(from: Option<impl Read>) -> Vec<u8> {
 mod tests {
     use super::*;
     use crate::cli::global::{EXIT_BAD_INPUT, exit_code};
-    use crate::monitor::Silent;
+    use codec::monitor::Silent;
 
     #[test]
     fn what_a_child_may_try_again_its_parent_may_too() {

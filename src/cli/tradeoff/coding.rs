@@ -8,8 +8,6 @@ use super::args::Args;
 use super::measure::{Opened, Sweeping};
 use super::{input, text, tiles};
 use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
-use crate::error::{Error, Result};
-use crate::image::StreamKind;
 use crate::report::tradeoff::coding::bench::CodingBench;
 use crate::report::tradeoff::coding::recommend::{Demands, recommend};
 use crate::report::tradeoff::coding::{CODING, figures, findings, json as report};
@@ -18,6 +16,8 @@ use crate::report::tradeoff::page::Extras;
 use crate::report::tradeoff::plan::{self, Preset};
 use crate::report::tradeoff::store::{Store, StoredPoint};
 use crate::report::tradeoff::study::{Study, all_points};
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
 
 pub fn recommend_from_folder(args: &Args, demands: &Demands) -> Result<ExitStatus> {
     let store = Store::open(&CODING, &args.output, None)?;

@@ -6,9 +6,9 @@ use clap::parser::ValueSource;
 use clap::{CommandFactory, Parser};
 
 use crate::cli::{Cli, refuse};
-use crate::error::{Error, Result};
 use crate::report::tradeoff::kind::{Setting, SweepKind};
 use crate::report::tradeoff::study::Axis;
+use codec::error::{Error, Result};
 
 #[derive(Debug, PartialEq)]
 pub struct FixedOption {

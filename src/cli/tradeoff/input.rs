@@ -11,14 +11,14 @@ use crate::cli::{Cli, GlobalArgs, refuse};
 use crate::dataset::manifest;
 use crate::dataset::source::Source;
 use crate::encode::EncodeSettings;
-use crate::error::{Error, Result};
-use crate::image::StreamKind;
-use crate::ordered::try_map_ordered;
 use crate::report::machine;
 use crate::report::tradeoff::coding::CODING;
 use crate::report::tradeoff::coding::commands::{self, Form, Input, into_file};
 use crate::report::tradeoff::coding::table::KNOBS;
 use crate::report::tradeoff::kind::{Point, Setting};
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
+use codec::ordered::try_map_ordered;
 
 /// Encoding options that are set by tradeoff.
 const OWN: &[&str] = &["output", "stream", "json", "quiet"];

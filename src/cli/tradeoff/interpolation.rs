@@ -4,11 +4,11 @@ use super::args::{Args, refuse_options_of_coding};
 use super::fixed::{FixedSettings, OptionsOf};
 use super::measure::measure_grid;
 use crate::cli::{ExitStatus, GlobalArgs};
-use crate::error::Result;
 use crate::report::tradeoff::interpolation::{INTERPOLATION, InterpolationBench};
 use crate::report::tradeoff::placement::PLACEMENT;
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::study::Axis;
+use codec::error::Result;
 
 /// Options of `interpolate` that are set by tradeoff.
 const OWN: &[&str] = &["output", "null", "json", "quiet", "compare", "csv", "brute-force"];

@@ -11,7 +11,6 @@ use super::fixed::parse;
 use super::text;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
-use crate::error::{Error, Result, counted};
 use crate::json;
 use crate::report::machine;
 use crate::report::tradeoff::folder::Folder;
@@ -21,6 +20,7 @@ use crate::report::tradeoff::runner::{Bench, CommandBench, Commands, shell_line}
 use crate::report::tradeoff::schedule::{self, Extent, FailedPoint, Lab};
 use crate::report::tradeoff::store::Store;
 use crate::report::tradeoff::study::{ExampleCommand, Results, Study, all_points};
+use codec::error::{Error, Result, counted};
 
 pub struct Opened {
     pub folder: Folder,

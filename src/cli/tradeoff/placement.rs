@@ -4,10 +4,10 @@ use super::args::{Args, refuse_options_of_coding};
 use super::fixed::{OptionsOf, implied};
 use super::measure::measure_grid;
 use crate::cli::{ExitStatus, GlobalArgs};
-use crate::error::Result;
 use crate::report::tradeoff::placement::{PLACEMENT, PlacementBench};
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::study::Axis;
+use codec::error::Result;
 
 /// Options of `place` that are set by tradeoff.
 const OWN: &[&str] = &["output", "json", "quiet", "plot", "csv", "start", "compare-k"];

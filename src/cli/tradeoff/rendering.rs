@@ -9,10 +9,10 @@ use super::fixed::OptionsOf;
 use super::measure::measure_grid;
 use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::dataset::manifest::Manifest;
-use crate::error::{Error, Result};
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::rendering::{RENDERING, RenderingBench};
 use crate::report::tradeoff::study::Axis;
+use codec::error::{Error, Result};
 
 /// Options of `render` that are set by tradeoff.
 const OWN: &[&str] = &[

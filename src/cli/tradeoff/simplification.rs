@@ -4,10 +4,10 @@ use super::args::{Args, refuse_options_of_coding};
 use super::fixed::{FixedSettings, OptionsOf};
 use super::measure::measure_grid;
 use crate::cli::{ExitStatus, GlobalArgs};
-use crate::error::Result;
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::simplification::{SIMPLIFICATION, SimplificationBench};
 use crate::report::tradeoff::study::Axis;
+use codec::error::Result;
 
 /// Options of `simplify` that are set by tradeoff.
 const OWN: &[&str] = &["output", "json", "quiet"];

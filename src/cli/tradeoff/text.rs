@@ -6,8 +6,6 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use crate::cli::output;
-use crate::error::Result;
-use crate::image::StreamKind;
 use crate::report::Table;
 use crate::report::tradeoff::coding::recommend::{Advice, Aim};
 use crate::report::tradeoff::findings::{Finding, Verdict};
@@ -16,6 +14,8 @@ use crate::report::tradeoff::knob::{Knob, Stage};
 use crate::report::tradeoff::plan::KINDS;
 use crate::report::tradeoff::study::Results;
 use crate::report::tradeoff::table;
+use codec::error::Result;
+use codec::image::StreamKind;
 
 /// Returns tables of all points, the tested findings, and the written files.
 pub fn report(results: &Results, findings: &[Finding], files: &[PathBuf]) -> String {

@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 use super::input::Footage;
 use crate::cli::GlobalArgs;
 use crate::cli::progress::Progress;
-use crate::depth::tile_psnr::TilePsnr;
 use crate::encode::tile_quality;
-use crate::error::{Error, Result};
-use crate::monitor::Monitor;
+use codec::depth::tile_psnr::TilePsnr;
+use codec::error::{Error, Result};
+use codec::monitor::Monitor;
 
 /// Share of the budget that the statistics may take. The points get the rest.
 const SHARE: f64 = 1.0 / 3.0;
@@ -68,7 +68,7 @@ pub fn measure(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::Silent;
+    use codec::monitor::Silent;
 
     #[test]
     fn what_will_be_late_is_stopped_after_its_first_step() {

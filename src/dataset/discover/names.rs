@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::dataset::manifest::is_probe_name;
-use crate::error::{Error, Result};
-use crate::image::Face;
+use codec::error::{Error, Result};
+use codec::image::Face;
 
 /// Name of the probe if there is only one.
 const ONLY_PROBE: &str = "00";

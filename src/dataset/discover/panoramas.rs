@@ -1,6 +1,6 @@
 //! Detects panoramas with two eyes in one image, from the shape of the image and the similarity of its halves.
 
-use crate::image::{Plane, StereoLayout};
+use codec::image::{Plane, StereoLayout};
 
 /// Min concordance (Lin 1989) of the pictures of two eyes, 1 for equal pictures. The halves of other images show sky and ground,
 /// or different walls.

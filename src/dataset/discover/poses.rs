@@ -7,8 +7,9 @@ use glam::{DMat3, DMat4, DQuat, DVec3};
 
 use super::sequences::Found;
 use crate::dataset::manifest::{Pose, Probe};
-use crate::error::Result;
-use crate::image::{Face, FrameRange, ReadLimits, exr};
+use crate::image_files::exr;
+use codec::error::Result;
+use codec::image::{Face, FrameRange, ReadLimits};
 
 /// Returns the pose of a probe, or the poses if it moves, in a [`Probe`] without a name; `None` if the files state none.
 pub fn of(files: &Found, face: Face, frames: [u32; 2], limits: &ReadLimits) -> Result<Option<Probe>> {

@@ -4,11 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use crate::dataset::manifest::MaterialChannels;
-use crate::error::{Error, Result};
-use crate::image::channels::{find_color, find_depth, find_named};
-use crate::image::exr::FileHeader;
-use crate::image::sequence::split_number;
-use crate::image::{ChannelSelect, Pattern, ReadLimits, StreamKind, exr, png};
+use crate::image_files::exr::FileHeader;
+use crate::image_files::{exr, png};
+use codec::error::{Error, Result};
+use codec::image::channels::{find_color, find_depth, find_named};
+use codec::image::sequence::split_number;
+use codec::image::{ChannelSelect, Pattern, ReadLimits, StreamKind};
 
 /// Names of the parts or views of stereo files.
 pub const EYES: [&str; 2] = ["left", "right"];

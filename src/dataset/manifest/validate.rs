@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::{
     Background, MANIFEST_VERSION, MAX_SIDE, Manifest, Probe, Unit, check_intrinsics, file_pattern, pose_fault,
 };
-use crate::error::{Error, Result};
-use crate::image::layout::eye_size;
-use crate::image::{DepthKind, Face, Projection, StreamKind};
+use codec::error::{Error, Result};
+use codec::image::layout::eye_size;
+use codec::image::{DepthKind, Face, Projection, StreamKind};
 
 impl Manifest {
     pub fn validate(&self) -> Result<()> {

@@ -6,8 +6,8 @@
 use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4, Vec4Swizzles};
 use serde::Serialize;
 
-use crate::error::{Error, Result};
-use crate::math::{Camera, Lens};
+use codec::error::{Error, Result};
+use codec::math::{Camera, Lens};
 
 /// Min determinant of an invertible matrix that is scaled so that the largest entry of each column is 1.
 const MIN_DETERMINANT: f64 = 1e-10;
@@ -79,7 +79,7 @@ enum Sight {
 struct Pencil {
     centre: DVec3,
     /// The direction of the ray at clip coordinates (x, y) is this matrix times (x, y, 1). The largest entry of its last column
-    /// is 1, so that directions on cube faces are bit-identical to [`crate::image::Face::direction`].
+    /// is 1, so that directions on cube faces are bit-identical to [`codec::image::Face::direction`].
     steps: DMat3,
     /// A point on the ray is centre + step · unit / w, where w belongs to its unprojected clip coordinates and is the reciprocal
     /// of its clip w, positive in front of the camera.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value};
 
-use crate::error::{Error, Result, escaped};
+use codec::error::{Error, Result, escaped};
 
 /// Max characters of an unknown key in a note.
 const KEY_CHARACTERS: usize = 60;

@@ -11,7 +11,7 @@ use super::camera::{CameraMatrices, DepthType, SeuratCamera};
 use super::json::{Node, Notes};
 use super::view::{Channel, ImageFile, SeuratView};
 use crate::dataset::manifest::{MANIFEST_NAME, MAX_SIDE, read_text};
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Channel names that denote a constant value.
 const CONSTANTS: [(&str, f32); 2] = [("CONSTANT_ZERO", 0.0), ("CONSTANT_ONE", 1.0)];

@@ -8,10 +8,11 @@ use half::f16;
 
 use super::camera::SeuratCamera;
 use crate::dataset::pixels::pixel;
-use crate::error::{Error, Result};
-use crate::image::transfer::srgb16;
-use crate::image::{Plane, ReadLimits, exr, png};
-use crate::math::Camera;
+use crate::image_files::{exr, png};
+use codec::error::{Error, Result};
+use codec::image::transfer::srgb16;
+use codec::image::{Plane, ReadLimits};
+use codec::math::Camera;
 
 /// Channel names of PNG files.
 const PNG_CHANNELS: [&str; 4] = ["R", "G", "B", "A"];

@@ -10,10 +10,11 @@ use crate::dataset::manifest::{
 use crate::dataset::missing::FrameFiles;
 use crate::dataset::normals::NormalFiles;
 use crate::dataset::pixels::{DepthRules, FARTHEST_M};
-use crate::error::{Error, Result};
-use crate::image::equirect::{FaceMap, check_face_size};
-use crate::image::layout::face_size;
-use crate::image::{DepthKind, Face, FaceLayout, FolderNames, FrameRange, Primaries, Projection, StreamKind, exr, png};
+use crate::image_files::{exr, png};
+use codec::error::{Error, Result};
+use codec::image::equirect::{FaceMap, check_face_size};
+use codec::image::layout::face_size;
+use codec::image::{DepthKind, Face, FaceLayout, FolderNames, FrameRange, Primaries, Projection, StreamKind};
 
 const DEFAULT_FPS: f64 = 24.0;
 
@@ -157,7 +158,7 @@ impl Source {
         }
     }
 
-    /// Opens a single sequence: `spec` is a pattern, a folder or a file ([`crate::image::Sequence::find`]). The size is that of
+    /// Opens a single sequence: `spec` is a pattern, a folder or a file ([`codec::image::Sequence::find`]). The size is that of
     /// its first image.
     pub fn from_sequence(
         kind: StreamKind,

@@ -8,8 +8,8 @@ use crate::epipolar::counters::Counters;
 use crate::epipolar::drawing::{DrawnScene, PixelWindow};
 use crate::epipolar::source::SourceView;
 use crate::epipolar::views::OutputViews;
-use crate::error::Result;
-use crate::monitor::Monitor;
+use codec::error::Result;
+use codec::monitor::Monitor;
 
 /// Source views of a scene that are acquired in bands: their positions and their columns.
 pub struct SourceBands<'a> {

@@ -15,7 +15,7 @@ use crate::epipolar::erosion::eroded_percent;
 use crate::epipolar::interpolate::hole_percent;
 use crate::epipolar::source::SourceView;
 use crate::epipolar::views::OutputViews;
-use crate::error::Result;
+use codec::error::Result;
 
 /// Number of equal parts of the interval between two sources. The positions between the parts are searched for the most holes
 /// (Epipolar 7.5).

@@ -12,9 +12,9 @@ use crate::epipolar::drawing::{DrawnScene, MAX_DRAWN, PixelHits, PixelWindow};
 use crate::epipolar::source::{SourceRow, SourceView};
 use crate::epipolar::views::OutputViews;
 use crate::epipolar::visibility::Reach;
-use crate::error::Result;
-use crate::monitor::Monitor;
 use crate::scene::capture::{PixelTracer, Viewpoint};
+use codec::error::Result;
+use codec::monitor::Monitor;
 
 /// Inputs of the acquisition of source views.
 #[derive(Clone, Copy)]

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use glam::{DMat3, DMat4, DVec3};
 
-use crate::error::{Error, Result};
 use crate::evaluate::TimedCamera;
 use crate::evaluate::camera_path::MAX_PATH_FRAMES;
+use codec::error::{Error, Result};
 
 /// A camera in a file.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,10 +10,7 @@ use serde_json::{Value, json};
 
 use super::document::{Content, FileCamera, WriteSettings, Written, axes_of, check_count, of_camera};
 use super::poses::{Track, poses, tracks};
-use crate::error::{Error, Result};
 use crate::evaluate::TimedCamera;
-use crate::image::FrameRange;
-use crate::math::Camera;
 use crate::mesh::budget::Budget;
 use crate::mesh::folder::Folder;
 use crate::mesh::gltf::buffers::Buffers;
@@ -21,6 +18,9 @@ use crate::mesh::gltf::document::{self, Parsed};
 use crate::mesh::gltf::nodes::{Local, Nodes};
 use crate::mesh::gltf::write::binary_file;
 use crate::scene::model::animation::{Animation, Channel};
+use codec::error::{Error, Result};
+use codec::image::FrameRange;
+use codec::math::Camera;
 
 /// Tolerance between the time of a key and a frame, in frames.
 const NEAR_FRAME: f64 = 1e-3;

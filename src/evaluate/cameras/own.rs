@@ -8,8 +8,8 @@ use serde_json::Value;
 use super::document::{Content, FileCamera, WriteSettings, Written};
 use super::probes;
 use crate::dataset::CameraSet;
-use crate::error::{Error, Result};
 use crate::evaluate::camera_file::{CameraEntry, CameraFile, MAX_CAMERA_FILE_BYTES};
+use codec::error::{Error, Result};
 
 /// Returns true for a manifest and for a file of probes to capture.
 pub fn has_probes(document: &Value) -> bool {

@@ -9,13 +9,13 @@ use glam::{DQuat, DVec3};
 
 use super::document::FileCamera;
 use crate::dataset::CameraSet;
-use crate::error::{Error, Result};
 use crate::evaluate::TimedCamera;
 use crate::evaluate::camera_file::camera_of;
 use crate::evaluate::reference::{Reference, ReferenceImage};
-use crate::image::{Face, FrameRange};
-use crate::math::camera::rotation;
-use crate::math::{Camera, Lens};
+use codec::error::{Error, Result};
+use codec::image::{Face, FrameRange};
+use codec::math::camera::rotation;
+use codec::math::{Camera, Lens};
 
 /// Returns the cameras of a container or dataset, by probe and then by face. They have frames only if frames differ between
 /// cameras or a probe moves.

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::*;
 use crate::evaluate::TimedCamera;
-use crate::image::FrameRange;
-use crate::math::{Camera, Lens};
+use codec::image::FrameRange;
+use codec::math::{Camera, Lens};
 
 const SETTINGS: WriteSettings = WriteSettings { size: (720, None), fps: 24.0 };
 

@@ -10,10 +10,10 @@ use serde_json::{Map, Value, json};
 
 use super::document::{Content, FileCamera, WriteSettings, Written, axes_of, matrix_of, of_camera};
 use super::poses::{picture_names, poses};
-use crate::error::{Error, Result};
 use crate::evaluate::TimedCamera;
-use crate::image::FrameRange;
-use crate::math::Camera;
+use codec::error::{Error, Result};
+use codec::image::FrameRange;
+use codec::math::Camera;
 
 /// Lens parameters of all frames, or of one frame.
 #[derive(Debug, Clone, Default, Deserialize)]

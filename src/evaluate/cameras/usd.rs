@@ -12,10 +12,10 @@ use glam::{DMat4, DQuat, DVec3};
 use super::document::{Content, FileCamera, WriteSettings, Written, axes_of, check_count, matrix_of, of_camera};
 use super::poses::{Track, poses, tracks};
 use super::usda::{Prim, Value, parse};
-use crate::error::{Error, Result};
 use crate::evaluate::TimedCamera;
-use crate::image::FrameRange;
-use crate::math::Camera;
+use codec::error::{Error, Result};
+use codec::image::FrameRange;
+use codec::math::Camera;
 
 /// Defaults for values that a file does not state.
 const METRES_PER_UNIT: f64 = 0.01;

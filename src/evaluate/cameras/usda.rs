@@ -1,6 +1,6 @@
 //! Parser of USD text files: prims with their attributes and time samples. References, payloads and variants are skipped.
 
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Maximum nesting depth of prims and lists.
 const MAX_DEEP: u32 = 64;

@@ -2,13 +2,13 @@
 
 use half::f16;
 
-use crate::decode::{Picture, StreamInfo, UnitFilter};
-use crate::error::Result;
 use crate::gpu::GpuDecoder;
 use crate::gpu::family::PixelWords;
 use crate::gpu::pictures::{leave_out, unpack_bytes, unpack_codes, unpack_halves};
-use crate::image::{Plane, StreamKind};
-use crate::streams::convert::alpha_byte;
+use codec::decode::{Picture, StreamInfo, UnitFilter};
+use codec::error::Result;
+use codec::image::{Plane, StreamKind};
+use codec::streams::convert::alpha_byte;
 
 impl GpuDecoder<'_> {
     pub fn read(&mut self) -> Result<Vec<Picture>> {

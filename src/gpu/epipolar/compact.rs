@@ -1,12 +1,12 @@
 //! Compaction on a device (Epipolar 3.3.2): reads back only the pixels of a layer that show a triangle.
 
 use crate::epipolar::compact::ActivePixel;
-use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::drawing::{Band, copy_rows};
 use crate::gpu::harness::dispatch;
 use crate::gpu::kernels;
 use crate::gpu::layout::{PixelRows, words_of};
+use codec::error::Result;
 
 /// Bytes per texel: the triangle number plus 1, and its depth.
 const TEXEL_BYTES: usize = 8;

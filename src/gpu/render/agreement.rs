@@ -1,11 +1,12 @@
 //! Differences between pictures rendered on a device and on the CPU, and their tolerances.
 
-use crate::error::Result;
 use crate::evaluate::RenderedImage;
 use crate::evaluate::similarity::difference;
-use crate::image::ToneMap;
 use crate::march::Rendered;
-use crate::metrics::{SquaredError, ssim_rgb8};
+use crate::metrics::ssim_rgb8;
+use codec::error::Result;
+use codec::image::ToneMap;
+use codec::metrics::SquaredError;
 
 /// Tolerance of a pixel's channels, in 8-bit codes.
 pub const CODES: u8 = 2;
@@ -77,8 +78,8 @@ impl Agreement {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::plane::Plane;
     use crate::march::counters::Counters;
+    use codec::image::plane::Plane;
 
     fn picture() -> Rendered {
         let color = Plane::from_fn(64, 64, |x, y| [x as f32 / 64.0, y as f32 / 64.0, 0.5]);

@@ -7,16 +7,16 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::harness::groups;
 use crate::gpu::kernels::Kernel;
 use crate::gpu::layout::{DepthJob, NONE, PyramidJob, Unit, Words, list_of};
 use crate::gpu::render::scene::NO_BOUND;
-use crate::image::{DepthKind, Face};
 use crate::march::DepthPyramid;
-use crate::streams::DepthHeader;
 use crate::views::{DepthPart, FaceTexels, InverseDepth, NewFace, Rect, UNKNOWN, bounds};
+use codec::error::Result;
+use codec::image::{DepthKind, Face};
+use codec::streams::DepthHeader;
 
 /// Row alignment in words, required for copies into textures.
 pub const ROW_WORDS: u32 = 64;

@@ -4,18 +4,18 @@
 
 use glam::DVec3;
 
-use crate::decode::Decoder;
-use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::render::backend::{GpuBackend, can_decode};
 use crate::gpu::render::scene::ImageId;
 use crate::gpu::render::{GpuRenderer, RenderCost};
-use crate::image::StreamKind;
 use crate::march::{ActiveViews, PictureOptions, Pyramids, Rendered, Renderer, SpecularMode, Stage};
-use crate::math::Camera;
-use crate::monitor::Monitor;
-use crate::streams::CodecHeader;
 use crate::views::{Change, ColorCoding, TexelBackend};
+use codec::decode::Decoder;
+use codec::error::Result;
+use codec::image::StreamKind;
+use codec::math::Camera;
+use codec::monitor::Monitor;
+use codec::streams::CodecHeader;
 
 pub struct DeviceRenderer<'a> {
     pub options: PictureOptions,

@@ -4,10 +4,10 @@ use std::mem::offset_of;
 
 use crate::evaluate::{BackgroundFill, HoleFill};
 use crate::gpu::layout::{Face, Scene, View};
-use crate::image::Transfer;
 use crate::march::{Acceleration, ActiveViews, DepthPyramid, MAX_BOUNCES, Proxies, Refinements, RenderSettings};
-use crate::math::{Camera, Window};
 use crate::views::{ColorCoding, FaceTexels};
+use codec::image::Transfer;
+use codec::math::{Camera, Window};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ImageId {
@@ -212,8 +212,8 @@ mod tests {
     use crate::march::specular::normal;
     use crate::march::specular::secondary_rays;
     use crate::march::specular::solid;
-    use crate::streams::convert::IOR_RANGE;
     use crate::views::light_field::{BACKGROUND, UNKNOWN};
+    use codec::streams::convert::IOR_RANGE;
 
     fn renders(kernel: &&&Kernel) -> bool {
         kernel.entry == "render"
@@ -222,7 +222,7 @@ mod tests {
     /// Constants that both the shaders and the CPU define.
     fn twins() -> Vec<(&'static str, f64)> {
         let numbers = [
-            ("VIEW_FACE", crate::image::cube::Face::View as u32),
+            ("VIEW_FACE", codec::image::cube::Face::View as u32),
             ("NO_FACE", NO_FACE),
             ("CODING_LIGHT", CODING_LIGHT),
             ("CODING_SRGB", CODING_SRGB),

@@ -8,14 +8,14 @@ use std::collections::{HashMap, HashSet};
 use half::slice::HalfFloatSliceExt;
 
 use crate::atlas::{Allocation, Atlas, TextureLimits, TileGrid};
-use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::render::backend::GpuBackend;
 use crate::gpu::render::depth_planes::{TexelWords, above};
 use crate::gpu::render::scene::{ImageId, Origin};
-use crate::image::StreamKind;
 use crate::march::{ActiveViews, DepthPyramid, Level};
 use crate::views::{ColorCoding, ColorTexels, FaceTexels, Rect, bounds, overlap};
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
 
 /// Maximum number of stale rectangles that are sent individually; above it the whole image is sent.
 const MAX_RECTANGLES: usize = 64;

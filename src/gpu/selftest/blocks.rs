@@ -1,11 +1,11 @@
 //! Inputs of the block-decoding kernels: random bits in every mode, and blocks from the encoders.
 
-use crate::block::{Bc1, Bc4, Bc5, Bc6h, Bc7, BlockEncoder, bc1, bc4, bc5, bc6h, bc7};
-use crate::effort::Effort;
 use crate::gpu::harness::Case;
 use crate::gpu::pictures::{pack_bytes, pack_halves};
 use crate::gpu::prepare::words_from;
-use crate::math::random::Random;
+use codec::block::{Bc1, Bc4, Bc5, Bc6h, Bc7, BlockEncoder, bc1, bc4, bc5, bc6h, bc7};
+use codec::effort::Effort;
+use codec::math::random::Random;
 
 /// Number of random blocks per mode.
 const EACH: usize = 2000;

@@ -1,15 +1,15 @@
 //! Inputs of the box-decoding kernels: adjacent columns that share words, units of odd sizes, whole and constant records, block
 //! tiles.
 
-use crate::depth::block_tiles::{Layout, tiles_of};
-use crate::depth::record_table::builder::TableBuilder;
-use crate::depth::{PixelBox, TemporalChunk, Texel};
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{BoxRow, Record, Unit};
 use crate::gpu::pictures::{pack_bytes, pack_codes};
 use crate::gpu::prepare::{self, Prepared};
 use crate::gpu::selftest::gathered::Gathered;
-use crate::math::random::Random;
+use codec::depth::block_tiles::{Layout, tiles_of};
+use codec::depth::record_table::builder::TableBuilder;
+use codec::depth::{PixelBox, TemporalChunk, Texel};
+use codec::math::random::Random;
 
 /// A pixel type that boxes store.
 pub trait BoxTexel: Texel {

@@ -1,14 +1,14 @@
 //! Inputs of the colour kernels: every pair of bytes at every weight, edge cases of half floats, odd offsets, block-compressed
 //! keyframes.
 
-use crate::color::cells::builder::CellBuilder;
-use crate::color::{CellChunk, CellFormat, HalfKey, KeyframeBlocks, Sample};
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{Job, Record, Unit};
 use crate::gpu::pictures::{pack_bytes, pack_halves};
 use crate::gpu::prepare::{self, Prepared};
 use crate::gpu::selftest::gathered::Gathered;
-use crate::math::random::Random;
+use codec::color::cells::builder::CellBuilder;
+use codec::color::{CellChunk, CellFormat, HalfKey, KeyframeBlocks, Sample};
+use codec::math::random::Random;
 
 pub trait CellSample: Sample {
     /// Returns a random value, often an edge case.

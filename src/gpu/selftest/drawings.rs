@@ -5,16 +5,16 @@ use std::time::Instant;
 use glam::DVec3;
 
 use super::rooms::Builder;
-use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::harness::KernelReport;
 use crate::gpu::kernels::{self, Drawing};
 use crate::gpu::quads::GpuQuads;
 use crate::gpu::render::agreement::Agreement;
-use crate::math::{Camera, Lens};
-use crate::monitor::Silent;
 use crate::simplify::quad_mesh::QuadMesh;
 use crate::simplify::raster::{Compositing, DrawSettings, Drawn, draw_picture};
+use codec::error::Result;
+use codec::math::{Camera, Lens};
+use codec::monitor::Silent;
 
 /// Width of a picture in pixels.
 const SIZE: u32 = 96;

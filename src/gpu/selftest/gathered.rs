@@ -1,8 +1,8 @@
 //! Collects the units of one dispatch into the buffers of a decoding kernel.
 
-use crate::depth::domain::LOG2_TABLE;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{BoxRow, Job, Record, SCRATCH_WORDS, Unit, list_of, words_of};
+use codec::depth::domain::LOG2_TABLE;
 
 #[derive(Default)]
 pub struct Gathered {

@@ -9,14 +9,14 @@ use crate::epipolar::acquire::{AcquireSettings, acquire};
 use crate::epipolar::backend::{Backend, Cpu};
 use crate::epipolar::interpolate::{InterpolateSettings, Interpolator};
 use crate::epipolar::views::{OutputViews, Spread};
-use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::epipolar::GpuInterpolator;
 use crate::gpu::harness::KernelReport;
-use crate::math::{Camera, Lens};
-use crate::monitor::Silent;
 use crate::scene::capture::SamplePattern;
 use crate::scene::{Lamp, Light, Material, Object, Phong, Quad, SceneAtTime, Shape, Sky, Sphere, Texture, Window};
+use codec::error::Result;
+use codec::math::{Camera, Lens};
+use codec::monitor::Silent;
 
 const SIZE: [u32; 2] = [72, 40];
 /// Metres from the first view to the last.

@@ -1,15 +1,15 @@
 //! Inputs of the node kernel: all functions on all levels, in units of odd sizes, in all domains.
 
-use crate::depth::DomainParts;
-use crate::depth::domain::{Domain, DomainKind};
-use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of};
-use crate::depth::runtime::{LEVELS, Runtime};
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{Record, Unit};
 use crate::gpu::pictures::pack_codes;
 use crate::gpu::prepare::words_from;
 use crate::gpu::selftest::gathered::Gathered;
-use crate::math::random::Random;
+use codec::depth::DomainParts;
+use codec::depth::domain::{Domain, DomainKind};
+use codec::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of};
+use codec::depth::runtime::{LEVELS, Runtime};
+use codec::math::random::Random;
 
 fn push(all: &mut Gathered, grid: Grid, domain: &Domain, nodes: &[Node]) {
     let mut runtime = Runtime::new(grid);

@@ -4,24 +4,24 @@ use std::time::Instant;
 
 use glam::{DQuat, DVec3};
 
-use crate::container::ProbeEntry;
-use crate::error::{Error, Result};
 use crate::evaluate::{BackgroundFill, HoleFill};
 use crate::gpu::Gpu;
 use crate::gpu::harness::KernelReport;
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::render::GpuRenderer;
 use crate::gpu::render::agreement::Agreement;
-use crate::image::{DepthKind, Face, ImageProjection, ToneMap, Transfer};
 use crate::march::render::render;
 use crate::march::synthetic::set_alpha_of_blocks;
 use crate::march::{Acceleration, ActiveViews, PictureOptions, Refinements, RenderSettings, Rendered, SpecularMode};
-use crate::math::{Camera, Lens};
-use crate::monitor::Silent;
 use crate::scene::capture::{PassSettings, SamplePattern, Viewpoint, capture_view};
 use crate::scene::{DemoKind, DemoScene, Pass, SceneAtTime};
 use crate::views::from_images::{FaceImages, from_images};
 use crate::views::{ColorCoding, LightField, UNKNOWN, View};
+use codec::container::ProbeEntry;
+use codec::error::{Error, Result};
+use codec::image::{DepthKind, Face, ImageProjection, ToneMap, Transfer};
+use codec::math::{Camera, Lens};
+use codec::monitor::Silent;
 
 /// Width and height of a captured image in pixels.
 const FACE: u32 = 48;

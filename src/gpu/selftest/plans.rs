@@ -1,16 +1,16 @@
 //! Inputs of the planning kernels: all ways to reach a frame, tables of many lengths, and more items than a workgroup has
 //! invocations.
 
-use crate::color::cells::builder::CellBuilder;
-use crate::color::{CellChunk, CellFormat};
-use crate::depth::record_table;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{
     Chunk, Dispatch, Item, Job, MAX_GROUPS, NONE, Record, State, Unit, WORKGROUP, list_of, words_of,
 };
 use crate::gpu::prepare::{self, Prepared};
 use crate::gpu::selftest::gathered::Gathered;
-use crate::math::random::Random;
+use codec::color::cells::builder::CellBuilder;
+use codec::color::{CellChunk, CellFormat};
+use codec::depth::record_table;
+use codec::math::random::Random;
 
 #[derive(Default)]
 pub(super) struct Planned {

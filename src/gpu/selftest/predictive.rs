@@ -1,18 +1,18 @@
 //! Random streams of predictive depth, with arbitrary codes or with levels. An encoder writes their chunks, because a random
 //! payload almost never ends together with its last frame.
 
-use crate::container::EncodedChunk;
-use crate::depth::BACKGROUND_CODE;
-use crate::depth::mode_decision::Decide;
-use crate::depth::predictive::encoder::PredictiveEncoder;
-use crate::depth::predictive::levels::MAX_LEVELS;
-use crate::depth::predictive::projection::{Projection, Shape};
-use crate::depth::predictive::tables::Tables;
-use crate::depth::predictive::{Levels, PredictiveHeader, UnitArea};
-use crate::effort::Effort;
-use crate::error::Result;
 use crate::gpu::selftest::boxes::random_picture;
-use crate::math::random::Random;
+use codec::container::EncodedChunk;
+use codec::depth::BACKGROUND_CODE;
+use codec::depth::mode_decision::Decide;
+use codec::depth::predictive::encoder::PredictiveEncoder;
+use codec::depth::predictive::levels::MAX_LEVELS;
+use codec::depth::predictive::projection::{Projection, Shape};
+use codec::depth::predictive::tables::Tables;
+use codec::depth::predictive::{Levels, PredictiveHeader, UnitArea};
+use codec::effort::Effort;
+use codec::error::Result;
+use codec::math::random::Random;
 
 /// Returns a random header for pixels of any projection except a square cube face.
 pub fn random_header(random: &mut Random) -> Result<PredictiveHeader> {
@@ -79,7 +79,7 @@ fn number_of(header: &PredictiveHeader, value: u16) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::depth::predictive::PredictiveChunk;
+    use codec::depth::predictive::PredictiveChunk;
 
     #[test]
     fn headers_have_levels_or_none_and_their_chunks_decode() {

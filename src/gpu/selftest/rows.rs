@@ -4,7 +4,7 @@ use crate::epipolar::compact::{compact, counts};
 use crate::epipolar::erosion::{edges, eroded};
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{PixelRows, words_of};
-use crate::math::random::Random;
+use codec::math::random::Random;
 
 const WORKGROUP: u32 = 256;
 /// Widths and heights: one, odd, and around the size of a workgroup; the last one is timed.

@@ -15,7 +15,6 @@ use crate::epipolar::lines::Line;
 use crate::epipolar::slice::{Slice, Winner};
 use crate::epipolar::source::{Light, SourcePixel, SourceRow, SourceView};
 use crate::epipolar::views::{OutputViews, Spread};
-use crate::error::Result;
 use crate::gpu::epipolar::GpuInterpolator;
 use crate::gpu::epipolar::block::{LineWords, covered, places};
 use crate::gpu::harness::Case;
@@ -24,9 +23,10 @@ use crate::gpu::layout::{
     WINNER_BEFORE, WINNER_OWN, words_of,
 };
 use crate::gpu::render::agreement::Agreement;
-use crate::math::random::Random;
-use crate::math::{Camera, Lens};
-use crate::monitor::Silent;
+use codec::error::Result;
+use codec::math::random::Random;
+use codec::math::{Camera, Lens};
+use codec::monitor::Silent;
 
 /// Output views and their sources.
 #[derive(Debug, Clone)]

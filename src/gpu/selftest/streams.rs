@@ -3,23 +3,6 @@
 //! Most payloads are random rather than encoded, so they contain what the format allows but no footage needs. Some payloads of
 //! the intermediate form, and all predictive depth, come from encoders.
 
-use crate::color::cells::builder::CellBuilder;
-use crate::color::transform::payload::CELLS;
-use crate::color::transform::{Keyed, Tables};
-use crate::color::{CellFormat, ChunkFormat};
-use crate::container::{
-    ChunkKey, Compression, EncodedChunk, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer,
-};
-use crate::decode::{Decoder, FaceDecoder, StreamInfo};
-use crate::depth::block_chunk::picture_bytes;
-use crate::depth::block_tiles::Layout;
-use crate::depth::domain::{Domain, DomainKind};
-use crate::depth::node_encoder::NodeSettings;
-use crate::depth::nodes::Grid;
-use crate::depth::record_table::builder::TableBuilder;
-use crate::depth::tree_chunk::encoder::TreeEncoder;
-use crate::depth::{DepthRange, DomainParts, TemporalSettings, storage};
-use crate::error::Result;
 use crate::gpu::decode::UnitFrame;
 use crate::gpu::family::Family;
 use crate::gpu::kernels::{self, Kernel};
@@ -31,10 +14,27 @@ use crate::gpu::selftest::predictive;
 use crate::gpu::selftest::transform::{any_payload, random_tables};
 use crate::gpu::verify::Verification;
 use crate::gpu::{Gpu, GpuDecoder};
-use crate::image::{DepthKind, ToneMap, Transfer};
-use crate::math::random::Random;
-use crate::monitor::Monitor;
-use crate::streams::{
+use codec::color::cells::builder::CellBuilder;
+use codec::color::transform::payload::CELLS;
+use codec::color::transform::{Keyed, Tables};
+use codec::color::{CellFormat, ChunkFormat};
+use codec::container::{
+    ChunkKey, Compression, EncodedChunk, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer,
+};
+use codec::decode::{Decoder, FaceDecoder, StreamInfo};
+use codec::depth::block_chunk::picture_bytes;
+use codec::depth::block_tiles::Layout;
+use codec::depth::domain::{Domain, DomainKind};
+use codec::depth::node_encoder::NodeSettings;
+use codec::depth::nodes::Grid;
+use codec::depth::record_table::builder::TableBuilder;
+use codec::depth::tree_chunk::encoder::TreeEncoder;
+use codec::depth::{DepthRange, DomainParts, TemporalSettings, storage};
+use codec::error::Result;
+use codec::image::{DepthKind, ToneMap, Transfer};
+use codec::math::random::Random;
+use codec::monitor::Monitor;
+use codec::streams::{
     AlphaHeader, CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCoding, DepthHeader,
     MaterialHeader, NodeHeader,
 };

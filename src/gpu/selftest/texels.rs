@@ -1,14 +1,14 @@
 //! Inputs of the kernels that write texels: tiles of all sizes and positions, both kinds of depth, images of one texel and of
 //! odd sizes.
 
-use crate::depth::DepthRange;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{DepthJob, NONE, PyramidJob, list_of};
 use crate::gpu::pictures::{code_stride, pack_codes};
-use crate::image::{DepthKind, TexelMap, ToneMap};
 use crate::march::{DepthPyramid, Level};
-use crate::math::random::Random;
 use crate::views::{BACKGROUND, ColorCoding, FaceTexels, InverseDepth, UNKNOWN};
+use codec::depth::DepthRange;
+use codec::image::{DepthKind, TexelMap, ToneMap};
+use codec::math::random::Random;
 
 /// Returns a random code; one of three is near, far or background, or adjacent to them.
 fn code(random: &mut Random) -> u16 {

@@ -3,23 +3,23 @@
 
 use std::sync::Arc;
 
-use crate::color::quality::{EightBit, Pu21, Quality};
-use crate::color::transform::authored::{ANY, PALETTES, USUAL, WHOLE, random_payload};
-use crate::color::transform::domain::ChromaSlopes;
-use crate::color::transform::encode::{PricedTables, TransformEncoder};
-use crate::color::transform::payload::Header;
-use crate::color::transform::steps::{OFFSET_SETS, StepIndices};
-use crate::color::transform::{Keyed, Tables, TransformChunk};
-use crate::color::{CellFormat, HalfKey, SearchSettings, Target};
-use crate::entropy::{Counts, TableSet};
-use crate::error::Result;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{BoxRow, Job, Record, Unit};
 use crate::gpu::prepare::{self, Prepared};
 use crate::gpu::selftest::cells::CellSample;
 use crate::gpu::selftest::gathered::Gathered;
 use crate::gpu::transform_tables::TransformTables;
-use crate::math::random::Random;
+use codec::color::quality::{EightBit, Pu21, Quality};
+use codec::color::transform::authored::{ANY, PALETTES, USUAL, WHOLE, random_payload};
+use codec::color::transform::domain::ChromaSlopes;
+use codec::color::transform::encode::{PricedTables, TransformEncoder};
+use codec::color::transform::payload::Header;
+use codec::color::transform::steps::{OFFSET_SETS, StepIndices};
+use codec::color::transform::{Keyed, Tables, TransformChunk};
+use codec::color::{CellFormat, HalfKey, SearchSettings, Target};
+use codec::entropy::{Counts, TableSet};
+use codec::error::Result;
+use codec::math::random::Random;
 
 /// Returns a random legal payload, which an encoder would not write.
 pub fn any_payload<S: Keyed>(size: [usize; 2], frames: u32, tables: &Tables, random: &mut Random) -> Result<Vec<u8>> {

@@ -10,17 +10,17 @@ use super::rooms::Builder;
 use crate::epipolar::brute_force;
 use crate::epipolar::drawing::{DrawnScene, MAX_DRAWN, PixelWindow};
 use crate::epipolar::views::{OutputViews, Spread};
-use crate::error::Result;
 use crate::evaluate::RenderedImage;
 use crate::gpu::Gpu;
 use crate::gpu::harness::KernelReport;
 use crate::gpu::render::agreement::Agreement;
 use crate::gpu::triangles::GpuTriangles;
-use crate::math::{Camera, Lens};
 use crate::mesh::{ImageTexture, Material, Mesh, Wrap};
-use crate::monitor::Silent;
 use crate::scene::capture::{PixelTracer, SamplePattern};
 use crate::scene::{DemoKind, DemoScene, Light, MeshMaterial, SceneAtTime, SceneMesh};
+use codec::error::Result;
+use codec::math::{Camera, Lens};
+use codec::monitor::Silent;
 
 const SIZE: [u32; 2] = [121, 90];
 

@@ -6,12 +6,12 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::error::Result;
 use crate::evaluate::{HoleFill, RenderedImage};
-use crate::image::DepthPlane;
 use crate::march::{ActiveViews, Counters, RayResult, Rendered, background, surface};
-use crate::math::Camera;
-use crate::monitor::Monitor;
+use codec::error::Result;
+use codec::image::DepthPlane;
+use codec::math::Camera;
+use codec::monitor::Monitor;
 
 /// Renders with true distances in metres; `+inf` marks a pixel without a surface. Secondary rays, supersampling, and the near and
 /// far planes of the camera are not supported, because the ground truth does not include them. The monitor advances by one per

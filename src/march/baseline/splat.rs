@@ -7,13 +7,13 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::error::Result;
 use crate::evaluate::{BackgroundFill, HoleFill, RenderedImage};
-use crate::image::Face;
 use crate::march::{ActiveView, ActiveViews, ClipPlanes, Counters, RenderSettings, Rendered, light_of};
-use crate::math::Camera;
-use crate::monitor::Monitor;
 use crate::views::{BACKGROUND, FaceTexels, UNKNOWN};
+use codec::error::Result;
+use codec::image::Face;
+use codec::math::Camera;
+use codec::monitor::Monitor;
 
 /// Minimum alpha of a texel that is drawn.
 const MIN_ALPHA: f32 = 0.5;
@@ -146,19 +146,19 @@ mod tests {
     use glam::DMat3;
 
     use super::*;
-    use crate::image::transfer::{ToneMap, Transfer};
     use crate::march::ray::Steps;
     use crate::march::settings::{Acceleration, Refinements, SpecularMode};
     use crate::march::synthetic::set_alpha;
-    use crate::math::Lens;
-    use crate::monitor::Silent;
     use crate::views::light_field::{ColorCoding, ColorTexels, LightField, View};
+    use codec::image::transfer::{ToneMap, Transfer};
+    use codec::math::Lens;
+    use codec::monitor::Silent;
 
     const CODING: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Linear, exposure_ev: 0.0 });
 
     /// A perspective view of three texels that looks along −Z with a horizontal field of view of 90 degrees.
     fn view(position: DVec3, inverse_depth: [f32; 3], gray: [u8; 3]) -> View {
-        let map = crate::image::TexelMap { scale: [1.5, 1.5], centre: [1.5, 0.5] };
+        let map = codec::image::TexelMap { scale: [1.5, 1.5], centre: [1.5, 0.5] };
         let mut face = FaceTexels::unknown([3, 1], map, CODING);
         face.inverse_depth = inverse_depth.to_vec();
         face.color = ColorTexels::Codes(gray.map(|code| [code, code, code, 0]).to_vec());

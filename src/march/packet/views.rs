@@ -6,11 +6,11 @@
 
 use glam::Vec4;
 
-use crate::image::{Face, TexelMap};
 use crate::march::packet::lanes::{ALL, Lanes, Points, either, lanes_of, number_of, to_whole};
 use crate::march::segments::{ROUNDING, SURELY_BELOW_ONE};
 use crate::march::{ActiveView, ActiveViews, Footprint, MIN_M, ViewPyramids};
 use crate::views::{ColorCoding, ColorTexels, FaceTexels, UNKNOWN};
+use codec::image::{Face, TexelMap};
 
 /// Maximum side of an image whose face is guessed, in texels: positions in it have an error far below one texel.
 const LONGEST_GUESSED: f32 = 65_536.0;
@@ -537,9 +537,9 @@ mod tests {
     use glam::{DQuat, DVec3, Vec3};
 
     use super::*;
-    use crate::image::transfer::ToneMap;
     use crate::march::synthetic::{SyntheticProbe, room};
     use crate::march::tests::field;
+    use codec::image::transfer::ToneMap;
 
     #[test]
     fn guesses_change_no_result() {

@@ -7,11 +7,8 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use crate::decode::{AllUnits, Decoder};
-use crate::error::{Error, Result};
 use crate::evaluate::frame_requests::FrameRequest;
 use crate::evaluate::{BackgroundFill, HoleFill};
-use crate::image::Primaries;
 use crate::march::aov::{AovKind, aovs};
 use crate::march::columns::render_columns;
 use crate::march::playback::pacing::{FramePacing, Pacing};
@@ -21,12 +18,15 @@ use crate::march::render::render;
 use crate::march::{
     Acceleration, ActiveViews, Counters, Pyramids, Refinements, RenderSettings, Rendered, SpecularMode, Steps,
 };
-use crate::math::Camera;
-use crate::memory::Budget;
-use crate::monitor::Monitor;
 use crate::views::player::{Player, ShowCounts, UnitRequest};
 use crate::views::visible_set::VisibleSets;
 use crate::views::{Change, CpuBackend, LightField, ProbeChoice, TexelBackend};
+use codec::decode::{AllUnits, Decoder};
+use codec::error::{Error, Result};
+use codec::image::Primaries;
+use codec::math::Camera;
+use codec::memory::Budget;
+use codec::monitor::Monitor;
 
 /// Units of the active views that are decoded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

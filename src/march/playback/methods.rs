@@ -2,13 +2,13 @@
 
 use std::collections::VecDeque;
 
-use crate::error::{Error, Result};
-use crate::image::DepthPlane;
 use crate::march::baseline::reproject::reproject;
 use crate::march::baseline::splat::splat;
 use crate::march::{ActiveViews, PictureOptions, Pyramids, Rendered, Renderer, Stage};
-use crate::math::Camera;
-use crate::monitor::Monitor;
+use codec::error::{Error, Result};
+use codec::image::DepthPlane;
+use codec::math::Camera;
+use codec::monitor::Monitor;
 
 /// Renders every texel as a point.
 #[derive(Debug, Clone, Default)]

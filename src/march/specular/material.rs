@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::march::ActiveViews;
 use crate::march::interpolate::surface_texels;
-use crate::streams::convert::IOR_RANGE;
+use codec::streams::convert::IOR_RANGE;
 
 /// A sum of weights up to this counts as 0: half a step of their 8-bit codes.
 pub const MIN_WEIGHT: f32 = 0.5 / 255.0;

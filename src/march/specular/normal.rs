@@ -7,9 +7,9 @@
 
 use glam::Vec3;
 
-use crate::image::Face;
 use crate::march::{ActiveView, ActiveViews, DEPTH_EPSILON};
 use crate::views::{BACKGROUND, FaceTexels, UNKNOWN};
+use codec::image::Face;
 
 /// Maximum difference of log depths at which a view sees a point.
 pub const SAME_SURFACE: f32 = 0.02;

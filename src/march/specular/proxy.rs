@@ -11,11 +11,11 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::error::Result;
 use crate::march::{ActiveView, ActiveViews, SpecularImage, Sphere, ViewPyramids};
-use crate::math::Camera;
-use crate::monitor::Monitor;
 use crate::views::{ColorCoding, View, has_specular_weight};
+use codec::error::Result;
+use codec::math::Camera;
+use codec::monitor::Monitor;
 
 /// Maximum distance between a proxy's surface and a point that belongs to the proxy, as a fraction of the radius.
 /// [`REACH_TEXELS`] is added.

@@ -142,10 +142,10 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::image::transfer::ToneMap;
     use crate::march::synthetic::SyntheticProbe;
     use crate::march::tests::field;
     use crate::views::light_field::{ColorCoding, LightField};
+    use codec::image::transfer::ToneMap;
 
     #[test]
     fn directions_bend_as_snell_has_it() {

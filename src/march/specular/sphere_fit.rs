@@ -10,12 +10,12 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::error::Result;
 use crate::march::specular::normal::SAME_PATCH;
 use crate::march::specular::proxy::{ProxyProvider, reach_m};
 use crate::march::{ActiveViews, Occupancy, Proxy, SpecularImage, Sphere, ViewPyramids};
-use crate::monitor::Monitor;
-use crate::streams::convert::IOR_RANGE;
+use codec::error::Result;
+use codec::monitor::Monitor;
+use codec::streams::convert::IOR_RANGE;
 
 use plane_extrapolation::Spread;
 
@@ -303,14 +303,14 @@ mod tests {
     use super::*;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    use crate::error::Error;
-    use crate::image::transfer::{ToneMap, Transfer};
     use crate::march::specular::proxy::{Proxies, has_specular_in_frustum, proxies_in_sight};
     use crate::march::synthetic::SyntheticProbe;
     use crate::march::tests::field;
-    use crate::math::{Camera, Lens};
-    use crate::monitor::Silent;
     use crate::views::light_field::{BACKGROUND, ColorCoding, LightField, View};
+    use codec::error::Error;
+    use codec::image::transfer::{ToneMap, Transfer};
+    use codec::math::{Camera, Lens};
+    use codec::monitor::Silent;
 
     const AWAY_M: f64 = 3.0;
     const RADIUS_M: f64 = 0.5;

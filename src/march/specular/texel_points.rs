@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use crate::image::Face;
 use crate::march::{ActiveView, ActiveViews};
 use crate::views::{BACKGROUND, FaceTexels, UNKNOWN};
+use codec::image::Face;
 
 #[derive(Debug, Clone, Copy)]
 pub struct SpecularImage<'a> {

@@ -7,9 +7,9 @@ use gltf::json::Root;
 use gltf::json::accessor::{Accessor, ComponentType};
 use gltf::json::validation::Checked;
 
-use crate::error::{Error, Result};
 use crate::mesh::budget::Budget;
 use crate::mesh::folder::{Folder, percent_decoded};
+use codec::error::{Error, Result};
 
 #[derive(Debug)]
 pub struct Buffers<'a> {

@@ -6,7 +6,7 @@ use gltf::{Document, json};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Extensions that a file may require.
 const KNOWN: &[&str] = &[

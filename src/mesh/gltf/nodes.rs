@@ -4,7 +4,7 @@ use glam::{DMat4, DQuat, DVec3};
 use gltf::Document;
 use gltf::scene::Transform;
 
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Transform to the parent: scale, then rotation, then translation.
 #[derive(Debug, Clone, Copy, PartialEq)]

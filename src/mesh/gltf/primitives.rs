@@ -6,7 +6,7 @@ use gltf::accessor::Dimensions;
 use gltf::mesh::Mode;
 
 use super::buffers::Buffers;
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Triangles in the space of their node. Lists of vertex attributes may be empty.
 #[derive(Debug, Default)]

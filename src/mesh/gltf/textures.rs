@@ -8,8 +8,8 @@ use gltf::texture::{Info, Texture, WrappingMode};
 
 use super::buffers::Buffers;
 use super::primitives::Coordinates;
-use crate::error::{Error, Result};
 use crate::mesh::texture::{ImageTexture, Wrap};
+use codec::error::{Error, Result};
 
 /// Textures read so far, `None` for images that cannot be read.
 #[derive(Debug, Default)]

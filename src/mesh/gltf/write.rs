@@ -9,10 +9,10 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 
-use crate::error::{Error, Result};
 use crate::mesh::material::Material;
 use crate::mesh::texture::{ImageTexture, Wrap};
 use crate::mesh::triangles::Mesh;
+use codec::error::{Error, Result};
 
 const FLOAT: u32 = 5126;
 const UNSIGNED_SHORT: u32 = 5123;

@@ -1,7 +1,7 @@
 use super::*;
 use crate::mesh::AxisBox;
-use crate::monitor::Silent;
 use crate::scene::{Light, Material, Object, Shape, Sphere, Texture};
+use codec::monitor::Silent;
 
 fn scene(shapes: &[Shape]) -> SceneAtTime {
     let paint = Material::diffuse(Texture::Solid(DVec3::ONE));

@@ -3,17 +3,17 @@
 
 use super::keyframes::{CellMark, draw_cells};
 use super::subject::{Subject, percent};
-use crate::color::quality::PU_STEPS;
 use crate::compare::{CellPsnr, Coding, ErrorMap, LargestError};
-use crate::error::Result;
-use crate::error::counted;
-use crate::image::StreamKind;
-use crate::image::plane::Plane;
 use crate::metrics::depth_error::PixelError;
 use crate::report::picture::raster::{HALF_SIDE, MAX_SIDE, Scale, hatch, render};
 use crate::report::picture::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use crate::report::plot::palette::{self, Rgb};
-use crate::streams::{CodecHeader, ColorFormat};
+use codec::color::quality::PU_STEPS;
+use codec::error::Result;
+use codec::error::counted;
+use codec::image::StreamKind;
+use codec::image::plane::Plane;
+use codec::streams::{CodecHeader, ColorFormat};
 
 pub(super) fn sheet(subject: &Subject<'_>, map: &ErrorMap, source: &str, frame: u32) -> Result<Sheet> {
     let size = subject.size();

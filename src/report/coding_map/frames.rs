@@ -3,18 +3,18 @@
 
 use super::subject::{Subject, What, percent};
 use super::tints;
-use crate::decode::Picture;
-use crate::depth::nodes::Function;
-use crate::depth::predictive::modes::BlockCoding;
-use crate::depth::quantise::{BACKGROUND_CODE, DepthRange};
-use crate::error::counted;
-use crate::image::StreamKind;
-use crate::image::plane::Plane;
 use crate::inspect::{CodingMap, Writing};
 use crate::report::picture::raster::{MAX_SIDE, Scale, filled, hatch, outline, render, unit_borders};
 use crate::report::picture::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use crate::report::plot::palette::{self, Rgb};
-use crate::streams::{CodecHeader, ColorBlocks, DepthCoding, DepthHeader, convert};
+use codec::decode::Picture;
+use codec::depth::nodes::Function;
+use codec::depth::predictive::modes::BlockCoding;
+use codec::depth::quantise::{BACKGROUND_CODE, DepthRange};
+use codec::error::counted;
+use codec::image::StreamKind;
+use codec::image::plane::Plane;
+use codec::streams::{CodecHeader, ColorBlocks, DepthCoding, DepthHeader, convert};
 
 pub(super) struct Shades {
     /// Grey level of each pixel, 0 (light) to 1 (dark). `None` for pixels without a surface.

@@ -2,11 +2,6 @@
 
 use super::frames::{Shades, key, sentence, tinted};
 use super::subject::{Subject, What};
-use crate::decode::Picture;
-use crate::error::Result;
-use crate::error::counted;
-use crate::image::plane::Plane;
-use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
 use crate::inspect::{CellCoding, CodingMap, Survey};
 use crate::report::picture::raster::{HALF_SIDE, Scale};
 use crate::report::picture::sheet::{Bar, Entry, Panel, Sheet, Swatch};
@@ -14,7 +9,12 @@ use crate::report::plot::drawing::{Anchor, Stroke, Text};
 use crate::report::plot::palette::{self, Rgb};
 use crate::report::plot::save::to_pixels;
 use crate::report::plot::{Drawing, Ink};
-use crate::streams::{CodecHeader, ColorFormat, ColorHeader, convert};
+use codec::decode::Picture;
+use codec::error::Result;
+use codec::error::counted;
+use codec::image::plane::Plane;
+use codec::image::transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
+use codec::streams::{CodecHeader, ColorFormat, ColorHeader, convert};
 
 pub(super) struct CellMark {
     pub rect: [u32; 4],

@@ -1,8 +1,8 @@
 //! The stream that a picture shows, and the texts about it that all pictures share.
 
-use crate::decode::StreamInfo;
-use crate::image::StreamKind;
 use crate::report::picture::raster::Scale;
+use codec::decode::StreamInfo;
+use codec::image::StreamKind;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum What {

@@ -1,9 +1,9 @@
 //! Tints of the coding modes of pixels.
 
-use crate::depth::nodes::Function;
-use crate::depth::predictive::modes::BlockCoding;
 use crate::inspect::Writing;
 use crate::report::plot::palette::{self, Rgb, mix};
+use codec::depth::nodes::Function;
+use codec::depth::predictive::modes::BlockCoding;
 
 pub fn tint(writing: Writing) -> Rgb {
     let ink = match writing {

@@ -2,12 +2,12 @@
 
 use super::raster::{self, Scale};
 use super::sheet::paste;
-use crate::error::Result;
-use crate::image::plane::Plane;
 use crate::report::plot::drawing::Text;
 use crate::report::plot::palette::{INK, PAPER, Rgb};
 use crate::report::plot::save::to_pixels;
 use crate::report::plot::{Drawing, Ink};
+use codec::error::Result;
+use codec::image::plane::Plane;
 
 const ROOM: u32 = 256;
 const MARGIN: u32 = 16;

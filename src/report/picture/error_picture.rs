@@ -2,9 +2,9 @@
 
 use super::raster::{self, HALF_SIDE, Scale};
 use super::sheet::{Bar, Panel, Sheet};
-use crate::error::Result;
-use crate::image::plane::Plane;
 use crate::report::plot::palette::{Rgb, heat};
+use codec::error::Result;
+use codec::image::plane::Plane;
 
 const MAX_CODES: u8 = 64;
 

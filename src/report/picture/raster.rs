@@ -1,8 +1,8 @@
 //! Drawing of images: scaling by integer factors, outlines and hatching.
 
-use crate::image::plane::Plane;
 use crate::inspect::Patch;
 use crate::report::plot::palette::{Rgb, contrast, hatched, outlined};
+use codec::image::plane::Plane;
 
 /// Maximum side of a drawn image in pixels, if a picture has one image.
 pub const MAX_SIDE: u32 = 2048;

@@ -2,13 +2,13 @@
 //! determines the size; nothing is clipped.
 
 use super::raster::is_hatched;
-use crate::error::Result;
-use crate::image::plane::Plane;
 use crate::report::plot::drawing::{Anchor, Stroke, Text};
 use crate::report::plot::font::{self, Weight};
 use crate::report::plot::palette::{INK, PAPER, Rgb, SOFT_INK, contrast, hatched};
 use crate::report::plot::save::to_pixels;
 use crate::report::plot::{Drawing, Ink};
+use codec::error::Result;
+use codec::image::plane::Plane;
 
 const MARGIN: u32 = 24;
 const GAP: u32 = 40;

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use ab_glyph::{Font, FontRef, Glyph, PxScale, point};
 
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 /// Font families for viewers of SVG files, in order of preference. Verdana has almost the same widths as DejaVu Sans.
 pub const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";

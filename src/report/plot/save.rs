@@ -11,10 +11,10 @@ use plotters::style::{Color, FontDesc, FontFamily, FontStyle, FontTransform, RGB
 
 use super::drawing::{Anchor, Direction, Drawing, Ink, Shape, Spot, Stroke, Text};
 use super::font::{self, Weight};
-use crate::error::{Error, Result};
 use crate::files::write_whole;
-use crate::image::plane::Plane;
-use crate::image::png;
+use crate::image_files::png;
+use codec::error::{Error, Result};
+use codec::image::plane::Plane;
 
 /// PNG pixels per pixel of a chart's drawing, in each direction.
 const CHART_DENSITY: u32 = 2;
@@ -215,7 +215,7 @@ fn color(ink: Ink) -> RGBAColor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::limits::ReadLimits;
+    use codec::image::limits::ReadLimits;
 
     fn specimen() -> Drawing {
         let mut drawing = Drawing::new(320, 160, "a <specimen> & more");

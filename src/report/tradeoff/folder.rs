@@ -8,8 +8,8 @@ use serde_json::Value;
 
 use super::kind::SweepKind;
 use super::page::PAGE;
-use crate::error::{Error, Result};
 use crate::files::{DiskFile, WorkFolder, create_folders, open_locked, remove_file};
+use codec::error::{Error, Result};
 
 const LOCK: &str = ".tradeoff.lock";
 const PICTURES: &[&str] = &["svg", "png", "html"];

@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use std::ffi::OsString;
 
 use super::knob::Knob;
-use crate::image::StreamKind;
 use crate::report::timing::{Spread, median, spread};
+use codec::image::StreamKind;
 
 #[derive(Debug)]
 pub struct SweepKind {

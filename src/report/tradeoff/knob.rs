@@ -1,6 +1,6 @@
 //! Knobs: options that trade quality, bytes or time, under their command-line names.
 
-use crate::image::StreamKind;
+use codec::image::StreamKind;
 
 /// Command that a knob is an option of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -10,11 +10,11 @@ use super::kind::{Measured, words};
 use super::score::Scored;
 use super::study::{Axis, Results};
 use super::table::{self, PointTable};
-use crate::error::{Result, counted};
 use crate::files::write_whole;
 use crate::report::plot::number;
 use crate::report::plot::save::{self, escape};
 use crate::report::timing::runs_in_words;
+use codec::error::{Result, counted};
 
 /// File name of the page.
 pub const PAGE: &str = "index.html";
@@ -255,10 +255,10 @@ fn foot(page: &mut String, results: &Results) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::StreamKind;
     use crate::report::tradeoff::coding;
     use crate::report::tradeoff::kind::Value;
     use crate::report::tradeoff::tests::sample;
+    use codec::image::StreamKind;
 
     /// Content of the page of a coding sweep besides the points.
     fn extras(results: &Results) -> Extras {

@@ -12,8 +12,8 @@ use super::kind::{
 };
 use super::knob::{Knob, Stage};
 use super::runner::{CommandBench, Lines, Report, shell_line};
-use crate::error::Result;
 use crate::report::timing::median;
+use codec::error::Result;
 
 pub static PLACEMENT: SweepKind = SweepKind {
     stem: "placement",
@@ -149,12 +149,12 @@ mod tests {
     use std::cell::RefCell;
 
     use super::*;
-    use crate::error::Error;
-    use crate::monitor::Silent;
     use crate::report::tradeoff::plan::{Sweep, grid};
     use crate::report::tradeoff::runner::{Commands, Runner};
     use crate::report::tradeoff::schedule::{Extent, Lab, measure};
     use crate::report::tradeoff::store::Store;
+    use codec::error::Error;
+    use codec::monitor::Silent;
 
     /// Returns reports like those of `place`, at most `answers` times, and records the command lines.
     struct Told {

@@ -10,8 +10,8 @@ use super::placement::PLACEMENT;
 use super::rendering::RENDERING;
 use super::simplification::SIMPLIFICATION;
 use super::study::{Axis, Study};
-use crate::error::{Error, Result};
-use crate::image::StreamKind;
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
 
 /// All kinds of sweeps. A knob shared by several kinds is described by the first.
 pub const KINDS: [&SweepKind; 5] = [&CODING, &PLACEMENT, &RENDERING, &SIMPLIFICATION, &INTERPOLATION];

@@ -11,8 +11,8 @@ use super::kind::{
 };
 use super::knob::{Knob, Stage};
 use super::runner::{CommandBench, Lines, Report};
-use crate::error::Result;
 use crate::report::timing::median;
+use codec::error::Result;
 
 pub static RENDERING: SweepKind = SweepKind {
     stem: "rendering",
@@ -147,11 +147,11 @@ mod tests {
     use std::cell::RefCell;
 
     use super::*;
-    use crate::monitor::Silent;
     use crate::report::tradeoff::plan::{Sweep, grid};
     use crate::report::tradeoff::runner::{Commands, Runner};
     use crate::report::tradeoff::schedule::{Extent, Lab, measure};
     use crate::report::tradeoff::store::Store;
+    use codec::monitor::Silent;
 
     /// Returns reports like those of `encode` and `render`, and records the command lines.
     struct Told(RefCell<Vec<String>>);

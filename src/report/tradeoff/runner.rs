@@ -12,8 +12,8 @@ use serde_json::Value;
 use super::findings::Finding;
 use super::kind::{Measured, Point, SweepKind};
 use super::study::{ExampleCommand, Results};
-use crate::error::{Error, Result};
 use crate::json;
+use codec::error::{Error, Result};
 
 /// Runs command lines of this program. Implemented by the command line.
 pub trait Runner {

@@ -3,7 +3,7 @@
 use super::kind::{Measured, Setting};
 use super::knob;
 use super::study::Results;
-use crate::image::StreamKind;
+use codec::image::StreamKind;
 
 /// Points that have all settings but one in common.
 #[derive(Debug, Clone)]

@@ -13,8 +13,8 @@ use super::kind::Point;
 use super::runner::{Bench, Cost, Runner, Survey};
 use super::store::{Store, StoredPoint};
 use super::study::{Axis, Study, all_points};
-use crate::error::{Error, Result};
-use crate::monitor::Monitor;
+use codec::error::{Error, Result};
+use codec::monitor::Monitor;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {

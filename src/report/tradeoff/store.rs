@@ -9,10 +9,10 @@ use std::str::FromStr;
 use serde_json::json;
 
 use super::kind::{Measure, Measured, Point, Source, SweepKind, Value};
-use crate::error::{Error, Result};
 use crate::files::write_whole;
-use crate::image::StreamKind;
 use crate::report::csv::of_records;
+use codec::error::{Error, Result};
+use codec::image::StreamKind;
 
 const BETWEEN: &str = ";";
 

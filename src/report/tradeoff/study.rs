@@ -5,7 +5,7 @@ use serde_json::{Map, json};
 
 use super::kind::{Measured, Point, Setting, SweepKind};
 use super::knob;
-use crate::image::StreamKind;
+use codec::image::StreamKind;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Axis {

@@ -2,9 +2,9 @@
 
 use super::kind::{Format, Measure, Measured};
 use super::study::Results;
-use crate::image::StreamKind;
 use crate::report::Table;
 use crate::report::plot::number;
+use codec::image::StreamKind;
 
 /// Table of points, with columns for the knobs and measures that any of them has.
 pub struct PointTable<'a> {

@@ -6,9 +6,9 @@ use glam::{DQuat, DVec3};
 use half::f16;
 
 use super::samples::SamplePattern;
-use crate::image::ImageProjection;
 use crate::mesh::{AxisBox, Ray};
 use crate::scene::{Hit, SceneAtTime};
+use codec::image::ImageProjection;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewpoint {

@@ -14,10 +14,11 @@ use crate::dataset::cameras::CameraSet;
 use crate::dataset::manifest::{
     ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, MaterialInfo, Probe,
 };
-use crate::error::{Error, Result};
 use crate::fingerprint::digest;
-use crate::image::{ColorSpace, DepthKind, Face, FrameRange, ImageProjection, Pattern, Projection, StreamKind};
-use crate::math::camera::rotation;
+use crate::image_files::ColorSpace;
+use codec::error::{Error, Result};
+use codec::image::{DepthKind, Face, FrameRange, ImageProjection, Pattern, Projection, StreamKind};
+use codec::math::camera::rotation;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct CapturePlan {

@@ -3,7 +3,7 @@
 //! They are the same in every pixel and frame, so static pixels are bit-identical. A square number of samples forms a regular
 //! grid; any other number uses Hammersley points: `k/N` across, the bit-reversed `k` down.
 
-use crate::error::{Error, Result};
+use codec::error::{Error, Result};
 
 pub const MAX_SAMPLES: u32 = 4096;
 

@@ -2,10 +2,10 @@ use glam::DVec3;
 use half::f16;
 
 use super::*;
-use crate::error::{Error, Result};
-use crate::image::{ColorPlane, DepthKind, DepthPlane, Face, ImageProjection};
-use crate::monitor::Silent;
 use crate::scene::{DemoKind, DemoScene, SceneAtTime, trace};
+use codec::error::{Error, Result};
+use codec::image::{ColorPlane, DepthKind, DepthPlane, Face, ImageProjection};
+use codec::monitor::Silent;
 
 /// Captures a face of the cube map at a position, with [`COLOR_SAMPLES`] samples. Depth is the distance in metres along the ray
 /// through the pixel's centre, `+inf` for the background.

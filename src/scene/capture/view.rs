@@ -8,11 +8,11 @@ use rayon::prelude::*;
 
 use super::pixels::{PixelTracer, Viewpoint, halves};
 use super::samples::SamplePattern;
-use crate::error::{Error, Result};
-use crate::image::DepthKind;
-use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
-use crate::monitor::Monitor;
 use crate::scene::{Hit, OPAQUE, SceneAtTime};
+use codec::error::{Error, Result};
+use codec::image::DepthKind;
+use codec::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
+use codec::monitor::Monitor;
 
 /// Maximum width and height of an image: a face of 16,384² pixels takes 2.5 GiB for colour and depth.
 pub const MAX_FACE_SIZE: u32 = 16_384;
@@ -211,9 +211,9 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::image::{Face, ImageProjection};
-    use crate::monitor::Silent;
     use crate::scene::{DemoKind, DemoScene, trace};
+    use codec::image::{Face, ImageProjection};
+    use codec::monitor::Silent;
 
     fn settings<'a>(passes: &'a [Pass], samples: &'a SamplePattern) -> PassSettings<'a> {
         PassSettings { passes, samples, depth: DepthKind::Distance, far_m: f64::INFINITY }
@@ -225,7 +225,7 @@ mod tests {
     fn every_window_sees_what_single_rays_see() {
         let scene = DemoScene::new(DemoKind::Courtyard).at(1.3);
         let samples = SamplePattern::new(1).unwrap();
-        let turn = crate::math::camera::rotation(TURN);
+        let turn = codec::math::camera::rotation(TURN);
         let projections = [
             ImageProjection::cube_face(Face::Ny, 37),
             ImageProjection::Equirect { size: [70, 35] },

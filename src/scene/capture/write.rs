@@ -7,12 +7,13 @@ use super::plan::{CapturePlan, FrameRequest};
 use super::samples::SamplePattern;
 use super::view::{Images, Pass, PassSettings, capture_view};
 use crate::dataset::manifest::{MANIFEST_NAME, MaterialChannels, NORMAL_CHANNELS};
-use crate::error::{Error, Result};
 use crate::files::{FileFolder, FolderKind, OutputFolder};
-use crate::image::{ChannelSelect, DepthPlane, Plane, ReadLimits, exr};
-use crate::monitor::Monitor;
-use crate::ordered::try_map_at_once;
+use crate::image_files::exr;
 use crate::scene::{Scene, SceneAtTime};
+use codec::error::{Error, Result};
+use codec::image::{ChannelSelect, DepthPlane, Plane, ReadLimits};
+use codec::monitor::Monitor;
+use codec::ordered::try_map_at_once;
 
 /// Folder of an unfinished capture.
 pub const UNFINISHED: FolderKind = FolderKind { suffix: ".capture.partial", state: ".capture.json" };
@@ -255,10 +256,10 @@ mod tests {
     use super::*;
     use crate::dataset::cameras::{CameraSet, PlacedCamera};
     use crate::files::{Kept, PartialFolder};
-    use crate::image::FrameRange;
-    use crate::image::{DepthKind, Projection};
-    use crate::monitor::Silent;
     use crate::scene::{DemoKind, DemoScene};
+    use codec::image::FrameRange;
+    use codec::image::{DepthKind, Projection};
+    use codec::monitor::Silent;
 
     fn plan() -> CapturePlan {
         CapturePlan {

@@ -6,9 +6,9 @@ use gltf::json;
 use gltf::json::animation::{Interpolation, Property};
 use gltf::json::validation::Checked;
 
-use crate::error::{Error, Result};
 use crate::mesh::gltf::buffers::Buffers;
 use crate::mesh::gltf::nodes::{Pose, quaternion};
+use codec::error::{Error, Result};
 
 #[derive(Debug, Clone)]
 pub struct Curve {

@@ -2,10 +2,10 @@
 
 use glam::{DMat3, DMat4, DVec3};
 
-use crate::error::{Error, Result};
 use crate::mesh::assembly::Winding;
 use crate::mesh::gltf::buffers::Buffers;
 use crate::mesh::gltf::primitives::{Geometry, Influences};
+use codec::error::{Error, Result};
 
 #[derive(Debug)]
 pub struct Skin {

@@ -9,7 +9,6 @@ use super::lights;
 use super::materials::shaded;
 use super::options::{Play, printable};
 use super::stage::{Instance, Stage};
-use crate::error::{Error, Result};
 use crate::mesh::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
 use crate::mesh::folder::Folder;
 use crate::mesh::gltf::buffers::Buffers;
@@ -17,6 +16,7 @@ use crate::mesh::gltf::document::{self, Parsed};
 use crate::mesh::gltf::materials::{self, Paint};
 use crate::mesh::gltf::nodes::Nodes;
 use crate::mesh::gltf::primitives::{self, Geometry};
+use codec::error::{Error, Result};
 
 #[derive(Debug)]
 pub struct Read {

@@ -11,9 +11,9 @@ pub use self::options::Play;
 use self::options::printable;
 use self::stage::{Stage, Which};
 use super::{Light, SceneAtTime, SceneMesh};
-use crate::error::{Error, Result};
 use crate::mesh::gltf::document;
 use crate::mesh::{Mesh, folder};
+use codec::error::{Error, Result};
 
 pub(crate) mod animation;
 mod deform;

@@ -10,12 +10,12 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
-use crate::error::Result;
 use crate::mesh::budget::Budget;
 use crate::mesh::folder::Folder;
 use crate::mesh::gltf::materials::unit;
 use crate::mesh::{ImageTexture, Material, Wrap};
 use crate::scene::mesh::{MeshMaterial, Optics, Phong};
+use codec::error::Result;
 
 /// Alpha cutoff.
 const CUTOFF: f64 = 0.5;

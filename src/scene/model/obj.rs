@@ -11,11 +11,11 @@ use std::path::Path;
 use glam::{DVec3, Vec2};
 
 use super::mtl;
-use crate::error::{Error, Result};
 use crate::mesh::assembly::{Assembly, Channels, Part, Winding};
 use crate::mesh::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
 use crate::mesh::folder::Folder;
 use crate::scene::{MeshMaterial, SceneMesh};
+use codec::error::{Error, Result};
 
 /// Maximum bytes that the parser allocates per byte of text.
 const PARSED: u64 = 32;

@@ -119,9 +119,9 @@ mod tests {
 
     use super::super::{DemoKind, DemoScene};
     use super::*;
-    use crate::image::{DepthPlane, Face};
     use crate::mesh::AxisBox;
     use crate::scene::{capture_face, trace};
+    use codec::image::{DepthPlane, Face};
 
     const TIMES: [f64; 5] = [0.0, 0.7, 1.5, 2.9, 3.95];
 

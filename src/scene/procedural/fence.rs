@@ -94,8 +94,8 @@ fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
 #[cfg(test)]
 mod tests {
     use super::super::{DemoKind, DemoScene};
-    use crate::image::{DepthPlane, Face};
     use crate::scene::capture_face;
+    use codec::image::{DepthPlane, Face};
 
     fn depth(face: Face, size: u32) -> DepthPlane {
         let scene = DemoScene::new(DemoKind::Fence);

@@ -6,11 +6,11 @@ use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
 use super::scene::Scene;
-use crate::error::Result;
 use crate::mesh::Material;
 use crate::mesh::gltf::write::{self, Additions};
 use crate::simplify::cost::TextureCoordinates;
 use crate::simplify::quad_mesh::QuadMesh;
+use codec::error::Result;
 
 /// glTF has no homogeneous texture coordinates, so they are an application-specific attribute. TEXCOORD_0 is written, too,
 /// because the Khronos validator reports a textured primitive without it.

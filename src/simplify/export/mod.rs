@@ -11,8 +11,9 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use crate::dataset::manifest::NORMAL_CHANNELS;
-use crate::error::{Error, Result};
-use crate::image::{Plane, exr};
+use crate::image_files::exr;
+use codec::error::{Error, Result};
+use codec::image::Plane;
 
 pub use scene::Scene;
 pub use textures::Ktx2Output;
@@ -146,7 +147,7 @@ fn file_name(path: &Path) -> Result<&str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effort::Effort;
+    use codec::effort::Effort;
 
     #[test]
     fn names_tell_the_format() {

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use super::texels::Texels;
 use super::{Compositing, DrawSettings, ROWS_A_JOB, Raster};
-use crate::math::Camera;
 use crate::simplify::quad_mesh::QuadMesh;
+use codec::math::Camera;
 
 /// Centre of a pixel.
 const MIDDLE: [f64; 2] = [0.5; 2];

@@ -2,8 +2,8 @@
 
 use glam::Vec4;
 
-use crate::error::Result;
 use crate::evaluate::RenderedImage;
+use codec::error::Result;
 
 /// Pixels of a picture, and counts of triangles.
 #[derive(Debug, Clone, PartialEq)]

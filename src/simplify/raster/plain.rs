@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use super::drawn::Drawn;
 use super::texels::{Texels, texture_coordinates};
-use crate::math::Camera;
 use crate::simplify::quad_mesh::QuadMesh;
+use codec::math::Camera;
 
 /// Number of rows that one job draws.
 const ROWS_A_JOB: u32 = 16;

@@ -3,9 +3,9 @@
 use glam::Vec4;
 use half::f16;
 
-use crate::image::Transfer;
 use crate::mesh::ImageTexture;
 use crate::simplify::quad_mesh::QuadMesh;
+use codec::image::Transfer;
 
 /// An atlas, and the linear RGB of its codes.
 pub struct Texels<'a> {

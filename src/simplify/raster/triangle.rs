@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::math::Camera;
+use codec::math::Camera;
 
 /// Maximum error of a corner by rounding, in rows.
 const ROUNDING_ROWS: f64 = 0.0625;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lightfold::error::Result;
+use codec::error::Result;
 use lightfold::evaluate::cameras::{self, CameraFormat, Content, FileCamera, WriteSettings};
 use tempfile::TempDir;
 

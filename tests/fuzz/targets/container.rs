@@ -2,19 +2,19 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use lightfold::container::{Compression, OpenLimits, Reader, lzma2, lzma2_independent, zstd, zstd_independent};
-use lightfold::decode::{self, AllUnits, Decoder, FaceDecoder, OnDamage, Picture, Request, StreamFrames, StreamInfo};
-use lightfold::depth::mode_decision::Decide;
-use lightfold::effort::Effort;
+use codec::container::{Compression, OpenLimits, Reader, lzma2, lzma2_independent, zstd, zstd_independent};
+use codec::decode::{self, AllUnits, Decoder, FaceDecoder, OnDamage, Picture, Request, StreamFrames, StreamInfo};
+use codec::depth::mode_decision::Decide;
+use codec::effort::Effort;
+use codec::error::{Error, Result};
+use codec::image::FrameRange;
+use codec::memory::Budget;
+use codec::monitor::Silent;
+use codec::streams::CodecHeader;
+use codec::streams::shard::{FootageDigests, SHARD, ShardEntry};
 use lightfold::encode::ErrorBound;
-use lightfold::error::{Error, Result};
-use lightfold::image::FrameRange;
 use lightfold::inspect::{self, Check, FrameRows, InspectSettings, coding_map};
-use lightfold::memory::Budget;
-use lightfold::monitor::Silent;
 use lightfold::pack::{self, FlattenSettings, PackSettings, Repack};
-use lightfold::streams::CodecHeader;
-use lightfold::streams::shard::{FootageDigests, SHARD, ShardEntry};
 
 use super::{Judged, Verdict, judge, refused};
 use crate::ALLOCATED;

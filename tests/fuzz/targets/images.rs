@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use codec::image::{ChannelSelect, ReadLimits};
 use lightfold::dataset::seurat::SeuratCapture;
-use lightfold::image::{ChannelSelect, ColorSpace, ReadLimits, exr, png};
+use lightfold::image_files::{ColorSpace, exr, png};
 use lightfold::mesh::budget::Budget;
 use lightfold::mesh::{ImageTexture, Wrap};
 use tempfile::NamedTempFile;
@@ -51,7 +52,7 @@ pub fn run_exr(bytes: &[u8]) -> Judged {
             return Err("the size is another than that of the image".into());
         }
         let depth_again = exr::read_depth(path, &ChannelSelect::Auto, &limits);
-        let bits = |plane: &lightfold::image::DepthPlane| plane.data().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        let bits = |plane: &codec::image::DepthPlane| plane.data().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         if depth.as_ref().ok().map(bits) != depth_again.as_ref().ok().map(bits) {
             return Err("read twice, it is not the same".into());
         }

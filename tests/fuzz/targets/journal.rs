@@ -1,6 +1,6 @@
 //! What an unfinished encode has left: a journal, and the container that it speaks of.
 
-use lightfold::container::journal::recover;
+use codec::container::journal::recover;
 
 use super::{Judged, Verdict, refused};
 
@@ -23,9 +23,8 @@ pub fn run(bytes: &[u8]) -> Judged {
     else {
         return Err(format!("more is sound than there is: {found:?}"));
     };
-    let whole = |entry: &lightfold::container::ChunkEntry| {
-        entry.offset + u64::from(entry.stored_bytes) <= found.container_bytes
-    };
+    let whole =
+        |entry: &codec::container::ChunkEntry| entry.offset + u64::from(entry.stored_bytes) <= found.container_bytes;
     if !found.chunks.iter().all(|chunk| whole(&chunk.entry)) {
         return Err(format!("a chunk lies beyond what is sound: {found:?}"));
     }

@@ -1,9 +1,9 @@
 //! What is fuzzed: functions that take any bytes and say what became of them. The runner and the package of `cargo fuzz`
 //! call the same ones.
 
-use lightfold::color::transform::tables::Transform;
-use lightfold::depth::predictive::tables::Predictive;
-use lightfold::error::{Error, Result};
+use codec::color::transform::tables::Transform;
+use codec::depth::predictive::tables::Predictive;
+use codec::error::{Error, Result};
 
 pub mod cameras;
 pub mod container;

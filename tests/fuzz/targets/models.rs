@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use codec::math::{Camera, Lens};
 use glam::DVec3;
-use lightfold::math::{Camera, Lens};
 use lightfold::mesh::budget::Budget;
 use lightfold::scene::{Model, Play, SceneMesh};
 use lightfold::simplify::raster::draw;

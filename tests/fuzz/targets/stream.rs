@@ -1,9 +1,9 @@
 //! Streams of one codec: sizes, codec header and payloads are the input, the container around them is sound.
 
-use lightfold::container::{
+use codec::container::{
     ChunkKey, Compression, OpenLimits, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer,
 };
-use lightfold::decode::Decoder;
+use codec::decode::Decoder;
 
 use super::{Judged, container, refused};
 use crate::ALLOCATED;

@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use lightfold::container::Reader;
+use codec::container::Reader;
+use codec::decode::{Decoder, StreamFrames};
+use codec::entropy::{Model, table_text};
+use codec::image::StreamKind;
+use codec::image::{Face, FrameRange, Pattern, ReadLimits};
 use lightfold::dataset::seurat::{SeuratCapture, SeuratView};
 use lightfold::dataset::{Manifest, Source, SourceOptions};
-use lightfold::decode::{Decoder, StreamFrames};
 use lightfold::encode::ScanFile;
-use lightfold::entropy::{Model, table_text};
 use lightfold::evaluate::camera_file::CameraFile;
 use lightfold::evaluate::cameras::{self, Content};
-use lightfold::image::StreamKind;
-use lightfold::image::{Face, FrameRange, Pattern, ReadLimits};
 use lightfold::report::tradeoff::coding::CODING;
 use lightfold::report::tradeoff::store::Store;
 use lightfold::views::camera_units::CameraUnits;

@@ -1,10 +1,10 @@
 //! Payloads of the transform codec with the table sets of their stream (formats/color.md 6 and 7).
 
+use codec::color::HalfKey;
+use codec::color::transform::region::held_bytes;
+use codec::color::transform::{Keyed, Tables, TransformChunk};
+use codec::container::fields::Fields;
 use lightfold::Result;
-use lightfold::color::HalfKey;
-use lightfold::color::transform::region::held_bytes;
-use lightfold::color::transform::{Keyed, Tables, TransformChunk};
-use lightfold::container::fields::Fields;
 
 use super::stream::Front;
 use super::{Judged, Verdict, refused};

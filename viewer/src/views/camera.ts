@@ -1,4 +1,4 @@
-// Pinhole cameras in the world: right-handed, +Y up, metres. Mirrors src/math/camera.rs.
+// Pinhole cameras in the world: right-handed, +Y up, metres. Mirrors src/codec/math/camera.rs.
 
 import type { Vec3 } from "../format/types.ts";
 import type { Axes } from "../math.ts";

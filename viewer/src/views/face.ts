@@ -1,4 +1,4 @@
-// Images of probes: faces of cubes, and pinhole images. Mirrors src/image/cube.rs, projection.rs and texel_map.rs, and
+// Images of probes: faces of cubes, and pinhole images. Mirrors src/codec/image/cube.rs, projection.rs and texel_map.rs, and
 // src/views/face_frustum.rs (formats/container.md 4 and 5).
 
 import type { Probe, Vec3 } from "../format/types.ts";

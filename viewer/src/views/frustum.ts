@@ -1,4 +1,4 @@
-// Frusta, and whether a camera sees one. Mirrors src/math/frustum.rs, separation.rs and sight.rs (CALF 6.2), for frusta that end nowhere:
+// Frusta, and whether a camera sees one. Mirrors src/codec/math/frustum.rs, separation.rs and sight.rs (CALF 6.2), for frusta that end nowhere:
 // what can be seen of a unit begins at near, and has no far end.
 
 import type { Vec3 } from "../format/types.ts";

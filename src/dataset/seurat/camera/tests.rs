@@ -1,5 +1,5 @@
 use super::*;
-use crate::image::Face;
+use codec::image::Face;
 
 const SIZE: [u32; 2] = [5, 4];
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];

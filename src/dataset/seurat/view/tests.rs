@@ -6,7 +6,8 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use crate::dataset::seurat::{CaptureRay, SeuratCapture};
-use crate::image::{Plane, ReadLimits, exr, png};
+use crate::image_files::{exr, png};
+use codec::image::{Plane, ReadLimits};
 
 /// Projection with a field of view of 90° and an infinite far plane.
 const PERSPECTIVE: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, -0.2, 0.0, 0.0, -1.0, 0.0];

@@ -12,8 +12,6 @@ use half::f16;
 use rayon::prelude::*;
 
 use super::plane_extrapolation::{Edge, Plane, nearest_inverse, planes};
-use crate::error::Result;
-use crate::image::{Face, TexelMap};
 use crate::march::intersect::intersect;
 use crate::march::specular::proxy::NEAR_SURFACE;
 use crate::march::specular::solid::{Exit, refract};
@@ -21,8 +19,10 @@ use crate::march::{
     Acceleration, ActiveView, ActiveViews, Counters, HOLE_DIFFERENCE, Ray, SpecularImage, Sphere, Steps, StepsFrom,
     Taps, ViewPyramids, background_color, fresnel, intersect_from, patch, surface_color,
 };
-use crate::monitor::Monitor;
 use crate::views::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, View};
+use codec::error::Result;
+use codec::image::{Face, TexelMap};
+use codec::monitor::Monitor;
 
 /// Maximum width of a face, in texels.
 pub const MAX_TEXELS: u32 = 128;
@@ -282,7 +282,7 @@ fn coded(colors: &[Vec3], coding: ColorCoding) -> ColorTexels {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::Silent;
+    use codec::monitor::Silent;
 
     #[test]
     fn missing_texels_are_filled_from_around() {

@@ -5,8 +5,8 @@
 use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::error::Result;
-use crate::monitor::Monitor;
+use codec::error::Result;
+use codec::monitor::Monitor;
 
 /// Minimum fraction of the points that lie in a plane.
 pub const MIN_PART: f32 = 0.1;
@@ -110,7 +110,7 @@ pub fn nearest_inverse(planes: &[Plane], direction: Vec3) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::Silent;
+    use codec::monitor::Silent;
 
     /// Points of a room of 2 by 2 by 2 metres, and of a small ball.
     fn edges() -> Vec<Edge> {

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use super::commands::{self, Input, decoder_passes};
 use super::table::CODING;
-use crate::error::Result;
-use crate::image::StreamKind;
 use crate::report::tradeoff::kind::{Measured, Point, Value};
 use crate::report::tradeoff::runner::{Bench, Cost, Report, Runner, Survey, shell_line};
+use codec::error::Result;
+use codec::image::StreamKind;
 
 pub struct CodingBench<'a> {
     input: &'a Input,

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use super::table::CODING;
 use crate::encode::ColorBlockSettings;
-use crate::image::StreamKind;
 use crate::report::tradeoff::kind::{Point, Setting};
 use crate::report::tradeoff::knob::Stage;
-use crate::streams::ColorBlocks;
+use codec::image::StreamKind;
+use codec::streams::ColorBlocks;
 
 /// Target duration of decoding in one timed run of a point, in seconds. Short decodes vary most and are repeated more
 /// often.

@@ -1,13 +1,13 @@
 //! Findings of the papers, each tested on this footage by a stated rule.
 
 use super::runs::in_boxes;
-use crate::depth::tile_psnr::{BIN_DB, PsnrDistribution, TileModel, TilePsnr};
-use crate::image::StreamKind;
 use crate::report::plot::number::short;
 use crate::report::tradeoff::findings::{Finding, Judged, Test};
 use crate::report::tradeoff::kind::Measured;
 use crate::report::tradeoff::runs::{self, Run};
 use crate::report::tradeoff::study::Results;
+use codec::depth::tile_psnr::{BIN_DB, PsnrDistribution, TileModel, TilePsnr};
+use codec::image::StreamKind;
 
 const BAD_DB: usize = 60;
 /// PSNR in dB from which a tile counts as exact: GDC 6.4 says that BC4w hardly exceeds it.

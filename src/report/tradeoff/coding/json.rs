@@ -3,9 +3,9 @@
 use serde_json::{Map, Value, json};
 
 use super::recommend::Advice;
-use crate::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TileModel, TilePsnr};
 use crate::json::put;
 use crate::report::tradeoff::json::point;
+use codec::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TileModel, TilePsnr};
 
 pub fn advice(advice: &Advice<'_>) -> Value {
     json!({

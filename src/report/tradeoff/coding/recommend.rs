@@ -1,9 +1,9 @@
 //! Recommends a point: the smallest that meets all demands or, if only time and bytes are limited, the one closest to
 //! the source.
 
-use crate::image::StreamKind;
 use crate::report::tradeoff::kind::Measured;
 use crate::report::tradeoff::store::StoredPoint;
+use codec::image::StreamKind;
 
 /// Limits for a point. Each limit applies to the kinds of streams that have its measure.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -1,9 +1,9 @@
 //! Reference points of coding sweeps.
 
 use super::table::CODING;
-use crate::image::StreamKind;
 use crate::report::tradeoff::kind::{Measured, Point, Setting};
 use crate::report::tradeoff::study::Results;
+use codec::image::StreamKind;
 
 /// Returns the depth point coded in boxes, without modelling functions, whose other settings are `others`.
 pub fn in_boxes<'a>(results: &'a Results, others: &[Setting]) -> Option<&'a Measured> {

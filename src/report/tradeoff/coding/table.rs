@@ -2,12 +2,12 @@
 
 use StreamKind::{Color, Depth, Material};
 
-use crate::image::StreamKind;
 use crate::report::timing::{median, spread};
 use crate::report::tradeoff::kind::{
     Better, DECIBELS, Format, Measure, Measured, Panel, PanelLine, Scale, Source, SweepKind, Trade, TradeAxis,
 };
 use crate::report::tradeoff::knob::{ALL_STREAMS, Knob, Stage};
+use codec::image::StreamKind;
 
 pub static CODING: SweepKind = SweepKind {
     stem: "tradeoff",

@@ -3,7 +3,6 @@ use std::collections::BTreeSet;
 use proptest::prelude::*;
 
 use super::*;
-use crate::image::StreamKind;
 use crate::report::plot::Drawing;
 use crate::report::plot::drawing::{Anchor, Direction, Shape, Text};
 use crate::report::plot::font;
@@ -11,6 +10,7 @@ use crate::report::plot::save;
 use crate::report::tradeoff::coding;
 use crate::report::tradeoff::kind::{Measured, Point, Value};
 use crate::report::tradeoff::tests::sample;
+use codec::image::StreamKind;
 
 /// Returns left, top, right and bottom of the area that a text's capitals cover.
 fn bounds([x, y]: [f64; 2], text: &Text) -> [f64; 4] {

@@ -2,13 +2,13 @@
 //! labelled (CALF figure 9, GDC figure 5).
 
 use super::common::{Figure, Mark, axis_of, sheet, times};
-use crate::image::StreamKind;
 use crate::report::plot::chart::{Chart, Kind, Series};
 use crate::report::plot::marker::Look;
 use crate::report::tradeoff::kind::{Better, Measured, Trade, TradeAxis, words};
 use crate::report::tradeoff::knob;
 use crate::report::tradeoff::pareto;
 use crate::report::tradeoff::study::{Results, Study};
+use codec::image::StreamKind;
 
 const CHART: [u32; 2] = [980, 460];
 

@@ -16,8 +16,8 @@ use super::kind::{
 use super::knob::{Knob, Stage};
 use super::runner::{CommandBench, Lines, Report, shell_line, words_of};
 use super::study::Results;
-use crate::error::Result;
 use crate::report::timing::median;
+use codec::error::Result;
 
 pub static INTERPOLATION: SweepKind = SweepKind {
     stem: "interpolation",
@@ -205,13 +205,13 @@ mod tests {
     use std::cell::RefCell;
 
     use super::*;
-    use crate::monitor::Silent;
     use crate::report::tradeoff::findings::Verdict;
     use crate::report::tradeoff::plan::{Sweep, grid};
     use crate::report::tradeoff::runner::{Commands, Runner};
     use crate::report::tradeoff::schedule::{Extent, Lab, measure};
     use crate::report::tradeoff::store::Store;
     use crate::report::tradeoff::study::Weights;
+    use codec::monitor::Silent;
 
     /// Returns reports like those of `interpolate`: one second, and a hundredth of a second per view.
     struct Told(RefCell<Vec<String>>);

@@ -6,15 +6,15 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use super::*;
-use crate::error::Error;
-use crate::image::StreamKind;
-use crate::monitor::Silent;
 use crate::report::tradeoff::coding::CODING;
 use crate::report::tradeoff::coding::bench::CodingBench;
 use crate::report::tradeoff::coding::commands::{Form, Input};
 use crate::report::tradeoff::kind::Value as Stored;
 use crate::report::tradeoff::plan::{Request, Sweep, plan};
 use crate::report::tradeoff::runner::shell_line;
+use codec::error::Error;
+use codec::image::StreamKind;
+use codec::monitor::Silent;
 
 /// Runner without processes: records the command lines, advances a clock, and returns reports like those of the
 /// commands.

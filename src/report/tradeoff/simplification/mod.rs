@@ -16,9 +16,9 @@ use super::kind::{
 use super::knob::{Knob, Stage};
 use super::runner::{CommandBench, Lines, Report, shell_line, words_of};
 use super::study::Results;
-use crate::error::{Error, Result};
 use crate::report::timing::median;
 use crate::simplify::{selection, texture_sizes};
+use codec::error::{Error, Result};
 
 pub static SIMPLIFICATION: SweepKind = SweepKind {
     stem: "simplification",
@@ -203,11 +203,11 @@ mod tests {
     use std::cell::RefCell;
 
     use super::*;
-    use crate::monitor::Silent;
     use crate::report::tradeoff::plan::{Sweep, grid};
     use crate::report::tradeoff::runner::{Commands, Runner};
     use crate::report::tradeoff::schedule::{Extent, Lab, Schedule, measure};
     use crate::report::tradeoff::store::Store;
+    use codec::monitor::Silent;
 
     /// Returns reports like those of `simplify`, and records the command lines.
     struct Told {

@@ -1,13 +1,13 @@
 //! Points of the papers' studies, and tiles.
 
-use crate::depth::domain::Domain;
-use crate::depth::tile_psnr::TilePsnr;
-use crate::effort::Effort;
-use crate::image::StreamKind;
 use crate::report::tradeoff::coding::CODING;
 use crate::report::tradeoff::kind::{Measured, Point, Value};
 use crate::report::tradeoff::knob;
 use crate::report::tradeoff::study::{Axis, Results, Study, Weights, all_points};
+use codec::depth::domain::Domain;
+use codec::depth::tile_psnr::TilePsnr;
+use codec::effort::Effort;
+use codec::image::StreamKind;
 
 /// A depth point with the given settings, bytes and decoding time in seconds.
 pub fn measured(settings: &[(&'static str, &str)], bytes: u64, seconds: f64) -> Measured {

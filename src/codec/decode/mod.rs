@@ -1,0 +1,36 @@
+//! Decodes any (stream, unit, frame) of a container, reading only the chunks that it needs.
+//!
+//! Input: an open container. Output: pixels of a unit ([`UnitDecoder`]) or of an image ([`FaceDecoder`]), in slices of the caller
+//! ([`PixelsMut`]) or in files (`export` of the package `lightfold`).
+
+#![doc(hidden)]
+
+mod cell;
+mod chunk_source;
+mod damage;
+mod decoder;
+mod face;
+mod images;
+pub mod memory;
+mod pixels;
+mod selection;
+mod transform;
+mod unit;
+mod unit_filter;
+mod units;
+mod window;
+
+pub use crate::streams::StreamInfo;
+pub use chunk_source::DecodeCost;
+pub use damage::{DamagedChunk, FrameRanges, MissingImages, OnDamage};
+pub use decoder::Decoder;
+pub use face::{FaceDecoder, Picture};
+pub use images::{ImageSource, Images, OnCpu};
+pub use pixels::{PixelsMut, UnitPixels};
+pub use selection::{Request, Selection, StreamFrames};
+pub use unit::UnitDecoder;
+pub use unit_filter::{AllUnits, UnitFilter};
+pub use units::{
+    DecodeSummary, Decoded, DecodedPart, decode_units, decoded_pixel_bytes, jobs_at_once, least_bytes, stored_bytes,
+};
+pub use window::check_windows;

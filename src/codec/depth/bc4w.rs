@@ -1,0 +1,115 @@
+//! BC4w: 8×8 codes in 32 bytes (depth.md 8).
+//!
+//! Decodes 32 bytes into the codes of a block of level 1.
+//!
+//! Based on: GDC 3.3, figure 3, algorithm 1. A line divides the pixels into two sides. Each side has a palette of eight codes
+//! between two endpoints, as in BC4, and each pixel has an index into the palette of its side.
+
+#[cfg(feature = "encode")]
+pub mod bipartitions;
+#[cfg(feature = "encode")]
+mod bounded;
+#[cfg(feature = "encode")]
+mod fit;
+pub mod line;
+#[cfg(feature = "encode")]
+mod quick;
+#[cfg(feature = "encode")]
+pub mod search;
+#[cfg(feature = "encode")]
+mod sums;
+#[cfg(feature = "encode")]
+pub mod tile;
+
+use std::ops::RangeInclusive;
+
+use crate::depth::block::BlockMut;
+use crate::depth::quantise::BACKGROUND_CODE;
+
+use line::Line;
+
+pub const BYTES: usize = 32;
+/// Byte range that is all ones in the markers of other functions, and never in a BC4w block (depth.md 7).
+pub const MARKER_BYTES: RangeInclusive<usize> = 28..=31;
+pub const MAX_ENDPOINT: u16 = 8191;
+
+/// A block: 64 indices of 3 bits, four endpoints of 13 bits, a line of 12 bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bc4w([u8; BYTES]);
+
+/// Two endpoints of 13 bits; their order selects the mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pair {
+    pub e0: u16,
+    pub e1: u16,
+}
+
+impl Pair {
+    /// Expands a 13-bit endpoint to a 16-bit code: 0 to 0, 8191 to 65535.
+    pub const fn code(endpoint: u16) -> u16 {
+        endpoint << 3 | endpoint >> 10
+    }
+
+    /// Returns the codes of indices 0 to 7. With e0 > e1 all eight are evenly spaced; otherwise six are, index 6 is code 0, and
+    /// index 7 is the background.
+    pub fn palette(self) -> [u16; 8] {
+        let endpoints = [self.e0, self.e1];
+        if self.e0 > self.e1 { Pair::eight(endpoints) } else { Pair::six(endpoints) }
+    }
+
+    fn eight(endpoints: [u16; 2]) -> [u16; 8] {
+        let [d0, d1] = endpoints.map(|endpoint| u32::from(Pair::code(endpoint)));
+        let between = |i: u32| (((8 - i) * d0 + (i - 1) * d1 + 3) / 7) as u16;
+        [d0 as u16, d1 as u16, between(2), between(3), between(4), between(5), between(6), between(7)]
+    }
+
+    fn six(endpoints: [u16; 2]) -> [u16; 8] {
+        let [d0, d1] = endpoints.map(|endpoint| u32::from(Pair::code(endpoint)));
+        let between = |i: u32| (((6 - i) * d0 + (i - 1) * d1 + 2) / 5) as u16;
+        [d0 as u16, d1 as u16, between(2), between(3), between(4), between(5), 0, BACKGROUND_CODE]
+    }
+}
+
+impl Bc4w {
+    /// Returns the block of 32 bytes; `None` if the last four bytes are the marker of another function.
+    pub fn from_bytes(bytes: [u8; BYTES]) -> Option<Bc4w> {
+        (bytes[MARKER_BYTES] != [0xff; 4]).then_some(Bc4w(bytes))
+    }
+
+    pub fn as_bytes(&self) -> &[u8; BYTES] {
+        &self.0
+    }
+
+    fn tail(&self) -> u64 {
+        self.0[24..].iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte))
+    }
+
+    pub fn line(&self) -> Line {
+        Line::from_bits((self.tail() >> 52) as u16)
+    }
+
+    pub fn pairs(&self) -> [Pair; 2] {
+        let tail = self.tail();
+        let endpoint = |shift: u32| (tail >> shift) as u16 & MAX_ENDPOINT;
+        [Pair { e0: endpoint(0), e1: endpoint(13) }, Pair { e0: endpoint(26), e1: endpoint(39) }]
+    }
+
+    pub fn palettes(&self) -> [[u16; 8]; 2] {
+        self.pairs().map(Pair::palette)
+    }
+
+    pub fn decode(&self, target: &mut BlockMut<'_>) {
+        let [a, b] = self.palettes();
+        let mut codes = [0; 16];
+        codes[..8].copy_from_slice(&a);
+        codes[8..].copy_from_slice(&b);
+        let sides = self.line().side_b().to_le_bytes();
+        for ((row, indices), side) in target.rows_mut().zip(self.0.chunks_exact(3)).zip(sides) {
+            let indices = u32::from(indices[0]) | u32::from(indices[1]) << 8 | u32::from(indices[2]) << 16;
+            let side = u32::from(side) << 3;
+            for (x, code) in row.iter_mut().enumerate() {
+                *code = codes[(indices >> (3 * x) & 7 | side >> x & 8) as usize];
+            }
+        }
+    }
+}

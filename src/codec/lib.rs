@@ -1,0 +1,24 @@
+//! The codec of lightfold: containers, entropy coding, depth, colour, and the decoder of streams (`formats/`).
+//!
+//! The feature `encode` adds the encoders of payloads. Files of images, datasets and the program are in other crates.
+
+// Modules are documented where a name does not say it all; the public API is re-exported by `lightfold`.
+#![allow(missing_docs)]
+// Tests make their inputs as they like (`clippy.toml`).
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
+
+pub mod block;
+pub mod color;
+pub mod container;
+pub mod decode;
+pub mod depth;
+pub mod effort;
+pub mod entropy;
+pub mod error;
+pub mod image;
+pub mod math;
+pub mod memory;
+pub mod metrics;
+pub mod monitor;
+pub mod ordered;
+pub mod streams;
