@@ -1,6 +1,6 @@
-//! Tells the tests whether the measured footage and ffmpeg are at hand, so that those which need them say "ignored" where they are not;
-//! tells the encoder by a hash from which sources it is built; turns the kernel table into Rust; lists the player's files; and tells
-//! the linker of the C++ library that the encoder of blocks wants.
+//! Sets `cfg` flags for the measured footage, the Seurat data and ffmpeg, so that tests that need them are reported as ignored if
+//! they are missing; passes a hash of the encoder's sources to the crate; generates Rust from the kernel table; lists the files
+//! of the player; and links the C++ library that the block encoder needs.
 
 #![allow(clippy::disallowed_methods)]
 
@@ -11,16 +11,16 @@ use std::path::{Path, PathBuf};
 #[cfg(feature = "gpu")]
 use serde_json::Value;
 
-/// What an encoder is made of: two builds that agree in these write the same bytes.
+/// Files that determine an encoder's output: two builds with the same contents of these write the same bytes.
 const SOURCES: [&str; 2] = ["Cargo.lock", "src"];
 
-/// Files below a path, or the file that it is.
+/// Returns the files below a path, or the path itself if it is a file.
 fn files(path: &Path) -> Vec<PathBuf> {
     let Ok(entries) = fs::read_dir(path) else { return vec![path.to_path_buf()] };
     entries.flatten().flat_map(|entry| files(&entry.path())).collect()
 }
 
-/// A hash of names and contents. A file that cannot be read is as one that is not there.
+/// Hashes names and contents of the sources. Unreadable files are skipped, like missing ones.
 fn hash_of_sources(root: &Path) -> u64 {
     let mut hasher = DefaultHasher::new();
     let mut files: Vec<PathBuf> = SOURCES.iter().flat_map(|name| files(&root.join(name))).collect();
@@ -45,13 +45,13 @@ fn rows(value: &Value) -> &[Value] {
     value.as_array().unwrap_or_else(|| panic!("shaders/kernels.json: {value} is not an array"))
 }
 
-/// Name and type of a struct member or binding, written `name: type`.
+/// Splits a struct member or binding, written `name: type`, into name and type.
 #[cfg(feature = "gpu")]
 fn name_and_type(value: &Value) -> (&str, &str) {
     text(value).split_once(": ").unwrap_or_else(|| panic!("shaders/kernels.json: {value} is not 'name: type'"))
 }
 
-/// The structs and constants of the kernel table as the macros of `gpu/layout.rs` take them.
+/// Returns the structs and constants of the kernel table as input of the macros of `gpu/layout.rs`.
 #[cfg(feature = "gpu")]
 fn layout_source(table: &Value) -> String {
     let member = |value| {
@@ -76,7 +76,7 @@ fn layout_source(table: &Value) -> String {
     out + "}\n"
 }
 
-/// The files of a row, as elements of a list of `ShaderFile`.
+/// Returns the files of a row as elements of a list of `ShaderFile`.
 #[cfg(feature = "gpu")]
 fn file_source(row: &Value) -> String {
     let file = |path: &str| {
@@ -86,7 +86,7 @@ fn file_source(row: &Value) -> String {
     rows(&row["files"]).iter().map(text).map(file).collect()
 }
 
-/// The bindings of a row, as elements of a list of `Binding`.
+/// Returns the bindings of a row as elements of a list of `Binding`.
 #[cfg(feature = "gpu")]
 fn binding_source(row: &Value) -> String {
     let binding = |(name, kind): (&str, &str)| {
@@ -102,13 +102,13 @@ fn binding_source(row: &Value) -> String {
     rows(&row["bindings"]).iter().map(name_and_type).map(binding).collect()
 }
 
-/// Name of the static of a kernel or drawing.
+/// Returns the name of the static of a kernel or drawing.
 #[cfg(feature = "gpu")]
 fn constant_name(name: &str) -> String {
     name.to_uppercase().replace('-', "_")
 }
 
-/// The kernels of the kernel table as statics of `gpu/kernels.rs`, and `KERNELS`, which lists them.
+/// Returns the kernels of the kernel table as statics of `gpu/kernels.rs`, and `KERNELS`, which lists them.
 #[cfg(feature = "gpu")]
 fn kernel_source(table: &Value) -> String {
     let (mut out, mut names) = (String::new(), Vec::new());
@@ -129,7 +129,7 @@ fn kernel_source(table: &Value) -> String {
     out + &format!("/// All kernels.\npub static KERNELS: [&Kernel; {}] = [{}];\n", names.len(), names.join(", "))
 }
 
-/// The drawings of the kernel table as statics of `gpu/kernels.rs`, and `DRAWINGS`, which lists them.
+/// Returns the drawings of the kernel table as statics of `gpu/kernels.rs`, and `DRAWINGS`, which lists them.
 #[cfg(feature = "gpu")]
 fn drawing_source(table: &Value) -> String {
     let (mut out, mut names) = (String::new(), Vec::new());
@@ -170,11 +170,11 @@ fn write_kernel_table() -> std::io::Result<()> {
     fs::write(folder.join("layout.rs"), layout_source(&table))
 }
 
-/// Where the bundler of viewer/ writes the player.
+/// Folder to which the bundler of viewer/ writes the player.
 #[cfg(feature = "cli")]
 const PLAYER: &str = "viewer/dist";
 
-/// The files of the player as `FILES` of `serve/player.rs`.
+/// Writes the files of the player as `FILES` of `serve/player.rs`.
 #[cfg(feature = "cli")]
 fn write_player() -> std::io::Result<()> {
     println!("cargo::rerun-if-changed={PLAYER}");
@@ -224,9 +224,10 @@ fn main() {
             println!("cargo::rustc-cfg=seurat_at_hand");
         }
     }
-    // The kernels of `intel_tex_2` come with an object made from C++, which names `__gxx_personality_v0` and does not say
-    // where it is. The library is named by its file, which is there without the packages that compile C++; and as an
-    // argument, which stands behind all objects, where linkers that read once need it.
+    // The kernels of `intel_tex_2` include an object file compiled from C++, which references `__gxx_personality_v0`, but the
+    // crate does not link the library that defines it. The library is named by its file, which is installed even without the
+    // packages of a C++ compiler. It is passed as a linker argument, and so comes after all objects, as linkers that read each
+    // input once require.
     let target = |name| std::env::var(name).unwrap_or_default();
     if target("CARGO_CFG_TARGET_OS") == "linux" && target("CARGO_CFG_TARGET_ENV") == "gnu" {
         println!("cargo::rustc-link-arg=-l:libstdc++.so.6");

@@ -1,4 +1,4 @@
-//! Names the C++ library that the encoder of blocks wants, as the library's own `build.rs` does for its program.
+//! Links the C++ library that the block encoder needs, as `build.rs` of the library does for the program.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

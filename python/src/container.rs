@@ -14,7 +14,7 @@ use crate::stream::Stream;
 
 /// Opens a container; `path` is a string or a path.
 ///
-/// Raises `OSError` where the file cannot be read, and `Error` where its head or index is damaged.
+/// Raises `OSError` if the file cannot be read, and `Error` if its header or index is damaged.
 ///
 /// >>> film = lightfold.open("film.lfold")
 /// >>> film
@@ -28,7 +28,7 @@ pub fn open(py: Python<'_>, path: PathBuf) -> PyResult<Container> {
     Ok(Container { probes: probes.collect::<PyResult<_>>()?, streams: streams.collect::<PyResult<_>>()?, decoder })
 }
 
-/// An open container, from `open`.
+/// An open container, returned by `open`.
 #[pyclass(frozen, module = "lightfold")]
 #[derive(Debug)]
 pub struct Container {
@@ -51,7 +51,7 @@ impl Container {
         self.decoder.fps()
     }
 
-    /// All probes.
+    /// All probes, in the order of the container.
     ///
     /// >>> lightfold.open("film.lfold").probes
     /// [Probe('00', position=(0.0, 1.5, 0.0))]
@@ -60,7 +60,8 @@ impl Container {
         self.probes.iter().map(|probe| probe.clone_ref(py)).collect()
     }
 
-    /// All streams, the same objects each time. A stream that has decoded a frame holds it, for the next.
+    /// All streams; each access returns the same objects. A stream keeps the last frame that it decoded, from which it decodes
+    /// the next.
     ///
     /// >>> for stream in lightfold.open("film.lfold").streams[:2]:
     /// ...     print(stream.kind, stream.probe, stream.face, stream.size, stream.frames)
@@ -71,10 +72,10 @@ impl Container {
         self.streams.iter().map(|stream| stream.clone_ref(py)).collect()
     }
 
-    /// The stream of a kind ("color", "depth", "material" or "alpha"), probe (a name) and face ("px", "nx", "py", "ny", "pz", "nz" or
-    /// "view"). Probe and face may be left out where one stream fits without them.
+    /// Returns the stream of a kind ("color", "depth", "material" or "alpha"), probe (a name) and face ("px", "nx", "py", "ny",
+    /// "pz", "nz" or "view"). Probe and face may be omitted if only one stream matches.
     ///
-    /// Raises `KeyError` where no stream fits, or several do.
+    /// Raises `KeyError` if no stream matches, or if several do.
     ///
     /// >>> lightfold.open("film.lfold").stream("depth", "00", "py")
     /// <Stream depth of probe 00, face py, 32x32, frames 0-3, predictive>
@@ -100,7 +101,8 @@ impl Container {
         }
     }
 
-    /// Bytes, chunks, keyframes and settings of all streams, as `lightfold inspect --json` prints them. Reads every chunk.
+    /// Returns bytes, chunks, keyframes and settings of all streams, in the format of `lightfold inspect --json`. Reads every
+    /// chunk.
     ///
     /// Raises `Error` for the first damaged chunk.
     ///

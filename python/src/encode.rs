@@ -1,4 +1,4 @@
-//! Encodes arrays.
+//! Encoding of numpy arrays into a container.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -18,26 +18,28 @@ use crate::probe::Probe;
 use crate::report;
 use crate::settings::{Given, settings};
 
-/// How often signals are looked for.
+/// Interval between checks for signals.
 const POLL: Duration = Duration::from_millis(100);
 
-/// Encodes arrays into a container; returns its figures, as `lightfold encode --json` prints them.
+/// Encodes arrays into a container and returns a summary, in the format of `lightfold encode --json`.
 ///
-/// `color`, `depth`, `material` and `alpha` have one entry for each probe, `None` where it has no such images. An entry is the frames
-/// of the probe's view, or a dict with the frames of faces of its cube map. Frames are an array with a first axis of frames, or a
-/// sequence of images:
+/// `color`, `depth`, `material` and `alpha` have one entry per probe, `None` for a probe without such images. An entry is the
+/// frames of the probe's single view, or a dict from faces of its cube map to their frames. Frames are an array whose first
+/// axis is the frame, or a sequence of images:
 ///
 /// - depth: (frames, height, width), distances in metres, inf for background
-/// - color: (frames, height, width, 3), floats of linear Rec. 709 light, or uint8 codes of sRGB
+/// - color: (frames, height, width, 3), floats of linear Rec. 709 RGB, or uint8 sRGB codes
 /// - material: (frames, height, width, 3), weights of reflection and refraction, 0 to 1, and index of refraction, 1 to 3
 /// - alpha: (frames, height, width), 0 to 1, by which the probe's color is multiplied
 ///
-/// `probes` are names or `Probe` objects; one probe may be left out. `name` (that of the file unless given), `fps` (24) and
-/// `first_frame` (0) describe the dataset. All other arguments are settings, spelled as the options of `lightfold encode`, such as
-/// `max_error`, `psnr`, `depth_window` or `hdr`; `lightfold encode --help` explains them.
+/// `probes` are names or `Probe` objects; with a single probe, the argument may be omitted. `name` (default: the file name
+/// without its extension), `fps` (default 24) and `first_frame` (default 0) describe the dataset. All other arguments are
+/// settings, named like the options of `lightfold encode`, such as `max_error`, `psnr`, `depth_window` or `hdr`;
+/// `lightfold encode --help` explains them.
 ///
-/// The file appears when it is complete. Frames are held in memory until then. Raises `Error` for values or settings that cannot
-/// be coded, `TypeError` for an argument that is unknown, and `OSError` where the file cannot be written.
+/// Frames are held in memory until the file is written, and the file appears only when it is complete. Raises `Error` for
+/// values or settings that cannot be encoded, `TypeError` for an unknown argument, and `OSError` if the file cannot be
+/// written.
 ///
 /// >>> depth = np.full((4, 64, 128), 2.0)      # frames, height, width
 /// >>> depth[:, 16:48, 32:96] = 1.5
@@ -101,7 +103,7 @@ pub fn encode<'py>(
     report::object(py, &report::json(&summary)?)
 }
 
-/// A probe, or only its name.
+/// A probe, or the name of a probe at the origin with the default orientation.
 #[derive(FromPyObject)]
 pub enum Named {
     Name(String),
@@ -117,12 +119,12 @@ impl Named {
     }
 }
 
-/// The images of one kind of a probe, on their way into an encoder.
+/// Adds the images of one kind of a probe to an encoder.
 struct Frames<'a> {
     encoder: &'a mut Encoder,
     kind: StreamKind,
     probe: usize,
-    /// Of the probe.
+    /// Name of the probe, for error messages.
     name: &'a str,
 }
 
@@ -181,7 +183,7 @@ impl Frames<'_> {
     }
 }
 
-/// A contiguous image of a type that an encoder takes.
+/// A contiguous image of a type that the encoder accepts.
 struct Image<'py> {
     array: Bound<'py, PyUntypedArray>,
     kind: StreamKind,
@@ -221,14 +223,14 @@ impl<'py> Image<'py> {
         .map_err(named)
     }
 
-    /// Calls `push` with the array's values.
+    /// Calls `push` with the array's values, in row-major order.
     fn with<T: Element, R>(&self, push: impl FnOnce(&[T]) -> R) -> PyResult<R> {
         let array = self.array.cast::<PyArrayDyn<T>>()?.try_readonly()?;
         Ok(push(array.as_slice()?))
     }
 }
 
-/// Encodes into a file beside the final one, and renames it.
+/// Encodes into a temporary file in the same folder, and renames it.
 #[allow(clippy::disallowed_methods)]
 fn write(py: Python<'_>, encoder: Encoder, path: &Path) -> PyResult<EncodeSummary> {
     let io = |error| raised(Error::io(path, error));
@@ -241,7 +243,7 @@ fn write(py: Python<'_>, encoder: Encoder, path: &Path) -> PyResult<EncodeSummar
     let out = BufWriter::new(partial.as_file().try_clone().map_err(io)?);
     let (mut out, summary) = run(py, encoder, out)?;
     out.flush().map_err(io)?;
-    // The content is on the disk before the name, and the name before the answer.
+    // The content is synced before the rename, and the folder before the function returns.
     partial.as_file().sync_all().map_err(io)?;
     partial.persist(path).map_err(|error| io(error.error))?;
     #[cfg(unix)]
@@ -249,7 +251,7 @@ fn write(py: Python<'_>, encoder: Encoder, path: &Path) -> PyResult<EncodeSummar
     Ok(summary)
 }
 
-/// Encodes on another thread while this one looks for signals, such as Ctrl-C.
+/// Encodes on another thread while this thread checks for signals, such as SIGINT (Ctrl-C).
 fn run(py: Python<'_>, encoder: Encoder, out: BufWriter<File>) -> PyResult<(BufWriter<File>, EncodeSummary)> {
     let stop = Stop(AtomicBool::new(false));
     let mut raised_by_signal = None;

@@ -1,4 +1,4 @@
-//! Errors of the library as Python exceptions, with its sentences.
+//! Conversion of the library's errors to Python exceptions with the same messages.
 
 use std::io;
 
@@ -18,7 +18,8 @@ create_exception!(
      lightfold.Error: `depth` of probe 00, face view: pixel (0, 0) of frame 0 lies at 0 m"
 );
 
-/// A failed read or write becomes an `OSError`, or the kind of it that the system's number stands for.
+/// Converts an I/O error to `OSError`, or to its subclass for the error number; an interruption to `KeyboardInterrupt`; and all
+/// other errors to `Error`.
 pub fn raised(error: LibraryError) -> PyErr {
     match error {
         LibraryError::Io { file, source } => match source.raw_os_error() {

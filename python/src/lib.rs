@@ -1,4 +1,4 @@
-//! The native part of the Python module `lightfold`: containers and their images as numpy arrays.
+//! Native part of the Python module `lightfold`: reads and writes containers, with images as numpy arrays.
 
 mod container;
 mod encode;

@@ -1,11 +1,11 @@
-//! Probes: where images were captured.
+//! Probes: position and orientation of captured images.
 
 use library::{ProbeEntry, ProbePose};
 use pyo3::prelude::*;
 
-/// A point of capture with an orientation.
+/// Position and orientation from which images were captured.
 ///
-/// `position` is in metres, `orientation` a unit quaternion (x, y, z, w) from the probe's axes to the world's, `intrinsics`
+/// `position` is in metres, `orientation` a unit quaternion (x, y, z, w) from the probe's axes to the world's, and `intrinsics`
 /// (fx, fy, cx, cy) in pixels for a probe with a single view, or `None`.
 ///
 /// >>> lightfold.Probe("left", position=(-0.3, 1.5, 0))
@@ -13,13 +13,13 @@ use pyo3::prelude::*;
 #[pyclass(frozen, eq, from_py_object, get_all, module = "lightfold")]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Probe {
-    /// Name, unique in a container.
+    /// Name, unique within a container.
     pub name: String,
-    /// Centre in metres.
+    /// Centre of projection in metres.
     pub position: (f64, f64, f64),
-    /// Unit quaternion x, y, z, w.
+    /// Unit quaternion (x, y, z, w) from the probe's axes to the world's.
     pub orientation: (f64, f64, f64, f64),
-    /// fx, fy, cx, cy in pixels, or `None`.
+    /// (fx, fy, cx, cy) in pixels, or `None` for a cube map.
     pub intrinsics: Option<(f64, f64, f64, f64)>,
 }
 

@@ -1,4 +1,4 @@
-//! Reports of the library as dictionaries.
+//! Conversion of the library's reports to Python dictionaries.
 
 use std::io::{self, Write};
 
@@ -8,7 +8,7 @@ use serde_json::ser::Formatter;
 
 use crate::errors::refuse;
 
-/// JSON of a report, with the infinities that Python's parser knows.
+/// Returns a report as JSON; infinite numbers are `Infinity` and `-Infinity`, which Python's parser accepts.
 pub fn json(report: &impl Serialize) -> PyResult<String> {
     let mut text = Vec::new();
     let written = report.serialize(&mut serde_json::Serializer::with_formatter(&mut text, WithInfinities));
@@ -16,7 +16,7 @@ pub fn json(report: &impl Serialize) -> PyResult<String> {
     String::from_utf8(text).or_else(|error| refuse(format!("JSON: {error}")))
 }
 
-/// Reports have no bytes but the words of infinite numbers, "inf" and "-inf".
+/// Formats byte arrays as infinities: the only byte arrays in reports are the words "inf" and "-inf" of infinite numbers.
 struct WithInfinities;
 
 impl Formatter for WithInfinities {
@@ -25,7 +25,7 @@ impl Formatter for WithInfinities {
     }
 }
 
-/// JSON as Python's own objects.
+/// Parses JSON into Python objects.
 pub fn object<'py>(py: Python<'py>, json: &str) -> PyResult<Bound<'py, PyAny>> {
     py.import("json")?.call_method1("loads", (json,))
 }

@@ -1,4 +1,4 @@
-//! Settings of an encode from keyword arguments, which are spelled as the options of `lightfold encode`.
+//! Encoder settings from keyword arguments, named like the options of `lightfold encode`.
 
 use library::{
     ColorBlockSettings, ColorBlocks, ColorCodec, ColorFormat, Compression, Decide, DepthCodec, DomainKind, Effort,
@@ -11,13 +11,13 @@ use pyo3::types::PyDict;
 
 use crate::errors::refuse;
 
-/// Error of depth, and of material, in texture blocks, which are seldom exact.
+/// Default error bounds of depth and of material in texture blocks, which are rarely lossless.
 const USUAL_BLOCK_ERROR: (u16, u16) = (100, 8);
 
 /// Keyword arguments of a call.
 pub struct Given<'a, 'py> {
     arguments: Option<&'a Bound<'py, PyDict>>,
-    /// Names that were asked for.
+    /// Names that have been looked up.
     known: Vec<&'static str>,
 }
 
@@ -26,7 +26,7 @@ impl<'a, 'py> Given<'a, 'py> {
         Given { arguments, known: Vec::new() }
     }
 
-    /// The value of a name; none where it is absent or `None`.
+    /// Returns the value of an argument; `None` if it is absent or Python's `None`.
     pub fn take<T: FromPyObjectOwned<'py>>(&mut self, name: &'static str) -> PyResult<Option<T>> {
         self.known.push(name);
         let Some(arguments) = self.arguments else { return Ok(None) };
@@ -41,7 +41,7 @@ impl<'a, 'py> Given<'a, 'py> {
         })
     }
 
-    /// One of several words.
+    /// Returns the value of an argument that must be one of several words.
     fn word<T: Copy>(&mut self, name: &'static str, words: &[(&str, T)]) -> PyResult<Option<T>> {
         let Some(word) = self.take::<String>(name)? else { return Ok(None) };
         match words.iter().find(|(known, _)| *known == word) {
@@ -53,7 +53,7 @@ impl<'a, 'py> Given<'a, 'py> {
         }
     }
 
-    /// Refuses arguments that nothing asked for.
+    /// Fails if there is an argument that was not looked up.
     pub fn finish(self) -> PyResult<()> {
         for name in self.arguments.iter().flat_map(|arguments| arguments.keys()) {
             let name: String = name.extract()?;

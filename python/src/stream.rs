@@ -1,4 +1,4 @@
-//! A stream, and its images as arrays.
+//! Streams, decoded into numpy arrays.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -15,7 +15,7 @@ use self_cell::self_cell;
 use crate::errors::{Error, raised, refuse};
 
 self_cell!(
-    /// A decoder of images, with the container that it borrows from.
+    /// A face decoder and the container that it borrows from.
     struct Images {
         owner: Arc<Decoder>,
         #[covariant]
@@ -25,13 +25,13 @@ self_cell!(
     impl {Debug}
 );
 
-/// The images of one kind (color, depth, material), of one face of one probe, over a range of frames.
+/// Images of one kind (color, depth, material, alpha), of one face of one probe, over a range of frames.
 #[pyclass(frozen, module = "lightfold")]
 #[derive(Debug)]
 pub struct Stream {
     container: Arc<Decoder>,
     at: usize,
-    /// Made for the first frame; holds the last one.
+    /// Decoder of the stream, created at the first call of `decode`; keeps the last frame.
     images: Mutex<Option<Images>>,
 }
 
@@ -44,9 +44,9 @@ impl Stream {
         &self.container.streams()[self.at]
     }
 
-    /// Decodes a frame; other Python threads run meanwhile.
+    /// Decodes a frame, detached from the Python interpreter, so that other Python threads run meanwhile.
     fn show(&self, frame: u32, pixels: PixelsMut<'_>) -> library::Result<()> {
-        // A decoder that panicked starts anew.
+        // After a failure or panic, the decoder is dropped, and the next call creates a new one.
         let mut images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
         let mut shown = images.take().unwrap_or_else(|| {
             Images::new(Arc::clone(&self.container), |container| container.face(&container.streams()[self.at]))
@@ -89,7 +89,7 @@ impl Stream {
     }
 }
 
-/// Where an image goes: an array of the caller's, or a new one.
+/// Destination of a decoded image: the caller's array, or a new one.
 struct Target<'a, 'py> {
     py: Python<'py>,
     out: Option<&'a Bound<'py, PyAny>>,
@@ -97,7 +97,7 @@ struct Target<'a, 'py> {
 
 #[pymethods]
 impl Stream {
-    /// "color", "depth" or "material".
+    /// "color", "depth", "material" or "alpha".
     #[getter]
     fn kind(&self) -> &'static str {
         self.info().kind.name()
@@ -109,7 +109,7 @@ impl Stream {
         &self.container.probe(self.info()).name
     }
 
-    /// "px", "nx", "py", "ny", "pz" or "nz" of a cube map, "view" of a probe with a single view.
+    /// "px", "nx", "py", "ny", "pz" or "nz" for a cube map, "view" for a probe with a single view.
     #[getter]
     fn face(&self) -> &'static str {
         self.info().face.name()
@@ -121,13 +121,13 @@ impl Stream {
         self.info().size().into()
     }
 
-    /// Shape of a decoded image: (height, width) of depth, (height, width, 3) of color and material.
+    /// Shape of a decoded image: (height, width) for depth and alpha, (height, width, 3) for color and material.
     #[getter]
     fn shape<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         PyTuple::new(py, self.dimensions())
     }
 
-    /// Type of the pixels that `decode` returns unless another is asked for.
+    /// Default type of the pixels that `decode` returns.
     #[getter]
     fn dtype<'py>(&self, py: Python<'py>) -> Bound<'py, PyArrayDescr> {
         match (self.info().kind, self.info().is_half_float()) {
@@ -137,7 +137,7 @@ impl Stream {
         }
     }
 
-    /// Frame numbers, those of the source.
+    /// Range of frame numbers, as in the source.
     #[getter]
     fn frames<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyRange>> {
         let frames = self.info().frames;
@@ -150,19 +150,19 @@ impl Stream {
         self.info().codec()
     }
 
-    /// Metres of depth code 0; `None` where the stream is no depth.
+    /// Distance of depth code 0 in metres; `None` if the stream is not depth.
     #[getter]
     fn near_m(&self) -> Option<f32> {
         self.info().depth_range().map(DepthRange::near_m)
     }
 
-    /// Metres of depth code 65534; `None` where the stream is no depth.
+    /// Distance of depth code 65534 in metres; `None` if the stream is not depth.
     #[getter]
     fn far_m(&self) -> Option<f32> {
         self.info().depth_range().map(DepthRange::far_m)
     }
 
-    /// Largest error of a decoded depth in codes, where the codec has a bound.
+    /// Maximum error of a decoded depth in codes; `None` if the codec has no error bound.
     #[getter]
     fn error_bound_codes(&self) -> Option<u16> {
         self.info().error_bound_codes()
@@ -170,18 +170,19 @@ impl Stream {
 
     /// Decodes a frame into a new array, or into `out`, which is then returned.
     ///
-    /// `dtype` says what the pixels are:
+    /// `dtype` selects the type and meaning of the pixels:
     ///
     /// - depth: float32 (default) for metres, inf for background; uint16 for logarithmic codes, 0 at near, 65534 at far, 65535
     ///   for background
     /// - color: uint8 (default) for codes of the stream's transfer function; float16 (default of half-float streams) or float32
-    ///   for linear Rec. 709 light
+    ///   for linear Rec. 709 RGB
     /// - material: float32 (default) for weights of reflection and refraction, 0 to 1, and index of refraction, 1 to 3; uint8
-    ///   for the bytes that code them
+    ///   for their codes
+    /// - alpha: float32 (default), 0 to 1; uint8 for its codes
     ///
-    /// Frames may be decoded in any order; going forward is fastest.
+    /// Frames may be decoded in any order; increasing order is fastest.
     ///
-    /// Raises `IndexError` for a frame that the stream does not have, and `Error` for a damaged chunk or another type.
+    /// Raises `IndexError` for a frame outside `frames`, and `Error` for a damaged chunk or an unsupported type.
     ///
     /// >>> film = lightfold.open("film.lfold")
     /// >>> depth = film.stream("depth", face="px")

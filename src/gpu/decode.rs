@@ -21,7 +21,7 @@ use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, SCRATCH_WOR
 use crate::gpu::prepare::{self, KernelOf, Prepared, Timeline};
 use crate::gpu::resident::{Growing, Resident, ResidentChunk};
 use crate::gpu::transform_tables::TransformTables;
-use codec::color::cells::LEADS_NOWHERE;
+use codec::color::cells::MISSING_NEXT_KEYFRAME;
 use codec::color::transform::blocks::REGION;
 use codec::container::ChunkEntry;
 use codec::decode::{AllUnits, DecodeCost, Decoder, StreamInfo, UnitFilter};
@@ -409,7 +409,7 @@ impl<'a> GpuDecoder<'a> {
         let reader = self.decoder.reader();
         let next = reader.index().chunks.get(key as usize);
         let next = next.filter(|next| (next.key.stream, next.key.unit) == (entry.key.stream, entry.key.unit));
-        next.copied().ok_or_else(|| Error::invalid(LEADS_NOWHERE).in_file(reader.path()))
+        next.copied().ok_or_else(|| Error::invalid(MISSING_NEXT_KEYFRAME).in_file(reader.path()))
     }
 
     fn fetch(&self, entry: &ChunkEntry) -> Result<Prepared> {

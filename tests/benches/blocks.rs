@@ -1,7 +1,7 @@
-//! Speeds of block-compressed formats on one thread, and the quality of their encoders.
+//! Decoding and encoding speed of block-compressed formats on one thread, and the quality of their encoders.
 //!
-//! `cargo bench --bench blocks` decodes an image of 1024x1024 pixels, made of the blocks that the encoder chose for a picture
-//! and of blocks of random bits, and encodes 256x256 pixels at each effort. Medians of the turns are printed.
+//! `cargo bench --bench blocks` decodes an image of 1024x1024 pixels twice, from blocks that the encoder chose for a test image
+//! and from random blocks, and encodes 256x256 pixels at each effort. The times are medians over `TURNS` runs.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -9,10 +9,10 @@ use std::time::Instant;
 use codec::block::{Bc1, Bc4, Bc5, Bc6h, Bc7, BlockEncoder, BlockFormat, decode_image};
 use codec::effort::Effort;
 
-/// Sides of the image that is decoded and of the one that is encoded, in pixels.
+/// Width and height in pixels of the decoded image and of the encoded image.
 const DECODED: usize = 1024;
 const ENCODED: usize = 256;
-/// Times that an image is decoded, or encoded.
+/// Number of runs of each measurement.
 const TURNS: usize = 15;
 
 fn main() {
@@ -26,7 +26,7 @@ fn main() {
     run("BC7", Bc7, |pixel| pixel.map(bytes), |a, b| distance(a, b, f64::from), 255.0);
 }
 
-/// Mean square of the differences of two pixels' channels.
+/// Returns the mean squared difference of two pixels' channels.
 fn distance<T: Copy>(a: &[T], b: &[T], number: impl Fn(T) -> f64) -> f64 {
     a.iter().zip(b).map(|(&a, &b)| (number(a) - number(b)).powi(2)).sum::<f64>() / a.len() as f64
 }
@@ -46,7 +46,8 @@ fn run<F>(
     let random: Vec<u8> = (0..chosen.len())
         .map(|at| {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            // All modes of BC7 alike, which random bits would not give.
+            // The first byte of a BC7 block selects its mode: all eight modes are equally likely, which uniformly random bits
+            // would not give.
             if at % 16 == 0 && name == "BC7" { 1 << (seed >> 61) } else { (seed >> 56) as u8 }
         })
         .collect();
@@ -81,7 +82,7 @@ fn median(mut work: impl FnMut()) -> f64 {
     seconds[TURNS / 2]
 }
 
-/// Slopes, waves and edges, 0 to 1, with a little noise.
+/// Returns a test image of gradients, sine waves and edges, 0 to 1, with a little noise.
 fn picture(side: usize) -> Vec<[f64; 3]> {
     let mut seed = 7u32;
     let mut noise = || {

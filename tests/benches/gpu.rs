@@ -1,17 +1,18 @@
-//! Decoding of many streams at once on a graphics device (GDC 6.3, table 1): 54 streams, key frames and later frames.
+//! Decoding of many streams at once on a GPU (GDC 6.3, table 1): 54 streams, keyframes and later frames.
 //!
-//! `cargo bench --bench gpu -- CONTAINER.lfold… [--streams N] [--gpu INDEX|NAME]`. The depth streams of a container are
-//! repeated, each as a stream of its own with its own bytes on the device, until there are N. Times are of a whole call,
-//! from the list of units to the end of the device's work, medians over turns; the share of pixels that change stands
-//! beside them, without which a time means nothing. `copy` is a copy between two buffers of the device of as many bytes
-//! as the pictures have, counted as bytes written, as decoding is.
+//! `cargo bench --bench gpu -- CONTAINER.lfold… [--streams N] [--gpu INDEX|NAME]`. The depth streams of a container are repeated
+//! until there are N; each copy is a separate stream with its own bytes on the GPU. A time is that of a whole call, from the list
+//! of units to the end of the GPU's work, as a median over the runs. The fraction of pixels that change is printed with it,
+//! because the time depends on it. `copy` is a copy between two GPU buffers of as many bytes as the images have; like decoding,
+//! it is counted in bytes written.
 //!
-//! `cargo bench --bench gpu -- --render CONTAINER.lfold… [--gpu INDEX|NAME]`: pictures of 90 degrees from the middle of the
-//! probes (CALF 6). `update` is decoding and sending what changed, `march` the device's work, both medians over the frames but
-//! the first, which compiles the kernel. A second table has an update by its parts where the CPU decodes and where the device
-//! does, frame by frame in turns, and the ratio of the two in the same run: `fetch` is reading, unpacking and checking chunks and
-//! sending them; `decode`, `texels` (inverse depths) and `squares` (pyramids) are waited for one by one, and so longer than
-//! in playback; `textures` is sending, or copying, what changed into textures. On the CPU all before textures is one figure.
+//! `cargo bench --bench gpu -- --render CONTAINER.lfold… [--gpu INDEX|NAME]`: images of 90 degrees field of view from the mean
+//! position of the probes (CALF 6). `update` is the time to decode and upload what changed, `march` the time of the GPU; both are
+//! medians over all frames but the first, which compiles the kernel. A second table shows the stages of an update with decoding
+//! on the CPU and on the GPU, measured alternately frame by frame, and the ratio of the two in the same run: `fetch` reads,
+//! decompresses, checks and uploads chunks; `decode`, `texels` (inverse depths) and `squares` (pyramids) are waited for one by
+//! one, and so take longer than in playback; `textures` uploads or copies changes into textures. For the CPU, `decode` includes
+//! all stages before `textures`.
 
 use std::time::{Duration, Instant};
 
@@ -29,7 +30,7 @@ use lightfold::gpu::render::playback::DeviceRenderer;
 use lightfold::march::playback::frames::{PictureOptions, Playback, PlaybackOptions};
 use lightfold::{Error, Result};
 
-/// Times that all frames are shown.
+/// Number of runs over all frames.
 const TURNS: usize = 9;
 
 struct Args {
@@ -39,9 +40,9 @@ struct Args {
     render: bool,
 }
 
-/// Pixels along a side of pictures, each with a number of steps.
+/// Width and height of images in pixels, and number of steps.
 const PICTURES: [(u32, u32); 4] = [(256, 64), (256, 256), (512, 256), (1024, 256)];
-/// Frames that are rendered.
+/// Number of rendered frames.
 const FRAMES: usize = 6;
 
 fn main() {
@@ -84,7 +85,7 @@ fn arguments() -> Result<Args> {
     Ok(args)
 }
 
-/// The depth streams of a container, repeated until there are `count`, each with its own chunks.
+/// Returns a container with the depth streams of a container, repeated until there are `count`, each with its own chunks.
 fn repeated(path: &str, count: usize) -> Result<Vec<u8>> {
     let reader = Reader::open(path)?;
     let index = reader.index();
@@ -132,7 +133,7 @@ fn measure(gpu: &Gpu, path: &str, count: usize) -> Result<()> {
             on_gpu.wait()?;
             let seconds = start.elapsed().as_secs_f64();
             let updated = on_gpu.cost.updated_pixels - before;
-            // The first turn brings the chunks onto the device and builds kernels.
+            // The first run uploads the chunks and compiles the kernels.
             if turn == 0 {
                 continue;
             }
@@ -168,7 +169,7 @@ fn measure(gpu: &Gpu, path: &str, count: usize) -> Result<()> {
     Ok(())
 }
 
-/// Seconds for copying `bytes` from one buffer of the device to another, submission and waiting included.
+/// Returns the seconds to copy `bytes` from one GPU buffer to another, including submission and waiting.
 fn copy_seconds(gpu: &Gpu, bytes: u64) -> Result<f64> {
     let words = (bytes / 4) as usize;
     let none = wgpu::BufferUsages::empty();
@@ -187,7 +188,7 @@ fn copy_seconds(gpu: &Gpu, bytes: u64) -> Result<f64> {
     Ok(median(&mut times))
 }
 
-/// What an update costs, in milliseconds and bytes.
+/// Times of updates in milliseconds, and transfers in megabytes, per frame.
 #[derive(Default)]
 struct Updates {
     whole_ms: Vec<f64>,
@@ -197,7 +198,7 @@ struct Updates {
 }
 
 impl Updates {
-    /// Takes note of a frame.
+    /// Adds a frame: its total time, and the renderer's costs before and after it.
     fn add(&mut self, whole_ms: f64, [before, after]: [&RenderCost; 2]) {
         let ms = |of: fn(&RenderCost) -> Duration| 1e3 * (of(after) - of(before)).as_secs_f64();
         let parts = [
@@ -229,7 +230,7 @@ impl Updates {
     }
 }
 
-/// Updates where the CPU decodes and where the device does.
+/// Measures updates with decoding on the CPU and on the GPU.
 fn measure_updates(gpu: &Gpu, decoder: &Decoder) -> Result<()> {
     println!(
         "{:<24} {:>10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
@@ -265,7 +266,7 @@ fn measure_updates(gpu: &Gpu, decoder: &Decoder) -> Result<()> {
     Ok(())
 }
 
-/// Pictures of some frames, in several sizes.
+/// Measures the rendering of some frames in several sizes.
 fn measure_pictures(gpu: &Gpu, path: &str) -> Result<()> {
     let decoder = Decoder::open(path)?;
     measure_updates(gpu, &decoder)?;
@@ -287,7 +288,7 @@ fn measure_pictures(gpu: &Gpu, path: &str) -> Result<()> {
             let shown = playback.show(&FrameRequest { frame, cameras: vec![camera] }, &mut renderer, &Silent)?;
             let after = renderer.cost();
             marched = shown.pictures.iter().map(|picture| picture.counters.march_steps).sum();
-            // The first picture compiles the kernel.
+            // Rendering the first image compiles the kernel.
             if at > 0 {
                 update.push(shown.trace.update_ms);
                 sent.push((after.bytes_sent - before.bytes_sent) as f64 / 1e6);

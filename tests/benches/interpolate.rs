@@ -1,9 +1,10 @@
-//! Times of interpolated views beside ray casting each of them, on all threads.
+//! Time to interpolate views, compared with ray casting each of them, on all threads.
 //!
-//! `cargo bench --bench interpolate [-- SCENE..]` renders views of each scene, and without one of built-in ones: for 10, 100 and 500
-//! views the times that ray casting takes longer, what a further view costs of one that is ray cast, and the exponent of time over
-//! pixels. Where there is a graphics device, the same views are interpolated on it; one source's triangles are drawn and read back whole and
-//! compacted; and erosion between two sources is measured. Medians of the turns; a PSNR stands beside each time.
+//! `cargo bench --bench interpolate [-- SCENE..]` renders views of each scene, by default of two built-in ones. For 10, 100 and
+//! 500 views it prints the speedup over ray casting; then the cost of an additional view relative to a ray-cast view, and the
+//! exponent of time over the number of pixels. If there is a GPU, the same views are interpolated on it, the triangles of one
+//! source are drawn and read back whole, compacted and by size, and the erosion between two sources is measured. Times are
+//! medians over `TURNS` runs, each printed with a PSNR.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -31,7 +32,7 @@ use lightfold::gpu::triangles::{GpuTriangles, Readback};
 use lightfold::scene::capture::SamplePattern;
 use lightfold::scene::{Play, Scene, SceneAtTime};
 
-/// Turns of each measurement.
+/// Number of runs of each measurement.
 const TURNS: usize = 3;
 const SIZE: [u32; 2] = [480, 270];
 const COUNTS: [u32; 3] = [10, 100, 500];
@@ -57,7 +58,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Milliseconds of stages of the acquisition, on the CPU and on a device.
+/// Prints the milliseconds of stages of the acquisition: erosion on the CPU and on the GPU, and triangles drawn on the GPU.
 fn stages(scene: &SceneAtTime, gpu: &Gpu) -> Result<()> {
     let (views, on_device) = (views(2, SIZE)?, GpuInterpolator::new(gpu));
     let (sources, _) = acquire(scene, &views, &AcquireSettings::new(samples()?), (&Cpu, &Silent))?;
@@ -149,7 +150,7 @@ fn interpolated((scene, backend): (&SceneAtTime, &dyn Backend), views: &OutputVi
     })
 }
 
-/// Over ten of the views.
+/// Returns the PSNR over ten of the views.
 fn psnr_db((scene, backend): (&SceneAtTime, &dyn Backend), views: &OutputViews) -> Result<f64> {
     let (settings, mut sum) = (settings()?, Similarity::empty());
     let step = views.count() as usize / 10;
@@ -163,7 +164,7 @@ fn psnr_db((scene, backend): (&SceneAtTime, &dyn Backend), views: &OutputViews) 
     Ok(sum.all.psnr_db())
 }
 
-/// Seconds of the middle turn.
+/// Returns the median seconds of `TURNS` runs.
 fn seconds(mut work: impl FnMut() -> Result<()>) -> Result<f64> {
     let mut turns = Vec::new();
     for _ in 0..TURNS {

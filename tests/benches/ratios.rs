@@ -1,13 +1,15 @@
-//! Speeds as ratios within one run: decoding against a plain copy of the same bytes.
+//! Decoding speed relative to a plain copy of the same bytes, measured in one run.
 //!
-//! `cargo bench --bench ratios -- [CONTAINER.lfold…]` measures decoding of the given containers; without any, of a
-//! procedural depth stream. Copies and decodes take turns, so that drift of the machine hits both; medians of the
-//! turns' ratios are printed, with the fraction of pixels that changed, without which a speed means nothing.
+//! `cargo bench --bench ratios -- [CONTAINER.lfold…]` measures decoding of the given containers, by default of a procedural depth
+//! stream. Copies and decodes alternate, so that drift of the machine affects both. The ratios are medians over the runs. The
+//! fraction of pixels that changed is printed with them, because the speed depends on it.
 //!
-//! Interpolation of colour is measured by itself, on one thread.
+//! Interpolation of colour is measured separately, on one thread.
 //!
-//! Containers lie in memory, as `decode --null` reads them beforehand; CRCs are checked, payloads parsed. Two copies are measured, by as many threads: `plain`, from memory to other memory, both as large as what decoding
-//! writes; and `hot`, into pictures of the units' size as decoding does it, which stay in the caches.
+//! Containers are read into memory before the measurement, as by `decode --null`; the measured time includes CRC checks and
+//! payload parsing. Two copies with the same number of threads are measured: `plain`, from one buffer to another, each at least
+//! as large as the output of decoding; and `hot`, into images of the units' size as decoding writes them, which stay in the
+//! caches.
 
 use std::time::Instant;
 
@@ -23,7 +25,7 @@ use codec::streams::{CodecHeader, DepthChunk, DepthCoding, DepthHeader, PictureC
 use lightfold::Result;
 use rayon::prelude::*;
 
-/// Turns of two copies and a decode.
+/// Number of runs; each consists of two copies and a decode.
 const TURNS: usize = 15;
 
 fn main() {
@@ -104,8 +106,8 @@ fn measure(name: &str, decoder: Decoder) -> Result<()> {
     Ok(())
 }
 
-/// Interpolates cells of 64x64 pixels of 8 bits between two keyframes, on one thread, beside copies of as many bytes: of a
-/// cell that stays in the cache, and of so many that each is fetched from memory.
+/// Measures interpolation of cells of 64x64 8-bit RGB pixels between two keyframes on one thread, compared with copies of as many
+/// bytes: for one cell that stays in the cache, and for so many cells that each is fetched from memory.
 fn measure_lerp() {
     const CELL: usize = 64 * 64 * 3;
     println!("{:<24} {:>11} {:>12} {:>9}", "lerp, one thread", "copy MB/s", "lerp MB/s", "of copy");
@@ -140,7 +142,7 @@ fn measure_lerp() {
     }
 }
 
-/// Bytes of a unit's picture and bytes that decoding writes into it, for every unit.
+/// Bytes of a unit's image, and bytes that decoding writes into it, for every unit.
 type UnitBytes = Vec<(usize, usize)>;
 
 fn unit_bytes(decoder: &Decoder, chosen: &[StreamFrames<'_>]) -> Result<UnitBytes> {
@@ -159,7 +161,7 @@ fn unit_bytes(decoder: &Decoder, chosen: &[StreamFrames<'_>]) -> Result<UnitByte
         .collect()
 }
 
-/// The chunks of packed nodes of a container, checked and in the runtime form, with the pixels of their units.
+/// Returns the chunks of packed nodes of a container, checked and in the runtime form, with the pixel count of their units.
 fn node_chunks(decoder: &Decoder) -> Result<Vec<(NodeChunk, usize)>> {
     let mut chunks = Vec::new();
     for stream in decoder.streams() {
@@ -177,8 +179,8 @@ fn node_chunks(decoder: &Decoder) -> Result<Vec<(NodeChunk, usize)>> {
     Ok(chunks)
 }
 
-/// Decodes key frames alone, then all later frames alone, from the runtime form, by one thread and by all; beside
-/// copies, by as many threads, of as many bytes as decoding writes, from other memory.
+/// Measures decoding from the runtime form, separately for keyframes and for later frames, with one thread and with all; compared
+/// with copies of as many bytes as decoding writes, from separate memory, with the same number of threads.
 fn measure_nodes(name: &str, path: &str) -> Result<()> {
     let mut reader = Reader::open(path)?;
     reader.load(u64::MAX)?;
@@ -244,7 +246,7 @@ fn measure_nodes(name: &str, path: &str) -> Result<()> {
     Ok(())
 }
 
-/// Copies from memory to memory, a piece for each thread.
+/// Copies one buffer to another, one piece per thread.
 fn copy_plainly(destination: &mut [u8], source: &[u8]) {
     let piece = destination.len().div_ceil(rayon::current_num_threads()).max(1);
     destination.par_chunks_mut(piece).zip(source.par_chunks(piece)).for_each(|(to, from)| {
@@ -253,7 +255,7 @@ fn copy_plainly(destination: &mut [u8], source: &[u8]) {
     std::hint::black_box(destination);
 }
 
-/// Copies as many bytes as decoding writes, unit by unit into fresh memory of the unit's size, by as many threads.
+/// Copies as many bytes as decoding writes, per unit into newly allocated memory of the unit's size, on all threads.
 fn copy_into_pictures(units: &UnitBytes, source: &[u8]) {
     units.par_iter().for_each(|&(size, mut left)| {
         let mut picture = vec![0u8; size];
@@ -268,8 +270,8 @@ fn copy_into_pictures(units: &UnitBytes, source: &[u8]) {
     });
 }
 
-/// A container of one 1024x1024 depth stream of 64 frames: bumpy ground, over which a square of a quarter of the
-/// width wanders.
+/// Returns a container of one 1024x1024 depth stream of 64 frames: rough ground, in front of which a square of a quarter of the
+/// width moves.
 fn synthetic() -> Result<Vec<u8>> {
     const SIZE: u32 = 1024;
     const TILE: u32 = 512;

@@ -1,9 +1,10 @@
-//! Speeds of rays on one thread: from a camera, towards the sun, anywhere, and between two points.
+//! Ray casting speed on one thread: camera rays, shadow rays towards the sun, random rays, visibility between two points, and
+//! shaded camera rays.
 //!
-//! `cargo bench --bench rays` builds the trees of a generated landscape of a quarter of a million triangles and, where
-//! `LIGHTFOLD_DATA` (or `../shared/data`) has it, of `meshes/sponza.glb`. Camera rays are those of a cube map in the
-//! middle of the scene, face by face, at three sizes: rays per second should not depend on the size. Shadow rays leave
-//! where those of the camera end. Medians of the turns are printed, in millions of rays a second.
+//! `cargo bench --bench rays` builds the bounding volume hierarchies of a generated landscape of a quarter of a million triangles
+//! and, if `LIGHTFOLD_DATA` (or `../shared/data`) contains it, of `meshes/sponza.glb`. Camera rays are those of a cube map at the
+//! centre of the scene, face by face, at three sizes; rays per second should not depend on the size. Shadow rays start at the
+//! hits of the camera rays. Speeds are medians over `TURNS` runs, in millions of rays per second.
 
 mod clock;
 
@@ -16,13 +17,13 @@ use glam::{DVec3, Vec3};
 use lightfold::mesh::{Mesh, Ray};
 use lightfold::scene::{Light, MeshMaterial, Play, Scene, SceneAtTime, SceneMesh};
 
-/// Widths of faces in pixels.
+/// Face widths in pixels.
 const SIZES: [u32; 3] = [256, 512, 1024];
-/// Turns of each measurement.
+/// Number of runs of each measurement.
 const TURNS: usize = 5;
-/// Rays that go anywhere, or between two points.
+/// Number of random rays, and of visibility queries between two points.
 const RANDOM: usize = 200_000;
-/// Squares on each side of the landscape: two triangles each.
+/// Number of squares along each side of the landscape; each has two triangles.
 const SQUARES: u32 = 354;
 
 fn main() {
@@ -82,7 +83,7 @@ fn measure(name: &str, scene: &SceneAtTime, build_seconds: f64) {
     println!("{:>6.2}", speed(rays.len(), seconds));
 }
 
-/// The rays of a cube map, face by face and row by row.
+/// Returns the rays of a cube map, face by face and row by row.
 fn camera(eye: DVec3, size: u32) -> Vec<Ray> {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let mut rays = Vec::new();
@@ -97,7 +98,7 @@ fn camera(eye: DVec3, size: u32) -> Vec<Ray> {
     rays
 }
 
-/// Hills in a bowl, ten metres wide.
+/// Returns hills in a bowl, ten metres wide.
 fn landscape() -> Mesh {
     let mut mesh = Mesh::default();
     let side = SQUARES + 1;
@@ -119,7 +120,7 @@ fn landscape() -> Mesh {
     mesh
 }
 
-/// Numbers in 0..1 that are always the same.
+/// Returns a generator of pseudo-random numbers in 0..1 with a fixed seed.
 fn random() -> impl FnMut() -> f64 {
     let mut state = 1_u64;
     move || {

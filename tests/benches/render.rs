@@ -1,9 +1,10 @@
-//! Speeds of pictures from any eye, on one thread: millions of pixels a second, and what a ray asks.
+//! Rendering speed from arbitrary viewpoints on one thread: millions of pixels per second, and march and refinement steps per
+//! ray.
 //!
-//! `cargo bench --bench render [-- IN.lfold..]` renders each container from a point between its probes, six faces of a
-//! cube map, and without one a room that is made from a formula: by refinements, by steps, with and without pyramids and bisection, by
-//! pixels, and by views. Medians of the turns are printed; columns stand two spaces apart. With `--plot DIR` how cost grows
-//! is drawn into `DIR/render-cost.svg` and `.png`: times as long, for times as many.
+//! `cargo bench --bench render [-- IN.lfold..]` renders the six faces of a cube map from a point between the probes of each
+//! container, by default of a procedural room. It varies the refinements, the steps (with and without pyramids), bisection, the
+//! number of pixels and the number of views. Times are medians over `TURNS` runs; columns are separated by two spaces. `--plot
+//! DIR` plots relative time over relative parameter values to `DIR/render-cost.svg` and `.png`.
 
 #![allow(clippy::disallowed_methods)]
 
@@ -35,9 +36,9 @@ use lightfold::views::catalogue::ProbeChoice;
 use lightfold::views::light_field::{ColorCoding, LightField};
 use lightfold::views::player::Player;
 
-/// Turns of each measurement.
+/// Number of runs of each measurement.
 const TURNS: usize = 3;
-/// What is varied stays so elsewhere.
+/// Values of the parameters that a measurement does not vary.
 const SIZE: u32 = 256;
 const STEPS: u32 = 64;
 const REFINE: u32 = 8;
@@ -110,7 +111,7 @@ fn measure(name: &str, field: &LightField, plot: Option<&Path>) -> Result<()> {
     plot.map_or(Ok(()), |folder| draw(name, &lines, folder))
 }
 
-/// How long something takes by how much there is of it.
+/// Plotted series: a parameter's values, and the seconds for each.
 struct Line {
     name: &'static str,
     points: Vec<[f64; 2]>,
@@ -121,7 +122,7 @@ impl Line {
         Line { name, points: Vec::new() }
     }
 
-    /// Both in parts of the first point.
+    /// Returns the points relative to the first point, in both coordinates.
     fn marks(&self) -> Vec<Mark> {
         let Some(&[first, seconds]) = self.points.first() else { return Vec::new() };
         self.points.iter().map(|[x, y]| Mark { x: x / first, y: y / seconds, ..Mark::default() }).collect()
@@ -147,7 +148,7 @@ fn draw(name: &str, lines: &[Line], folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// What is measured.
+/// Parameters of a measurement.
 #[derive(Clone, Copy)]
 struct Measurement {
     size: u32,
@@ -177,7 +178,7 @@ impl Measurement {
         }
     }
 
-    /// Prints a line; answers the seconds of a turn.
+    /// Prints a line and returns the median seconds of a run.
     fn print(&self, field: &LightField) -> f64 {
         let positions = field.views.iter().map(|view| view.position);
         let eye = positions.sum::<DVec3>() / field.views.len() as f64 + DVec3::new(0.13, 0.07, -0.05);
@@ -230,7 +231,7 @@ impl Measurement {
     }
 }
 
-/// Nine probes in a room with a post in its middle.
+/// Returns a light field of nine probes in a room with a post in the middle.
 fn furnished() -> LightField {
     let coding = ColorCoding::Codes(ToneMap::default());
     let view = |at: u32| {

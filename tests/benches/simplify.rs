@@ -1,9 +1,10 @@
-//! Speeds of pictures of simplified scenes beside marching the light fields that they were made of, on one thread: millions of pixels a
-//! second, and times those of marching.
+//! Rendering speed of simplified scenes, compared with marching the light fields that they were made from, on one thread:
+//! millions of pixels per second, and the ratio to marching.
 //!
-//! `cargo bench --bench simplify [-- DATASET..]` encodes and simplifies each dataset (20,000 triangles, an atlas of 2048 texels), and
-//! without one a built-in room of nine probes. Both are drawn from a point between the probes, six faces of a cube map. Medians of the
-//! turns are printed; columns stand two spaces apart. Below stand the times of reading and merging, and of twice the samples.
+//! `cargo bench --bench simplify [-- DATASET..]` encodes and simplifies each dataset (20,000 triangles, an atlas of 2048 texels),
+//! by default a built-in room of nine probes. Both are drawn from a point between the probes, as six faces of a cube map. Times
+//! are medians over `TURNS` runs; columns are separated by two spaces. Below the table are the time to read and merge the samples
+//! relative to reading them, and the time of twice the samples.
 
 #![allow(clippy::disallowed_methods)]
 
@@ -40,7 +41,7 @@ use lightfold::views::catalogue::ProbeChoice;
 use lightfold::views::light_field::LightField;
 use lightfold::views::player::Player;
 
-/// Turns of each measurement.
+/// Number of runs of each measurement.
 const TURNS: usize = 3;
 const SIZES: [u32; 2] = [256, 512];
 
@@ -76,7 +77,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Runs the program.
+/// Runs the program; fails if it does not succeed.
 fn run(words: impl IntoIterator<Item = String>) -> Result<()> {
     let words: Vec<String> = words.into_iter().collect();
     let output = Command::new(env!("CARGO_BIN_EXE_lightfold")).args(&words).output();
@@ -114,7 +115,7 @@ fn measure(name: &str, container: &str, scene: &str) -> Result<()> {
     Ok(())
 }
 
-/// Reading all files and merging their samples, over reading them alone.
+/// Measures the time to read all files and merge their samples, relative to reading alone.
 fn merge(dataset: &str) -> Result<()> {
     let mut capture = Capture::open(Path::new(dataset), Some(0))?;
     let region = ViewingRegion::around(capture.images.iter().map(|image| image.eye));
@@ -133,7 +134,7 @@ fn merge(dataset: &str) -> Result<()> {
     Ok(())
 }
 
-/// All stages with all images of a dataset, over those with every second one.
+/// Measures all stages with all images of a dataset, relative to every second image.
 fn simplify_half(dataset: &str) -> Result<()> {
     let mut capture = Capture::open(Path::new(dataset), Some(0))?;
     let images = 0..capture.images.len();
@@ -152,7 +153,7 @@ fn simplify_half(dataset: &str) -> Result<()> {
     Ok(())
 }
 
-/// Seconds of the middle turn.
+/// Returns the median seconds of `TURNS` runs.
 fn median(mut work: impl FnMut() -> Result<()>) -> Result<f64> {
     let mut seconds = Vec::new();
     for _ in 0..TURNS {
@@ -173,13 +174,13 @@ fn print(label: &str, speed: f64, marching: f64, overdraw: Option<f64>) {
     println!("{label:<28}  {speed:>9.3}  {:>10.1}  {overdraw:>8}", speed / marching);
 }
 
-/// A point between the probes.
+/// Returns a point between the probes.
 fn eye(field: &LightField) -> DVec3 {
     let positions = field.views.iter().map(|view| view.position);
     positions.sum::<DVec3>() / field.views.len() as f64 + DVec3::new(0.03, 0.02, -0.01)
 }
 
-/// Millions of pixels a second, and triangles over a pixel.
+/// Returns millions of pixels per second, and fragments per pixel.
 fn drawn(field: &LightField, size: u32, mut draw: impl FnMut(&Camera) -> Result<u64>) -> Result<(f64, f64)> {
     let (eye, pixels) = (eye(field), 6.0 * f64::from(size).powi(2));
     let mut fragments = 0;
@@ -195,7 +196,7 @@ fn drawn(field: &LightField, size: u32, mut draw: impl FnMut(&Camera) -> Result<
     Ok((pixels / seconds / 1e6, fragments as f64 / pixels))
 }
 
-/// Marching with the settings of `render`.
+/// Returns the speed of marching with the settings of `render`, in millions of pixels per second.
 fn marched(field: &LightField, size: u32) -> Result<f64> {
     let all: Vec<usize> = (0..field.views.len()).collect();
     let views = ActiveViews::new(field, &all, eye(field));

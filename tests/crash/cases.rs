@@ -1,15 +1,15 @@
-//! Command lines that write, as small as they can be.
+//! Command lines that write files, with minimal inputs.
 
-/// A command line, in a folder of its own.
+/// A command line, which runs in its own folder.
 pub struct Case {
     pub line: &'static str,
-    /// Whether it has `--resume`.
+    /// True if the command has `--resume`.
     pub resumes: bool,
-    /// Whether it may run again over its outputs.
+    /// True if the command may run again over its outputs.
     pub is_repeatable: bool,
-    /// Commands before it, in the same folder.
+    /// Commands that run first, in the same folder.
     pub before: &'static [&'static str],
-    /// Names that are removed after them.
+    /// Files that are removed after `before`.
     pub without: &'static [&'static str],
 }
 
@@ -21,7 +21,7 @@ const fn resumed(line: &'static str) -> Case {
     Case { resumes: true, ..case(line) }
 }
 
-/// What the commands read.
+/// Commands that create the inputs.
 pub const INPUTS: &[&str] = &[
     "capture interior --position=-0.3,1.5,0 --size 16 --frames 0-2 --aov depth,material -o room -q",
     "encode room -o room.lfold --clip -q",
@@ -68,7 +68,7 @@ pub const CASES: &[Case] = &[
     case("quilt ../inputs/v/%04d.png -o q.png -q"),
     resumed("simplify ../inputs/room --triangles 300 --effort fast -o room.glb -q"),
     resumed("simplify ../inputs/room --triangles 300 --effort fast -o room.obj -q"),
-    // Its charts show times.
+    // Not resumed: the charts show times, which differ between runs.
     case("simplify ../inputs/room --triangles 300 --effort fast -o room.glb --plot plots -q"),
     resumed("interpolate interior --eye 0,1,0 --look-at 2,1,0 --views 4 --baseline 0.3 --size 8 -o v/%04d.png -q"),
     resumed(

@@ -1,4 +1,4 @@
-//! A disk that loses power: what reached it, and what a system may or may not have written since.
+//! Model of a disk that loses power: the synced state, and the states that a file system may have written since.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fs;
@@ -6,20 +6,20 @@ use std::path::{Component, Path, PathBuf};
 
 use lightfold::files::record::Operation;
 
-/// Files by their names, and folders.
+/// File contents by path; `None` for folders.
 pub type Names = BTreeMap<PathBuf, Option<Vec<u8>>>;
 
 type Inode = usize;
 
 #[derive(Clone)]
 struct Content {
-    /// As programs see it.
+    /// Content as programs read it.
     now: Vec<u8>,
-    /// When it was last synced, if it was.
+    /// Content at the last sync; `None` if the file was never synced.
     synced: Option<Vec<u8>>,
 }
 
-/// A change of names that a crash may undo.
+/// A change of directory entries that a crash may undo.
 #[derive(Clone)]
 enum Change {
     Put(PathBuf, Option<Inode>),
@@ -36,13 +36,13 @@ impl Change {
     }
 }
 
-/// What becomes of bytes that were not synced.
+/// Part of the unsynced bytes that a crash loses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lost {
     Nothing,
     Everything,
     SecondHalf,
-    /// The length was written, and no byte.
+    /// The new length was written, but all unsynced bytes are zero.
     Values,
 }
 
@@ -62,13 +62,14 @@ fn parent(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new(""))
 }
 
-/// A path below the working directory, without `.` in it.
+/// Returns a path relative to the working directory, without `.`.
 fn plain(path: &Path) -> PathBuf {
     let here = std::env::current_dir().unwrap();
     path.strip_prefix(here).unwrap_or(path).components().filter(|part| *part != Component::CurDir).collect()
 }
 
-/// Names reach the disk on their own: those in a folder whose own name did not are found once it does ([`reachable`]).
+/// Applies one change of directory entries. Changes reach the disk independently: an entry whose folder did not reach the disk is
+/// kept, and found once the folder exists ([`reachable`]).
 fn apply(tree: &mut Tree, change: &Change) {
     match change {
         Change::Put(path, inode) => {
@@ -81,7 +82,7 @@ fn apply(tree: &mut Tree, change: &Change) {
             let moved: Vec<PathBuf> = tree.keys().filter(|name| name.starts_with(from)).cloned().collect();
             for name in moved {
                 let inode = tree.remove(&name).unwrap();
-                // Joining an empty path would end in a slash.
+                // Joining an empty path would append a slash.
                 let below = name.strip_prefix(from).unwrap();
                 tree.insert(if below == Path::new("") { to.clone() } else { to.join(below) }, inode);
             }
@@ -89,7 +90,7 @@ fn apply(tree: &mut Tree, change: &Change) {
     }
 }
 
-/// Names whose folders are there.
+/// Returns the entries whose folders exist.
 fn reachable(tree: &Tree) -> Tree {
     let has_folders = |path: &Path| {
         let mut above = path.ancestors().skip(1).filter(|above| *above != Path::new(""));
@@ -99,7 +100,7 @@ fn reachable(tree: &Tree) -> Tree {
 }
 
 impl Disk {
-    /// A disk with what is there before a command.
+    /// Returns a disk with the files that exist before a command, all synced.
     pub fn of(names: &Names) -> Disk {
         let mut disk = Disk {
             contents: Vec::new(),
@@ -130,7 +131,7 @@ impl Disk {
         self.contents[inode].synced = Some(self.contents[inode].now.clone());
     }
 
-    /// What the recorded operation does.
+    /// Applies a recorded operation.
     pub fn perform(&mut self, operation: &Operation) {
         match operation {
             Operation::Open { handle, path, is_emptied } => {
@@ -175,19 +176,20 @@ impl Disk {
         }
     }
 
-    /// What programs read in a file.
+    /// Returns a file's content as programs read it.
     pub fn content(&self, path: &Path) -> Option<&[u8]> {
         let inode = (*self.now.get(&plain(path))?)?;
         Some(&self.contents[inode].now)
     }
 
-    /// What programs see.
+    /// Returns all files and folders as programs see them.
     pub fn names(&self) -> Names {
         let content = |inode: &Option<Inode>| inode.map(|inode| self.contents[inode].now.clone());
         self.now.iter().map(|(path, inode)| (path.clone(), content(inode))).collect()
     }
 
-    /// What may be found after a crash: changes of names that happened, and what was lost of unsynced files.
+    /// Returns the possible states after a crash: a subset of the pending changes of directory entries, with each kind of loss of
+    /// unsynced bytes. Each has a description.
     pub fn crashes(&self) -> Vec<(String, Names)> {
         let all = self.pending.len();
         let mut chosen: Vec<(String, Vec<usize>)> = vec![
@@ -216,7 +218,7 @@ fn after(content: &Content, lost: Lost) -> Vec<u8> {
     if content.synced.as_ref() == Some(&content.now) {
         return content.now.clone();
     }
-    // What was synced stays where a file has grown.
+    // Synced bytes survive if the file has only grown since the sync.
     let kept = content.synced.as_ref().filter(|synced| content.now.starts_with(synced)).map_or(0, Vec::len);
     match lost {
         Lost::Nothing => content.now.clone(),
@@ -230,7 +232,7 @@ fn after(content: &Content, lost: Lost) -> Vec<u8> {
     }
 }
 
-/// Everything below a folder.
+/// Returns all files and folders below a folder.
 pub fn read(folder: &Path) -> Names {
     fn add(folder: &Path, below: &Path, names: &mut Names) {
         for entry in fs::read_dir(folder).unwrap() {
@@ -249,7 +251,7 @@ pub fn read(folder: &Path) -> Names {
     names
 }
 
-/// Makes a folder hold these names, and nothing else.
+/// Replaces the content of a folder by these files and folders.
 pub fn write(folder: &Path, names: &Names) {
     let _ = fs::remove_dir_all(folder);
     fs::create_dir_all(folder).unwrap();

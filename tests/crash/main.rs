@@ -1,9 +1,9 @@
-//! Every command that writes, with the power cut after each of its operations on files.
+//! Crash tests of every command that writes files: power fails after each of its file operations.
 //!
-//! A command runs in this process while `lightfold::files` records what it does. Each prefix of the record is a moment at which
-//! the power may fail; what the disk then holds follows from a model of one that is free in everything that was not synced
-//! ([`disk`]). Whatever that is, each output is the previous file, the whole new one, or none; once the command has ended it is the
-//! new one; and `--resume` makes of it the bytes of a command that was not interrupted.
+//! A command runs in this process while `lightfold::files` records its operations. Each prefix of the record is a point at which
+//! power may fail. The states that the disk may then have are given by a model in which everything that was not synced may be
+//! lost ([`disk`]). In each state, every output is the previous file, the complete new file, or missing. After the command has
+//! ended it is the new file, and `--resume` produces the bytes of an uninterrupted run.
 
 #![allow(clippy::disallowed_methods)]
 
@@ -24,18 +24,18 @@ use lightfold::files::record::{Operation, record};
 
 type Outcome = Result<(), Box<dyn Error>>;
 
-/// Crashed states that a command resumes from, for each of the losses.
+/// Number of crashed states to resume from, per kind of loss.
 const RESUMED: usize = 6;
 
 fn main() -> ExitCode {
-    // `tradeoff` runs commands with the program that it is part of.
+    // `tradeoff` starts commands with its own executable, which is this program.
     let words: Vec<OsString> = std::env::args_os().collect();
     let is_command = |word: &OsString| !word.to_string_lossy().starts_with('-') && std::env::var_os(CHILD).is_some();
     if words.get(1).is_some_and(is_command) {
         return lightfold::run_command_line(words);
     }
     let mut arguments = Arguments::from_args();
-    // They change the working directory.
+    // Cases change the working directory of the process, so they cannot run in parallel.
     arguments.test_threads = Some(1);
     if arguments.list {
         return libtest_mimic::run(&arguments, trials(PathBuf::new())).exit_code();
@@ -53,7 +53,7 @@ fn main() -> ExitCode {
     conclusion.exit_code()
 }
 
-/// Set for the processes that `tradeoff` starts.
+/// Environment variable that is set for the processes that `tradeoff` starts.
 const CHILD: &str = "LIGHTFOLD_ENDS_WITH_INPUT";
 
 fn trials(base: PathBuf) -> Vec<Trial> {
@@ -103,7 +103,7 @@ impl Case {
         Ok(names)
     }
 
-    /// The outputs as an earlier run of other content may have left them.
+    /// Returns the outputs as an earlier run with different content may have left them.
     fn older(&self, before: &Names, after: &Names) -> Names {
         let mut names = after.clone();
         for (name, bytes) in &mut names {
@@ -117,7 +117,7 @@ impl Case {
         names
     }
 
-    /// Whether the command does not look at what an earlier run wrote there.
+    /// True if the command does not read an existing output of this name.
     fn may_age(&self, name: &Path) -> bool {
         name.extension().is_none_or(|end| end != "json" && end != "csv")
     }
@@ -126,7 +126,7 @@ impl Case {
     fn replay(&self, before: &Names, operations: &[Operation], after: &Names) -> Outcome {
         let mut disk = Disk::of(before);
         let mut seen = BTreeSet::new();
-        // Some commands replace a file by a better one as they go; all are whole.
+        // Some commands replace an output more than once, each time by a better one; every version is complete.
         let mut whole = [before, after].map(Clone::clone).to_vec();
         for (at, operation) in operations.iter().enumerate() {
             disk.perform(operation);
@@ -164,10 +164,11 @@ impl Case {
         Ok(())
     }
 
-    /// Resumes from some of the crashes.
+    /// Resumes from a sample of the crashed states.
     fn resume(&self, folder: &Path, before: &Names, operations: &[Operation], after: &Names) -> Outcome {
         let mut disk = Disk::of(before);
-        // Most operations are writes of a few bytes: those that change names or sync tell states apart.
+        // Most operations are writes of a few bytes. Crash points are chosen among the others, such as renames and syncs, where
+        // states differ.
         let telling: Vec<usize> = (0..operations.len())
             .filter(|&at| !matches!(operations[at], Operation::Write { .. } | Operation::CreateFolder { .. }))
             .collect();
@@ -192,8 +193,8 @@ impl Case {
     }
 }
 
-/// Each file is as in one of these, of which the first is before the command and the second after it, or missing; hidden ones may be
-/// unfinished.
+/// Checks that each file has its content in one of `whole`, whose first element is the state before the command and whose second
+/// is the state after it, or is missing. Hidden files may be incomplete.
 fn check(whole: &[Names], crashed: &Names) -> Result<(), String> {
     for (name, bytes) in crashed {
         let is_hidden = name.iter().any(|part| part.to_string_lossy().starts_with('.'));
@@ -201,7 +202,7 @@ fn check(whole: &[Names], crashed: &Names) -> Result<(), String> {
             return Err(format!("{} is neither the old file nor the new one", name.display()));
         }
     }
-    // What was there and stays is there at any time.
+    // A file that exists before and after the command also exists in each crashed state.
     let (before, after) = (&whole[0], &whole[1]);
     match before.keys().find(|name| after.contains_key(*name) && !crashed.contains_key(*name)) {
         Some(lost) => Err(format!("{} is lost", lost.display())),
@@ -209,7 +210,7 @@ fn check(whole: &[Names], crashed: &Names) -> Result<(), String> {
     }
 }
 
-/// Tells states apart.
+/// Returns a key that identifies a state: paths, and CRC-32s of the files.
 fn crc(names: &Names) -> Vec<(PathBuf, Option<u32>)> {
     names.iter().map(|(name, bytes)| (name.clone(), bytes.as_ref().map(|bytes| crc32fast::hash(bytes)))).collect()
 }

@@ -1,4 +1,4 @@
-//! The decoder alone, by the public API: `cargo test --test decoder --no-default-features`.
+//! Tests of the decoder alone, through the public API: `cargo test --test decoder --no-default-features`.
 
 #![allow(clippy::disallowed_methods)]
 
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use lightfold::{Decoder, PixelsMut, StreamInfo, StreamKind, f16};
 
-/// Frozen containers of a folder of tests/vectors, in order.
+/// Returns the frozen containers of a folder of tests/vectors, sorted by path.
 fn vectors(folder: &str) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors").join(folder);
     let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
@@ -16,7 +16,7 @@ fn vectors(folder: &str) -> Vec<PathBuf> {
     files
 }
 
-/// The bytes of an image that the CRC-32 of a vector is of: little-endian codes, samples or half floats.
+/// Returns the bytes of an image over which a vector's CRC-32 is computed: little-endian codes, samples or half floats.
 fn image_bytes(decoder: &Decoder, stream: &StreamInfo, frame: u32) -> Vec<u8> {
     let [width, height] = stream.size().map(|side| side as usize);
     let mut face = decoder.face(stream);

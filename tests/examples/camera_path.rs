@@ -1,7 +1,7 @@
 //! Decodes only the tiles that a moving camera sees, frame by frame: `cargo run --example camera_path`.
 //!
-//! The container, made in memory, has one probe with a cube map of depth. The camera stands at the probe and turns around the
-//! vertical axis; a tile is visible where the direction of any of its corners or of its centre is in the field of view.
+//! The container is created in memory and has one probe with a cube map of depth. The camera is at the probe and turns around the
+//! vertical axis. A tile is treated as visible if the direction of any of its corners or of its centre is in the field of view.
 
 use lightfold::{Decoder, Encoder, Face, PixelsMut, ProbePose, Result};
 
@@ -37,7 +37,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Cosine of the angle between a direction and that of a point of a face, in pixels.
+/// Returns the cosine of the angle between `forward` and the direction of a point of a face, given in pixels.
 fn cosine(face: Face, [x, y]: [f64; 2], forward: [f64; 3]) -> f64 {
     let [ahead, right, down] = face.axes();
     let on_plane = |pixels: f64| 2.0 * pixels / f64::from(SIDE) - 1.0;
@@ -45,7 +45,7 @@ fn cosine(face: Face, [x, y]: [f64; 2], forward: [f64; 3]) -> f64 {
     direction.to_array().iter().zip(forward).map(|(a, b)| a * b).sum()
 }
 
-/// A cube map of depth in which each face has its own distance.
+/// Returns a container with a cube map of depth in which each face has a different distance.
 fn sample() -> Result<Vec<u8>> {
     let mut encoder = Encoder::new("sample", 24.0);
     let probe = encoder.add_probe("00", ProbePose::default())?;

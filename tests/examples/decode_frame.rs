@@ -1,5 +1,5 @@
-//! Decodes one frame of every stream of a container, and prints what it holds: `cargo run --example decode_frame FILE.lfold`.
-//! Without a file it makes a small container in memory.
+//! Decodes one frame of every stream of a container and prints a statistic of it: `cargo run --example decode_frame FILE.lfold`.
+//! Without a file, it creates a small container in memory.
 
 use lightfold::{Decoder, Encoder, Face, PixelsMut, ProbePose, Result, StreamKind, f16};
 
@@ -42,7 +42,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Two frames of a probe with one view.
+/// Returns a container with two frames of a probe with a single view.
 fn sample() -> Result<Vec<u8>> {
     let size = [32, 16];
     let mut encoder = Encoder::new("sample", 24.0);

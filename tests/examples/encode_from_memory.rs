@@ -1,5 +1,5 @@
-//! Encodes frames that a program makes itself, here a ball that moves before a wall, as a cube map of depth and colour:
-//! `cargo run --example encode_from_memory [OUT.lfold]`.
+//! Encodes frames generated in memory, of a ball that moves in front of a wall, as a cube map of depth and colour: `cargo run
+//! --example encode_from_memory [OUT.lfold]`.
 
 #![allow(clippy::disallowed_methods)]
 
@@ -45,7 +45,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Distances in metres and linear light of a frame: the same in all directions.
+/// Returns distances in metres and linear RGB of a frame; all faces have the same image.
 fn image(frame: u32) -> (Vec<f32>, Vec<[f16; 3]>) {
     let center = [16.0 + 4.0 * frame as f32, 32.0];
     let pixels = (0..SIDE * SIDE).map(|at| [(at % SIDE) as f32, (at / SIDE) as f32]);

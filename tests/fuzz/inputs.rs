@@ -1,4 +1,4 @@
-//! Mutated inputs of each target: input `number` of a seed is always the same bytes.
+//! Mutated inputs of each target, generated deterministically: seed and input number determine the bytes.
 
 use std::sync::Arc;
 
@@ -13,11 +13,11 @@ use crate::seeds;
 use crate::targets::stream::Case;
 use crate::targets::{Target, journal};
 
-/// Makes the inputs of one target.
+/// Generator of the inputs of one target.
 pub struct Inputs {
     kind: Kind,
     seeds: Vec<Vec<u8>>,
-    /// Containers: taken apart. Manifests and cameras: as values.
+    /// Parsed seeds: index and stored payloads of containers, and the values of JSON files.
     parts: Vec<(Index, Vec<u8>)>,
     values: Vec<Value>,
     seed: u64,
@@ -36,7 +36,7 @@ enum Kind {
 }
 
 impl Inputs {
-    /// Of a target, from a seed.
+    /// Creates the generator of a target. `seed` determines all its inputs.
     pub fn new(target: &Target, seed: u64) -> Inputs {
         let (kind, seeds) = match target.name {
             "container" => {
@@ -81,7 +81,7 @@ impl Inputs {
         Inputs { kind, seeds, parts, values, seed: seed ^ u64::from(crc32fast::hash(target.name.as_bytes())) << 32 }
     }
 
-    /// Input `at`. The first ones are the seeds themselves.
+    /// Returns input `at`. The first inputs are the seeds, unchanged.
     pub fn get(&self, at: u64) -> Vec<u8> {
         if let Some(seed) = self.seeds.get(at as usize) {
             return seed.clone();
@@ -115,7 +115,7 @@ impl Inputs {
         input
     }
 
-    /// A container whose index, payloads or both are changed, with right CRC-32s.
+    /// Returns a container with a mutated index, mutated payloads or both, and correct CRC-32s.
     fn index(&self, chosen: usize, random: &mut Random) -> Vec<u8> {
         if random.below(3) == 0 {
             let from: &Vec<u8> = pick(&self.seeds, random);
@@ -152,7 +152,7 @@ impl Inputs {
     }
 }
 
-/// Changes a field of the index, or exchanges rows.
+/// Changes a field of the index, or swaps rows.
 fn change_index(index: &mut Index, random: &mut Random) {
     let value = number(random);
     let word = value as u32;
@@ -185,7 +185,7 @@ fn change_index(index: &mut Index, random: &mut Random) {
         2 => chunk.raw_bytes = word,
         3 => chunk.key.first_frame = word,
         4 => chunk.key.frame_count = word,
-        // Where another one lies: payloads of streams are exchanged.
+        // The chunk takes the stored bytes of another: streams swap payloads.
         5 | 6 => *chunk = ChunkEntry { key: chunk.key, ..taken },
         _ => index.chunks.swap(at, other),
     }
@@ -213,7 +213,7 @@ fn change_stream(stream: &mut StreamEntry, word: u32, random: &mut Random) {
     }
 }
 
-/// Gives a stream the chunks that its sizes call for, from those that it had.
+/// Gives a stream as many chunks as its sizes require, taken from its existing chunks.
 fn cover(index: &mut Index, stream: u32, random: &mut Random) {
     let entry = &index.streams[stream as usize];
     if [entry.width, entry.height, entry.unit_width, entry.unit_height, entry.frame_count].contains(&0) {
@@ -233,7 +233,7 @@ fn cover(index: &mut Index, stream: u32, random: &mut Random) {
     index.chunks.sort_by_key(|chunk| chunk.key);
 }
 
-/// Puts the first stream of another container behind those of this one.
+/// Appends the first stream of another container to this one.
 fn splice(index: &mut Index, stored: &mut Vec<u8>, (other, other_stored): &(Index, Vec<u8>)) {
     let Some(stream) = other.streams.first() else { return };
     if index.probes.is_empty() {
@@ -261,7 +261,7 @@ fn case(input: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
         match random.below(12) {
             0 => case.sizes[random.below(4) as usize] = random.below(192) as u16,
             1 => {
-                // Units of 4x4, and images of many.
+                // Units of 4x4 pixels, of which an image has many.
                 case.sizes = [random.below(64), random.below(64), 3, 3].map(|side| side as u16);
             }
             2 => case.frames = number(random) as u8,
@@ -287,12 +287,12 @@ fn case(input: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
     case.write()
 }
 
-/// Changes the head of a chunk of an OpenEXR file and the counters behind it, or bytes of its payload.
+/// Changes the header of a chunk of an OpenEXR file, the counters after it, or bytes of its payload.
 fn exr_chunk(file: &mut [u8], random: &mut Random) {
     let places = seeds::exr_chunks(file);
     for _ in 0..=random.below(3) {
         let start = *pick(&places, random);
-        // Up to five words of 4 bytes before the payload, and eleven counters of 8 bytes in that of DWA.
+        // The payload is preceded by up to five 4-byte words; a DWA payload starts with eleven 8-byte counters.
         let (at, width) = match random.below(4) {
             0 => (start + 4 * random.below(7) as usize, 4),
             1 | 2 => (start + 4 * random.below(28) as usize, 8),
@@ -311,7 +311,7 @@ fn exr_chunk(file: &mut [u8], random: &mut Random) {
     }
 }
 
-/// Gives each chunk of a PNG file the CRC-32 of its bytes.
+/// Gives each chunk of a PNG file its correct CRC-32.
 fn repair_png(file: &mut [u8]) {
     let mut at = 8;
     while let Some(length) = file.get(at..at + 4).and_then(|bytes| bytes.try_into().ok()).map(u32::from_be_bytes) {
@@ -325,7 +325,7 @@ fn repair_png(file: &mut [u8]) {
     }
 }
 
-/// Gives every record of a journal, up to one that does not fit, its right CRC-32.
+/// Gives each record of a journal its correct CRC-32, up to the first record that exceeds the journal.
 fn repair_journal(input: &mut [u8]) {
     let length = journal::parts(input).0.len();
     let Some(journal) = input.get_mut(4..4 + length) else { return };

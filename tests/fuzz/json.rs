@@ -1,11 +1,11 @@
-//! Changes to JSON: keys dropped, doubled and renamed, numbers made extreme, strings made odd, values exchanged.
+//! Mutations of JSON: missing, duplicate and renamed keys, extreme numbers, unusual strings, exchanged values.
 
 use serde_json::{Map, Value};
 
 use crate::mutate::{self, pick};
 use crate::samples::Random;
 
-/// Stands for the name of a key that is to occur twice.
+/// Prefix of the name of a duplicate key; it is removed from the text.
 const TWIN: &str = "\u{1}twin of ";
 
 const NUMBERS: [&str; 18] = [
@@ -54,7 +54,7 @@ const STRINGS: [&str; 22] = [
     "x.\u{7f}.%d",
 ];
 
-/// The text of a changed value.
+/// Returns the text of a mutated value.
 pub fn mutate(value: &Value, random: &mut Random) -> Vec<u8> {
     let mut value = value.clone();
     for _ in 0..=random.below(3) {
@@ -67,7 +67,7 @@ pub fn mutate(value: &Value, random: &mut Random) -> Vec<u8> {
     }
     let mut text = value.to_string().replace("\\u0001twin of ", "");
     if random.below(4) == 0 {
-        // Numbers that a value cannot hold.
+        // Numbers that `Value` cannot represent are inserted as text.
         let digits: Vec<usize> = text.match_indices(|c: char| c.is_ascii_digit()).map(|(at, _)| at).collect();
         if !digits.is_empty() {
             let start = *pick(&digits, random);

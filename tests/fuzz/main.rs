@@ -1,6 +1,6 @@
-//! Parsers against inputs that are mutated from good ones.
+//! Fuzz tests of the parsers, with inputs mutated from valid ones.
 //!
-//! As a test, a fixed number of inputs of each target. `scripts/fuzz` runs any number of them: with `--long`, this program
+//! The test runs a fixed number of inputs of each target. `scripts/fuzz` runs any number of them: with `--long`, this program
 //! runs a share of one target's inputs and prints a line of JSON.
 
 #![allow(clippy::disallowed_methods)]
@@ -32,12 +32,12 @@ use targets::{TARGETS, Target};
 #[global_allocator]
 static ALLOCATED: PeakAlloc = PeakAlloc;
 
-/// The seed of the test.
+/// Seed of the test.
 const SEED: u64 = 1;
-/// Inputs that were findings once: targets, and how many are kept in `regressions/TARGET`.
+/// Kept regression inputs: targets, and number of files in `regressions/TARGET`.
 const KEPT: &[(&str, usize)] = &[("exr", 6)];
 
-/// Where an input that something is wrong with is kept.
+/// Writes an input that caused a finding to a file and returns its path.
 fn kept(target: &Target, input: &[u8]) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("fuzz");
     fs::create_dir_all(&folder).expect("a folder for findings");
@@ -60,7 +60,7 @@ fn test(target: &'static Target) -> Result<(), Failed> {
     Ok(())
 }
 
-/// Inputs that were findings once.
+/// Checks that the regression inputs of `KEPT` exist and no longer cause findings.
 fn regressions() -> Result<(), Failed> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/regressions");
     for entry in fs::read_dir(&folder)? {
@@ -85,7 +85,7 @@ fn regressions() -> Result<(), Failed> {
     Ok(())
 }
 
-/// Two machines make the same inputs of a seed.
+/// Checks that a seed determines the inputs of all targets.
 fn inputs_follow_from_the_seed() -> Result<(), Failed> {
     for target in TARGETS {
         let (one, two, other) = (Inputs::new(target, 7), Inputs::new(target, 7), Inputs::new(target, 8));
@@ -98,7 +98,7 @@ fn inputs_follow_from_the_seed() -> Result<(), Failed> {
     Ok(())
 }
 
-/// Options of the long form.
+/// Options of `--long`.
 #[derive(Default)]
 struct Long {
     target: String,
@@ -139,7 +139,7 @@ impl Long {
             return Ok(0);
         }
         if self.target == "bounds" {
-            // What the largest of some inputs may take.
+            // Prints, for each target, the maximum memory bound over 500 inputs.
             for target in TARGETS {
                 let inputs = Inputs::new(target, self.seed);
                 let bytes = (0..500).map(|at| (target.bound)(&inputs.get(at))).max().unwrap_or_default();
@@ -164,7 +164,7 @@ impl Long {
             self.progress.as_ref().map(fs::File::create).transpose().map_err(|error| error.to_string())?;
         let started = |number: u64| {
             if let Some(file) = &mut progress {
-                // A parent that finds this process dead reads there which input it was.
+                // If this process dies, the parent process reads the number of the input from this file.
                 let _ = file.rewind().and_then(|()| file.write_all(&number.to_le_bytes()));
             }
         };
@@ -186,7 +186,7 @@ impl Long {
 }
 
 fn main() {
-    // Inputs are small: to wake other threads would take longer than to run them.
+    // Inputs are small, so waking other threads would take longer than running them.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     if let Some(("--long", rest)) = arguments.split_first().map(|(first, rest)| (first.as_str(), rest)) {
@@ -197,7 +197,7 @@ fn main() {
         });
         std::process::exit(code);
     }
-    // One at a time: memory is that of the process.
+    // One test at a time, because memory is measured for the whole process.
     let arguments = Arguments { test_threads: Some(1), ..Arguments::from_args() };
     run::keep_panics();
     let mut trials: Vec<Trial> =

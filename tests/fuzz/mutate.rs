@@ -1,8 +1,8 @@
-//! Changes to inputs: towards values that break things. Everything follows from a seed.
+//! Deterministic mutations of byte inputs, biased towards boundary values.
 
 use crate::samples::Random;
 
-/// Integers that limits are made of.
+/// Integers at and near common limits.
 const EXTREME: [u64; 16] = [
     0,
     1,
@@ -22,17 +22,17 @@ const EXTREME: [u64; 16] = [
     u64::MAX,
 ];
 
-/// A place in a slice of `length`, which is not 0.
+/// Returns a random index into a slice of `length` elements. `length` is not 0.
 pub fn place(length: usize, random: &mut Random) -> usize {
     random.below(u32::try_from(length).unwrap_or(u32::MAX)) as usize
 }
 
-/// One of some things.
+/// Returns a random element.
 pub fn pick<'a, T>(all: &'a [T], random: &mut Random) -> &'a T {
     &all[place(all.len(), random)]
 }
 
-/// An integer of any size, most often a special one.
+/// Returns a random integer of any size, usually a boundary value.
 pub fn number(random: &mut Random) -> u64 {
     match random.below(4) {
         0 => u64::from(random.below(300)),
@@ -42,7 +42,7 @@ pub fn number(random: &mut Random) -> u64 {
     }
 }
 
-/// Changes up to four things in some bytes; `other` is what may be spliced in.
+/// Applies one to four mutations to `input`; `other` is a source of bytes to splice in.
 pub fn bytes(input: &mut Vec<u8>, other: &[u8], random: &mut Random) {
     let count = 1 + random.below(4);
     for _ in 0..count {
@@ -69,7 +69,7 @@ fn one(input: &mut Vec<u8>, other: &[u8], random: &mut Random) {
             input[at..end].copy_from_slice(&value[..end - at]);
         }
         11 => {
-            // A field moved by a little.
+            // Changes a 32-bit field by -4 to 4.
             let end = (at + 4).min(input.len());
             let mut word = [0; 4];
             word[..end - at].copy_from_slice(&input[at..end]);
@@ -99,7 +99,7 @@ fn one(input: &mut Vec<u8>, other: &[u8], random: &mut Random) {
             input.splice(at..end, other[from..from + count].iter().copied());
         }
         _ => {
-            // A part of the input twice.
+            // Duplicates a part of the input.
             let count = (1 + random.below(40) as usize).min(input.len() - at);
             let part = input[at..at + count].to_vec();
             let to = place(input.len(), random);
@@ -108,7 +108,7 @@ fn one(input: &mut Vec<u8>, other: &[u8], random: &mut Random) {
     }
 }
 
-/// As [`bytes`], with most changes in the first `front` bytes, where headers are.
+/// Like [`bytes`], but most mutations are in the first `front` bytes, which contain the headers.
 pub fn header(input: &mut Vec<u8>, front: usize, other: &[u8], random: &mut Random) {
     if random.below(3) == 0 {
         return bytes(input, other, random);

@@ -1,4 +1,4 @@
-//! Runs inputs and watches what they take: panics, memory, time.
+//! Runs inputs, and checks them for panics, memory and time.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
@@ -8,13 +8,13 @@ use crate::ALLOCATED;
 use crate::inputs::Inputs;
 use crate::targets::{Target, Verdict};
 
-/// Seconds that one input may take. They are few so that one that runs on is noticed, and many for a busy machine.
+/// Maximum seconds per input: short enough to detect an input that does not end, long enough for a busy machine.
 pub const MAX_SECONDS: f64 = 20.0;
 
-/// The last panic's words and place.
+/// Message and location of the last panic.
 static PANIC: Mutex<String> = Mutex::new(String::new());
 
-/// Keeps panics' words instead of printing them.
+/// Installs a panic hook that stores messages instead of printing them.
 pub fn keep_panics() {
     std::panic::set_hook(Box::new(|info| {
         if let Ok(mut words) = PANIC.lock() {
@@ -23,27 +23,28 @@ pub fn keep_panics() {
     }));
 }
 
-/// What running some inputs came to.
+/// Results of running a number of inputs.
 #[derive(Debug, Clone, Default)]
 pub struct Figures {
     pub execs: u64,
     pub accepted: u64,
-    /// The largest share of its bound that an input took.
+    /// Maximum of memory relative to the bound of an input.
     pub memory_share: f64,
-    /// The most bytes that an input took.
+    /// Maximum memory of an input in bytes.
     pub memory_bytes: u64,
     pub slowest_seconds: f64,
     pub seconds: f64,
 }
 
-/// An input that something is wrong with.
+/// An input that caused a failure.
 #[derive(Debug, Clone)]
 pub struct Finding {
     pub number: u64,
     pub what: String,
 }
 
-/// Runs one input; answers the verdict, the memory that it took and the share of its bound, and the seconds.
+/// Runs one input and returns the verdict, the bytes of memory, their ratio to the bound, and the seconds. Fails for a panic, or
+/// if a bound is exceeded.
 pub fn exec(target: &Target, input: &[u8]) -> Result<(Verdict, u64, f64, f64), String> {
     let before = ALLOCATED.current_usage();
     ALLOCATED.reset_peak_usage();
@@ -68,7 +69,7 @@ pub fn exec(target: &Target, input: &[u8]) -> Result<(Verdict, u64, f64, f64), S
     Ok((verdict, bytes, bytes as f64 / bound as f64, seconds))
 }
 
-/// Runs inputs of a seed; `started` learns the number of each before it runs.
+/// Runs the inputs of a generator; `started` is called with the number of each input before it runs.
 pub fn run(
     target: &Target,
     inputs: &Inputs,

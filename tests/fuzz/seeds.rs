@@ -1,4 +1,4 @@
-//! Good inputs, from which mutated ones are made: the frozen vectors, small containers, images and texts.
+//! Valid inputs from which mutated ones are generated: the frozen vectors, small containers, images and text files.
 
 use std::fs;
 use std::path::Path;
@@ -34,7 +34,7 @@ use crate::targets::cameras::{BETWEEN, SETTINGS as CAMERA_SETTINGS};
 use crate::targets::stream::Case;
 use crate::targets::transform;
 
-/// Containers of a folder of frozen vectors.
+/// Returns the containers of a folder of frozen vectors.
 pub fn vectors(name: &str) -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors").join(name);
     let mut paths: Vec<_> =
@@ -44,7 +44,7 @@ pub fn vectors(name: &str) -> Vec<Vec<u8>> {
     paths.iter().map(|path| fs::read(path).expect("a vector")).collect()
 }
 
-/// Valid containers that are small, so that one costs little time.
+/// Returns small valid containers, which run fast.
 pub fn containers() -> Vec<Vec<u8>> {
     let mut all = vectors("valid");
     all.retain(|file| file.len() < 12 << 10);
@@ -62,7 +62,7 @@ pub fn containers() -> Vec<Vec<u8>> {
     all
 }
 
-/// The streams of a codec in the vectors, taken apart.
+/// Returns the streams of a codec in the vectors as cases of the target `stream`.
 pub fn cases(codec: [u8; 4]) -> Vec<Vec<u8>> {
     let mut all = Vec::new();
     for file in vectors("valid") {
@@ -96,7 +96,7 @@ pub fn cases(codec: [u8; 4]) -> Vec<Vec<u8>> {
     all
 }
 
-/// Payloads of the transform codec in the vectors, with the table sets of their streams.
+/// Returns the transform payloads of the vectors, with the table sets of their streams.
 pub fn transforms() -> Vec<Vec<u8>> {
     let mut all = Vec::new();
     for file in vectors("valid") {
@@ -119,7 +119,7 @@ pub fn transforms() -> Vec<Vec<u8>> {
     all.iter().map(transform::Case::write).collect()
 }
 
-/// A stream's own table sets after their number, as its codec header has them; nothing where it has none.
+/// Returns the number of a stream's own table sets and the sets, as in its codec header; empty if it has none.
 fn own_sets_of(stream: &StreamEntry) -> Vec<u8> {
     let CodecHeader::Color(header) = CodecHeader::read(stream).expect("a valid header") else { return Vec::new() };
     let ColorCoding::Transform(tables) = header.coding else { return Vec::new() };
@@ -131,12 +131,12 @@ fn own_sets_of(stream: &StreamEntry) -> Vec<u8> {
     bytes
 }
 
-/// LZMA2 streams after their sizes.
+/// Returns LZMA2 streams, each preceded by its uncompressed size.
 pub fn lzma2() -> Vec<Vec<u8>> {
     compressed(|raw| compression::lzma2(raw, 6, PayloadKind::Mixed).expect("LZMA2"))
 }
 
-/// Zstandard frames after their sizes.
+/// Returns Zstandard frames, each preceded by its uncompressed size.
 pub fn zstd() -> Vec<Vec<u8>> {
     [1, 19].into_iter().flat_map(|level| compressed(|raw| compression::zstd(raw, level).expect("Zstandard"))).collect()
 }
@@ -154,7 +154,8 @@ fn compressed(compress: impl Fn(&[u8]) -> Vec<u8>) -> Vec<Vec<u8>> {
     raws.iter().map(stream).collect()
 }
 
-/// OpenEXR files in every compression, in lines and tiles, of halves, floats and integers, of one layer and of several.
+/// Returns OpenEXR files in every compression, in scan lines and tiles, with half, float and integer channels, and with one and
+/// several layers.
 pub fn exr() -> Vec<Vec<u8>> {
     let compressions = [
         Compression::Uncompressed,
@@ -183,7 +184,7 @@ pub fn exr() -> Vec<Vec<u8>> {
     all
 }
 
-/// Places of the chunks of an OpenEXR file.
+/// Returns the offsets of the chunks of an OpenEXR file.
 pub fn exr_chunks(file: &[u8]) -> Vec<usize> {
     let mut rest = std::io::Cursor::new(file);
     let meta = exr::meta::MetaData::read_from_buffered(&mut rest, true).expect("a seed is an EXR file");
@@ -213,7 +214,7 @@ fn exr_file(compression: Compression, blocks: Blocks, channels: &[(&str, char)],
     bytes.into_inner()
 }
 
-/// PNG files of 8 and 16 bits.
+/// Returns PNG files of 8 and 16 bits.
 pub fn png() -> Vec<Vec<u8>> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("p.png");
@@ -225,7 +226,7 @@ pub fn png() -> Vec<Vec<u8>> {
     all
 }
 
-/// A triangle.
+/// Returns a glTF scene of one triangle.
 fn triangle() -> Gltf {
     let mut file = Gltf::new();
     let mesh = file.triangle();
@@ -233,17 +234,15 @@ fn triangle() -> Gltf {
     file
 }
 
-/// glTF files.
 pub fn gltf() -> Vec<Vec<u8>> {
     vec![rich().text(), triangle().text()]
 }
 
-/// GLB files.
 pub fn glb() -> Vec<Vec<u8>> {
     vec![rich().glb(), triangle().glb()]
 }
 
-/// Simplified scenes.
+/// Returns simplified scenes as GLB files, with affine and with projective texture coordinates.
 pub fn quads() -> Vec<Vec<u8>> {
     let corners = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
     let mesh = Mesh {
@@ -267,17 +266,15 @@ pub fn quads() -> Vec<Vec<u8>> {
     vec![affine, written(&scene)]
 }
 
-/// OBJ files.
 pub fn obj() -> Vec<Vec<u8>> {
     vec![OBJ.into(), b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1e30\nf 1 2 3 4\nf 1// 2// -1//\n".to_vec()]
 }
 
-/// MTL files.
 pub fn mtl() -> Vec<Vec<u8>> {
     vec![MTL.into(), b"newmtl b\nKd 0.5\nillum 5\nTr 0.5\n".to_vec()]
 }
 
-/// Manifests.
+/// Returns light field manifests.
 pub fn manifests() -> Vec<Vec<u8>> {
     [
         r#"{"lightfield":1,"name":"room","fps":24,"frames":[0,9],"projection":"cubemap","size":[256,256],
@@ -300,7 +297,8 @@ pub fn manifests() -> Vec<Vec<u8>> {
     .to_vec()
 }
 
-/// Manifests of Seurat captures: perspective with far planes and without, orthographic; w of 1 and 2.
+/// Returns manifests of Seurat captures: perspective cameras with and without a far plane, orthographic ones, and matrices with w
+/// of 1 and 2.
 pub fn seurat_manifests() -> Vec<Vec<u8>> {
     let view = |clip_from_eye: &str, world_from_eye: &str, depth_type: &str| {
         format!(
@@ -325,7 +323,7 @@ pub fn seurat_manifests() -> Vec<Vec<u8>> {
     [all, format!(r#"{{"view_groups":[{}]}}"#, groups.join(","))].map(String::into_bytes).to_vec()
 }
 
-/// Files of cameras.
+/// Returns camera files.
 pub fn cameras() -> Vec<Vec<u8>> {
     [
         r#"{"cameras":[{"eye":[1,2,3],"look_at":[1,2,0],"up":[0,1,0],"fov_y_deg":90,"aspect":1.5,"frames":[2,4]},
@@ -336,7 +334,7 @@ pub fn cameras() -> Vec<Vec<u8>> {
     .to_vec()
 }
 
-/// Textures: PNG and JPEG files, in colour and in gray.
+/// Returns textures: PNG and JPEG files, in colour and in grey.
 pub fn textures() -> Vec<Vec<u8>> {
     let pixels: Vec<u8> = (0..3 * 24 * 17u32).map(|at| (at / 5 * 7 % 251) as u8).collect();
     let jpeg = |size: [u32; 2], color: ExtendedColorType, quality: u8| {
@@ -353,7 +351,7 @@ pub fn textures() -> Vec<Vec<u8>> {
     all
 }
 
-/// Files of cameras in the format of another program.
+/// Returns the camera files of [`cameras`] in another program's format.
 pub fn camera_files(format: CameraFormat) -> Vec<Vec<u8>> {
     let files = cameras();
     let read = files.iter().map(|bytes| {
@@ -371,7 +369,7 @@ pub fn camera_files(format: CameraFormat) -> Vec<Vec<u8>> {
     read.map(written).collect()
 }
 
-/// glTF files of cameras that stand, hang on other nodes, and move.
+/// Returns glTF files with static cameras, cameras below other nodes, and animated cameras.
 pub fn cameras_gltf() -> Vec<Vec<u8>> {
     [
         r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"camera":0,"name":"a","translation":[1,2,3],
@@ -390,7 +388,7 @@ pub fn cameras_gltf() -> Vec<Vec<u8>> {
     .to_vec()
 }
 
-/// A scan of two frames of depth and colour, whole and of one of two shards.
+/// Returns scans of two frames of depth and colour: of all footage, and of one of two shards.
 pub fn scans() -> Vec<Vec<u8>> {
     let folder = tempfile::tempdir().expect("a folder");
     let manifest = r#"{"lightfield":1,"name":"view","fps":24,"frames":[0,1],"projection":"perspective","size":[8,4],
@@ -415,7 +413,7 @@ pub fn scans() -> Vec<Vec<u8>> {
         .to_vec()
 }
 
-/// Entries of shards.
+/// Returns shard entries with 0, 1 and 5 streams.
 pub fn shards() -> Vec<Vec<u8>> {
     let stream = |at: u32| WholeStream {
         kind: (at % 3) as u8,
@@ -436,7 +434,7 @@ pub fn shards() -> Vec<Vec<u8>> {
         .to_vec()
 }
 
-/// The CSV of sweeps.
+/// Returns CSV files of sweeps.
 pub fn sweeps() -> Vec<Vec<u8>> {
     let knobs: Vec<&str> = CODING.knobs.iter().map(|knob| knob.key()).collect();
     let figures: Vec<&str> = CODING.measures.iter().map(|measure| measure.name).collect();
@@ -460,7 +458,7 @@ pub fn sweeps() -> Vec<Vec<u8>> {
     vec![format!("{}\n", rows.join("\n")).into_bytes(), format!("{}\n", heads.join(",")).into_bytes()]
 }
 
-/// Patterns of file names and ranges of frames.
+/// Returns file name patterns and frame ranges.
 pub fn patterns() -> Vec<Vec<u8>> {
     [
         "a/b.%04d.exr",
@@ -479,12 +477,12 @@ pub fn patterns() -> Vec<Vec<u8>> {
     .to_vec()
 }
 
-/// Journals with the containers that they speak of.
+/// Returns journals with their containers.
 pub fn journals() -> Vec<Vec<u8>> {
     [0, 3, 9].map(journal).to_vec()
 }
 
-/// One of so many chunks, two of which have the same bytes, with a note before each.
+/// Returns a journal of `chunks` chunks with a note before each, and its container. Chunks from the sixth on have equal bytes.
 fn journal(chunks: u32) -> Vec<u8> {
     let sink = Shared::default();
     let journal = Journal::start(Box::new(sink.clone()), b"what is encoded, and how");
@@ -503,7 +501,7 @@ fn journal(chunks: u32) -> Vec<u8> {
     [&(journal.len() as u32).to_le_bytes(), journal.as_slice(), &container].concat()
 }
 
-/// Bytes that two hold.
+/// Shared buffer, which implements `Write`.
 #[derive(Clone, Default)]
 struct Shared(Arc<Mutex<Vec<u8>>>);
 

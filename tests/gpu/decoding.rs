@@ -1,5 +1,5 @@
-//! Playback in which the device decodes depth and colour: texels in its textures against those of the CPU, bit for bit, and
-//! pictures against those of texels that were sent.
+//! Playback in which the GPU decodes depth and colour. The texels in its textures equal those of the CPU, bit for bit, and its
+//! images equal those rendered from uploaded texels.
 
 use std::path::Path;
 
@@ -32,7 +32,7 @@ fn said(error: Error) -> String {
     error.to_string()
 }
 
-/// Texels of a texture that has words, row by row.
+/// Reads a rectangle of a texture with 32-bit texels, row by row.
 fn read(gpu: &Gpu, texture: &wgpu::Texture, [x, y, z]: [u32; 3], [width, height]: [u32; 2]) -> Result<Vec<u32>> {
     let pitch = width.next_multiple_of(ROW_WORDS);
     let words = (pitch * height) as usize;
@@ -58,7 +58,7 @@ fn read(gpu: &Gpu, texture: &wgpu::Texture, [x, y, z]: [u32; 3], [width, height]
     Ok(all.chunks(pitch as usize).flat_map(|row| &row[..width as usize]).copied().collect())
 }
 
-/// The first texel of an image that is another on the device than on the CPU, in words.
+/// Describes the first texel of an image that differs between GPU and CPU; `None` if all are equal.
 fn differing(
     gpu: &Gpu,
     texels: &DeviceTexels,
@@ -94,7 +94,7 @@ fn differing(
     Ok(planes.into_iter().find_map(wrong))
 }
 
-/// Where a walk goes on: from a place, in a direction, in a frame.
+/// Returns the requests of a walk: positions on a line through the mean position of the probes, with a turning camera.
 fn walk(playback: &Playback<'_>, count: u32) -> Result<Vec<FrameRequest>> {
     let views = &playback.player.field.views;
     let middle = views.iter().map(|view| view.position).sum::<DVec3>() / views.len() as f64;
@@ -103,14 +103,14 @@ fn walk(playback: &Playback<'_>, count: u32) -> Result<Vec<FrameRequest>> {
         let (turn, part) = (1.1 * f64::from(at), f64::from(at) / f64::from(count) - 0.5);
         let eye = middle + part * DVec3::new(0.6, 0.2, 0.4);
         let camera = Camera::look_at(eye, eye + DVec3::new(turn.cos(), -0.2, turn.sin()), DVec3::Y, Lens::new(60.0))?;
-        // Forwards by one or two, and back to the start.
+        // Advances by one or two frames, and wraps around to the first.
         let frame = frames.first + (at + at / 3) % frames.count() as u32;
         Ok(FrameRequest { frame, cameras: vec![camera] })
     };
     (0..count).map(request).collect()
 }
 
-/// What came of a walk.
+/// Numbers of compared images, and of their texels of known and unknown depth.
 #[derive(Debug, Default, PartialEq)]
 struct Walked {
     images: usize,
@@ -118,7 +118,7 @@ struct Walked {
     unknown: usize,
 }
 
-/// Compares all images of the views that took part.
+/// Compares all images of the active views.
 fn compare(gpu: &Gpu, renderer: &DeviceRenderer<'_>, field: &LightField, probes: &[usize]) -> Result<Walked, Failed> {
     let texels = &renderer.renderer.as_ref().ok_or("nothing was rendered")?.texels;
     let mut walked = Walked::default();
@@ -139,7 +139,7 @@ fn compare(gpu: &Gpu, renderer: &DeviceRenderer<'_>, field: &LightField, probes:
     Ok(walked)
 }
 
-/// Walks through a container three times at once: decoded on the device, sent to it, and on the CPU.
+/// Plays a walk through a container in three ways: decoded on the GPU, uploaded to the GPU, and on the CPU.
 fn compare_walk(
     gpu: &Gpu,
     container: &Path,
@@ -185,7 +185,7 @@ fn compare_walk(
         all.images += walked.images;
         all.known += walked.known;
         all.unknown += walked.unknown;
-        // The same texels and the same kernel.
+        // Both use the same texels and the same kernel.
         if on_device.pictures != sent.pictures {
             return Err(format!("request {at}: pictures differ").into());
         }
@@ -199,8 +199,8 @@ fn compare_walk(
     Ok(all)
 }
 
-/// All ways to code depth and 8-bit colours, sizes that are no multiples of anything, planar depths and distances, materials,
-/// and views that come and go.
+/// Tests all codecs of depth and 8-bit colour, sizes that are not multiples of tiles or cells, planar depth and distance,
+/// materials, and changing sets of active views.
 pub fn texels() -> Result<(), Failed> {
     with_gpu(|gpu| {
         let folder = tempfile::tempdir()?;
@@ -266,7 +266,7 @@ pub fn texels() -> Result<(), Failed> {
     })
 }
 
-/// Colours in half floats, and what mirrors and glass may show, are decoded by the CPU and rendered all the same.
+/// Checks that half-float colour, and footage with reflections and refractions, is decoded on the CPU and rendered on the GPU.
 fn stays_on_the_cpu(gpu: &Gpu, manifest: &str, container: &str, options: &[&str]) -> Result<(), Failed> {
     let fixed = ["encode", manifest, "--clip", "--effort", "fast", "--quiet", "-o", container];
     lightfold(&[&fixed[..], options].concat())?;
@@ -282,8 +282,8 @@ fn stays_on_the_cpu(gpu: &Gpu, manifest: &str, container: &str, options: &[&str]
     }
 }
 
-/// Chunks that frame after frame needs are read once, however few words of others are kept; in the end no more are kept than the
-/// last frame needs.
+/// A chunk that consecutive frames need is read once, even if no other chunks are kept in memory. At the end, no more chunks are
+/// kept than the last frame needs.
 pub fn chunks_that_are_needed() -> Result<(), Failed> {
     with_gpu(|gpu| {
         let folder = tempfile::tempdir()?;
@@ -306,7 +306,7 @@ pub fn chunks_that_are_needed() -> Result<(), Failed> {
                 let counts = player.show_on(frame, &views, request, &mut backend).map_err(said)?;
                 bytes.push(counts.bytes_read);
             }
-            // What is shown already takes no chunk.
+            // Showing a frame again reads no chunk.
             if bytes.iter().skip(1).step_by(2).any(|bytes| *bytes > 0) {
                 return Err(format!("of {kept_words} words kept, bytes read: {bytes:?}").into());
             }
@@ -320,8 +320,8 @@ pub fn chunks_that_are_needed() -> Result<(), Failed> {
     })
 }
 
-/// Where a buffer would be larger than the device allows, the CPU decodes, and at just that size the device does: once pictures
-/// are the largest, once planes of depth.
+/// The CPU decodes if a buffer would exceed the device's limit; the GPU decodes if the buffer has exactly that size. The largest
+/// buffer is that of images in one case, and of depth planes in the other.
 pub fn buffers_of_any_size() -> Result<(), Failed> {
     let mut gpu = Gpu::open(&pick()).map_err(said)?;
     let folder = tempfile::tempdir()?;
@@ -356,7 +356,7 @@ pub fn buffers_of_any_size() -> Result<(), Failed> {
     Ok(())
 }
 
-/// What was read before an error is not taken for right after it: a playback goes on as a new one would begin.
+/// State from before an error is not reused: playback after an error gives the same images as a new playback.
 pub fn after_errors() -> Result<(), Failed> {
     with_gpu(|gpu| {
         let folder = tempfile::tempdir()?;
@@ -370,7 +370,7 @@ pub fn after_errors() -> Result<(), Failed> {
         let mut renderer = DeviceRenderer::new(gpu, options.clone()).decoding(&decoder, coding);
         let requests = walk(&playback, 3).map_err(said)?;
         playback.show(&requests[0], &mut renderer, &Silent).map_err(said)?;
-        // Another renderer of the same playback knows of no probe that has begun.
+        // Another renderer of the same playback has no state for the probes that are already active, so it fails.
         let mut other = DeviceRenderer::new(gpu, options.clone()).decoding(&decoder, coding);
         if playback.show(&requests[1], &mut other, &Silent).is_ok() {
             return Err("units of a probe that is not shown were decoded".into());

@@ -1,4 +1,4 @@
-//! Simplified scenes on a device against those on the CPU: pictures, counts, commands, refusals.
+//! Simplified scenes drawn on the GPU, compared with the CPU: images, counts, commands, refusals.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use lightfold::simplify::raster::{Compositing, draw};
 
 use crate::{lightfold, with_gpu};
 
-/// All pictures of a drawing.
+/// Tests all images of a drawing.
 pub fn drawing(drawing: &'static Drawing) -> Result<(), Failed> {
     with_gpu(|gpu| {
         let report = drawings::test_drawing(gpu, drawing).map_err(|error| error.to_string())?;
@@ -29,7 +29,7 @@ fn case(label: &str, compositing: Compositing) -> Result<DrawingCase, Failed> {
     Ok(cases.into_iter().find(|case| case.label == label).ok_or("no such case")?)
 }
 
-/// Of two triangles at one depth the later shows, and as many layers are counted as are exact.
+/// Of two triangles at the same depth, the later one is shown; counts of layers are exact, and too many layers are refused.
 pub fn equal_depths_and_many_layers() -> Result<(), Failed> {
     with_gpu(|gpu| {
         let said = |error: Error| error.to_string();
@@ -44,7 +44,7 @@ pub fn equal_depths_and_many_layers() -> Result<(), Failed> {
             if found.agreement.mismatches() > 0 || found.on_device.most_fragments != found.on_cpu.most_fragments {
                 return Err(format!("{compositing:?} on {}: {:?}", gpu.info.name, found.agreement).into());
             }
-            // Too many copies of the tile that covers most.
+            // More than 2048 copies of the tile that covers most pixels.
             let tile = triangles.chunks(2).max_by_key(|tile| {
                 case.scene.mesh.triangles = tile.to_vec();
                 draw(&case.scene, &case.camera, case.settings.size).fragments
@@ -60,7 +60,7 @@ pub fn equal_depths_and_many_layers() -> Result<(), Failed> {
     })
 }
 
-/// Sides that a device does not have are refused in words, of atlases and of pictures.
+/// Sizes above the device's limit are refused with a message, for atlases and for images.
 pub fn refusals() -> Result<(), Failed> {
     with_gpu(|gpu| {
         let most = gpu.device.limits().max_texture_dimension_2d;
@@ -84,7 +84,7 @@ pub fn refusals() -> Result<(), Failed> {
     })
 }
 
-/// `render` gives the figures of the CPU on a device, by both methods.
+/// `render` reports the same figures on the GPU and on the CPU, for both methods.
 pub fn commands() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let path = |name: &str| folder.path().join(name).display().to_string();

@@ -1,4 +1,5 @@
-//! Interpolated views on a device, the same bits as on the CPU but for highlights: scenes, sizes, numbers of views, sources, commands.
+//! Interpolated views on the GPU, which equal those of the CPU bit for bit except in highlights: scenes, sizes, numbers of views,
+//! sources, commands.
 
 use std::path::Path;
 
@@ -29,7 +30,7 @@ use lightfold::scene::{Play, Scene};
 
 use crate::{lightfold, with_gpu};
 
-/// Views of a built-in scene, and how they are acquired.
+/// Views of a built-in scene, and the settings of their acquisition.
 struct Setup {
     scene: &'static str,
     size: [u32; 2],
@@ -63,7 +64,7 @@ impl Setup {
         Ok(acquire(&scene, views, &settings, (&Cpu, &Silent))?.0)
     }
 
-    /// On a device and on the CPU, with and without coalescing. `change` is applied to the sources.
+    /// Compares the GPU with the CPU, with and without coalescing. `change` is applied to the sources first.
     fn same(&self, gpu: &Gpu, change: impl FnOnce(&mut Vec<SourceView>)) -> Result<(), Failed> {
         let said = |error: Error| error.to_string();
         let views = self.views().map_err(said)?;
@@ -73,7 +74,7 @@ impl Setup {
             let settings = InterpolateSettings { coalesce, ..InterpolateSettings::default() };
             let label = format!("{} {:?} {} {coalesce:?}", self.scene, self.size, self.count);
             let case = InterpolationCase { label, views: views.clone(), sources: sources.clone(), settings };
-            // As much at once as fits, and scanlines and views in parts.
+            // All scanlines and views at once, and in several parts.
             for on_device in [GpuInterpolator::new(gpu), GpuInterpolator::with_limits(gpu, 1500, 700)] {
                 let found = slices::run(&on_device, &case).map_err(said)?;
                 if found.mismatches > 0 {
@@ -85,7 +86,7 @@ impl Setup {
     }
 }
 
-/// Scenes with highlights, mirrors, glass, leaves and nothing but walls; parallel and sheared views; all kinds of sources.
+/// Tests scenes with highlights, mirrors, glass, leaves and plain walls; parallel and sheared views; all kinds of sources.
 pub fn scenes() -> Result<(), Failed> {
     with_gpu(|gpu| {
         for scene in ["courtyard", "interior", "mirrors", "cornell"] {
@@ -98,7 +99,7 @@ pub fn scenes() -> Result<(), Failed> {
     })
 }
 
-/// One pixel, one column, one row, a workgroup's columns and one more, one view, two, 300.
+/// Tests one pixel, one column, one row, as many columns as a workgroup and one more, and 1, 2 and 300 views.
 pub fn sizes() -> Result<(), Failed> {
     with_gpu(|gpu| {
         for size in [[1, 1], [1, 33], [77, 1], [1024, 3], [1025, 2], [2111, 2]] {
@@ -111,7 +112,7 @@ pub fn sizes() -> Result<(), Failed> {
     })
 }
 
-/// The order of lines decides between sources of one place, and of none nothing is shown.
+/// Tests duplicate sources, for which the order of lines decides, reversed sources, and no sources.
 pub fn sources() -> Result<(), Failed> {
     with_gpu(|gpu| {
         DUAL.same(gpu, |sources| *sources = [sources.clone(), sources.clone()].concat())?;
@@ -120,7 +121,7 @@ pub fn sources() -> Result<(), Failed> {
     })
 }
 
-/// Files are the same on both devices, and the report names the device.
+/// `interpolate` writes the same files on both devices, and its report names the device.
 pub fn commands() -> Result<(), Failed> {
     let names: Vec<String> = device::list().into_iter().map(|info| info.name).collect();
     let folder = tempfile::tempdir()?;
@@ -144,7 +145,7 @@ pub fn commands() -> Result<(), Failed> {
         let has_highlights = on_gpu["counters"]["splits"] != 0;
         for view in 0..5 {
             let [found, expected] = ["gpu", "cpu"].map(|on| file(on, view));
-            // Highlights are floats on a device; all other light has the same bits.
+            // Highlights are computed in floats on the GPU; all other radiance is equal bit for bit.
             let agrees = match has_highlights {
                 true => {
                     let [found, expected] = [found, expected].map(|path| light_of(&path));
@@ -168,7 +169,8 @@ fn light_of(path: &Path) -> Result<RenderedImage, Failed> {
     Ok(RenderedImage::new(color, read.map(|[.., alpha]| alpha.to_f32())))
 }
 
-/// A hierarchical acquisition by erosion stops at the same places; one scanline, wide ones, no baseline.
+/// Erosion is equal on both devices for one scanline, wide images and no baseline, and a hierarchical acquisition by erosion
+/// places the same sources.
 pub fn erosion() -> Result<(), Failed> {
     with_gpu(|gpu| {
         let said = |error: Error| error.to_string();
@@ -211,7 +213,7 @@ pub fn erosion() -> Result<(), Failed> {
     })
 }
 
-/// Layers of triangles are the same, whether all of their pixels come back or the active ones.
+/// Layers of triangles are equal whether all pixels or only the active ones are read back.
 pub fn compaction() -> Result<(), Failed> {
     with_gpu(|gpu| {
         let said = |error: Error| error.to_string();
@@ -241,7 +243,8 @@ pub fn compaction() -> Result<(), Failed> {
     })
 }
 
-/// Triangles of a scene are drawn, for source views and for all views, and the pictures are those of rays but for some edges.
+/// Checks that triangles are drawn for source views and for all views, and that the quality is that of ray casting within small
+/// bounds.
 fn rasterized(folder: &Path) -> Result<(), Failed> {
     let scene = folder.join("room.obj");
     std::fs::write(&scene, room())?;
@@ -259,7 +262,7 @@ fn rasterized(folder: &Path) -> Result<(), Failed> {
             report.pointer(path).and_then(serde_json::Value::as_f64).ok_or(format!("no {path}"))
         };
         for (path, bound) in [("/quality/psnr_db/mean", 0.3), ("/quality/ssim/mean", 0.003)] {
-            // Beyond 50 dB a few pixels decide.
+            // Above 50 dB, a few edge pixels dominate the PSNR.
             let [found, expected] = [figure(&drawn, path)?, figure(&cast, path)?].map(|figure| figure.min(50.0));
             if (found - expected).abs() > bound {
                 return Err(format!("{acquire} {path}: {found}, of rays {expected}").into());
@@ -278,7 +281,7 @@ fn rasterized(folder: &Path) -> Result<(), Failed> {
     Ok(())
 }
 
-/// The inside of a box with slanted boards in it, as OBJ.
+/// Returns the inside of a box with slanted boards in it, as OBJ.
 fn room() -> String {
     let mut text = String::new();
     let mut quads = 0;
@@ -301,7 +304,7 @@ fn room() -> String {
     text
 }
 
-/// Options that no device has.
+/// Checks that options that the GPU does not support are refused.
 fn refusals(folder: &Path) -> Result<(), Failed> {
     let out = folder.join("refused.png").display().to_string();
     let from = ["interpolate", "cornell", "--eye", "0,1,0", "--look-at", "2,1,0", "--views", "2", "--baseline", "0.1"];

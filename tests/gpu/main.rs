@@ -1,6 +1,6 @@
-//! Tests that need a graphics device; software Vulkan does. Without one they are reported as ignored.
+//! Tests that need a GPU; software Vulkan is sufficient. Without a device they are reported as ignored.
 //!
-//! The environment variable `LIGHTFOLD_GPU` picks a device by its number or a part of its name.
+//! The environment variable `LIGHTFOLD_GPU` selects a device by its number or a part of its name.
 
 #![allow(clippy::disallowed_methods)]
 
@@ -13,7 +13,7 @@ mod projection;
 use std::path::Path;
 use std::process::Command;
 
-use codec::color::cells::LEADS_NOWHERE;
+use codec::color::cells::MISSING_NEXT_KEYFRAME;
 use codec::container::{ChunkKey, Compression, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer};
 use codec::decode::{AllUnits, Decoder, Request, Selection, StreamInfo, UnitFilter};
 use codec::depth::{DepthRange, TemporalSettings};
@@ -31,7 +31,7 @@ use lightfold::gpu::selftest::{self, ROWS, SEED, streams};
 use lightfold::gpu::{Gpu, device, verify};
 use lightfold::hard_cases;
 
-/// Random streams that are decoded; `lightfold selftest --streams` takes more.
+/// Number of random streams that are decoded; `lightfold selftest --streams` accepts more.
 const STREAMS: u64 = 400;
 
 fn pick() -> Pick {
@@ -62,7 +62,7 @@ fn random_streams() -> Result<(), Failed> {
     })
 }
 
-/// The streams of all hard cases, in order and entered anywhere, and their pictures.
+/// Compares the streams of all hard cases, decoded in order and with random access, and their rendered images.
 fn hard_cases() -> Result<(), Failed> {
     with_gpu(|gpu| {
         let cases = hard_cases::table();
@@ -83,7 +83,7 @@ fn hard_cases() -> Result<(), Failed> {
     })
 }
 
-/// Leaves units out in one frame of three, so that they are behind in the next.
+/// Omits each unit in one of three frames, so that it lags behind in the next frame.
 struct TwoOfThree;
 
 impl UnitFilter for TwoOfThree {
@@ -92,7 +92,7 @@ impl UnitFilter for TwoOfThree {
     }
 }
 
-/// Frozen containers, all their frames in order, with all units and with some.
+/// Compares all frames of the frozen containers in order, with all units and with a part of them.
 fn vectors() -> Result<(), Failed> {
     with_gpu(|gpu| {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/valid");
@@ -117,7 +117,7 @@ fn vectors() -> Result<(), Failed> {
     })
 }
 
-/// Answers standard output of a command that must succeed.
+/// Runs the program and returns its standard output. Fails if the command fails.
 fn lightfold(arguments: &[&str]) -> Result<String, Failed> {
     let output = Command::new(env!("CARGO_BIN_EXE_lightfold")).args(arguments).output()?;
     let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
@@ -127,7 +127,7 @@ fn lightfold(arguments: &[&str]) -> Result<String, Failed> {
     }
 }
 
-/// The files that `decode` writes are the same on both devices, and reports name the device.
+/// `decode` writes the same files on both devices, and reports name the device.
 fn commands() -> Result<(), Failed> {
     let name = device::list().iter().map(|info| info.name.clone()).collect::<Vec<_>>();
     let folder = tempfile::tempdir()?;
@@ -179,7 +179,7 @@ fn commands() -> Result<(), Failed> {
     }
 }
 
-/// Real footage in every codec that it can be in.
+/// Decodes captured footage in every codec.
 fn footage() -> Result<(), Failed> {
     let Some(data) = option_env!("LIGHTFOLD_DATA") else { return Err("no footage at hand".into()) };
     let folder = tempfile::tempdir()?;
@@ -207,7 +207,7 @@ fn footage() -> Result<(), Failed> {
     Ok(())
 }
 
-/// A chunk of one small tile, of which a pixel changes in every frame of a window of one.
+/// Returns a container with one chunk of a small tile, in which one pixel changes in every frame; the window is 1.
 fn flickering(frames: u32) -> Result<Vec<u8>, Error> {
     let temporal = TemporalSettings { window: 1, keyframe_interval: frames, ..TemporalSettings::default() };
     let header = CodecHeader::Depth(DepthHeader {
@@ -237,7 +237,8 @@ fn flickering(frames: u32) -> Result<Vec<u8>, Error> {
         unit_height: 8,
         codec_header: header.write().into(),
     });
-    // Encoders close chunks earlier (formats/depth.md 4): a record of the picture, then one of a box of one pixel for each frame.
+    // Encoders close chunks earlier (formats/depth.md 4), so the payload is written directly: a record with the whole image, then
+    // a record per frame with a box of one pixel.
     let mut records = vec![vec![0u8; 4]];
     records[0].extend([1u16, 2, 3, 4, 5, 6].iter().flat_map(|code| code.to_le_bytes()));
     records.extend(
@@ -255,9 +256,9 @@ fn flickering(frames: u32) -> Result<Vec<u8>, Error> {
     Ok(writer.finish()?.0)
 }
 
-/// Frames thousands of steps behind are reached, those behind too many are refused, and a request to stop is heard.
+/// Frames thousands of steps ahead are decoded, frames too many steps ahead are refused, and decoding can be interrupted.
 fn long_ways() -> Result<(), Failed> {
-    /// Asks to stop at once.
+    /// Requests an interruption immediately.
     struct Stopped;
     impl Monitor for Stopped {
         fn advance(&self, _steps: u64) {}
@@ -290,7 +291,7 @@ fn long_ways() -> Result<(), Failed> {
     })
 }
 
-/// What a device refuses is an error that names the device and the way without it.
+/// A failure of the device is reported as an error that names the device and suggests the CPU.
 fn refusals() -> Result<(), Failed> {
     static BROKEN: Kernel = Kernel {
         name: "broken",
@@ -318,7 +319,7 @@ fn refusals() -> Result<(), Failed> {
             }
         }
         let quiet = GlobalArgs { quiet: true, ..GlobalArgs::default() };
-        // With `auto` the CPU takes over, from a device that fails but not from a file that is broken.
+        // With `auto`, the CPU takes over if the device fails, but not if the file is damaged.
         let fails =
             |error: Error| or_on_cpu((Some(gpu), Some(device::DeviceChoice::Auto)), &quiet, |_| Err(error), || Ok(7));
         let taken_over = fails(gpu.failed("decoding", "it is out of memory"));
@@ -326,23 +327,23 @@ fn refusals() -> Result<(), Failed> {
             return Err("auto did not go back to the CPU, or did so for a broken file".into());
         }
         lost_device()?;
-        // The device is as good as before.
+        // The device still works after these failures.
         let report = selftest::test_kernel(gpu, &ROWS[0], SEED).map_err(|error| error.to_string())?;
         if report.mismatches == 0 { Ok(()) } else { Err(format!("{report:?}").into()) }
     })
 }
 
-/// A last chunk that leads to a next one is refused also where the frame that is asked for needs none.
+/// A last chunk that refers to a following chunk is refused, even if the requested frame does not need that chunk.
 fn refuses_what_leads_nowhere(gpu: &Gpu) -> Result<(), Failed> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/invalid/color-last-leads-nowhere-late.lfold");
     let decoder = Decoder::open(path).map_err(|error| error.to_string())?;
     let streams: Vec<_> = decoder.streams().iter().collect();
     let mut images = GpuDecoder::new(gpu, &decoder, &streams).map_err(|error| error.to_string())?;
     let said = images.decode(0).err().map(|error| error.to_string()).unwrap_or_default();
-    if said.contains(LEADS_NOWHERE) { Ok(()) } else { Err(format!("it said '{said}'").into()) }
+    if said.contains(MISSING_NEXT_KEYFRAME) { Ok(()) } else { Err(format!("it said '{said}'").into()) }
 }
 
-/// A device that is gone while it is in use.
+/// Checks the error if the device is lost during use.
 fn lost_device() -> Result<(), Failed> {
     with_gpu(|gpu| {
         gpu.device.destroy();
@@ -390,7 +391,7 @@ fn main() {
         Trial::test("pictures::no_effects", pictures::no_effects),
         Trial::test("projection::agrees_with_the_model", || with_gpu(projection::agrees_with_the_model)),
     ];
-    // Ignored, and not passed, where LIGHTFOLD_DATA of CONTRIBUTING.md leads nowhere.
+    // Reported as ignored, not as passed, if there is no footage (LIGHTFOLD_DATA in CONTRIBUTING.md).
     let footage = [Trial::test("footage", footage), Trial::test("pictures::footage", pictures::footage)]
         .map(|trial| trial.with_ignored_flag(none || cfg!(not(footage_at_hand))));
     let trials =

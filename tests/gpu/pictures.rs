@@ -1,4 +1,4 @@
-//! Pictures of a device against those of the CPU: a playback in which views come and go, footage, and refusals.
+//! Images rendered on the GPU, compared with the CPU: playback with changing sets of views, footage, and refusals.
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ use lightfold::{Error, Result};
 
 use crate::{lightfold, with_gpu};
 
-/// Makes each picture on both, and notes how far they are from each other.
+/// Renderer that renders each image on both devices and records their agreement.
 struct Both<'a> {
     on_device: DeviceRenderer<'a>,
     on_cpu: CpuRenderer,
@@ -50,7 +50,8 @@ impl Renderer for Both<'_> {
     }
 }
 
-/// A walk from the middle of the probes along a diagonal while the camera turns, one frame after the other.
+/// Returns the requests of a walk along a diagonal through the mean position of the probes, with a turning camera and consecutive
+/// frames.
 fn walk(playback: &Playback<'_>, requests: u32, stride_m: f64) -> Result<Vec<FrameRequest>> {
     let views = &playback.player.field.views;
     let middle = views.iter().map(|view| view.position).sum::<DVec3>() / views.len() as f64;
@@ -65,7 +66,7 @@ fn walk(playback: &Playback<'_>, requests: u32, stride_m: f64) -> Result<Vec<Fra
     (0..requests).map(request).collect()
 }
 
-/// Renders a walk through a container on both; answers the bytes that went to the device for each request.
+/// Renders a walk through a container on both devices; returns the bytes uploaded for each request.
 fn compare(gpu: &Gpu, container: &str, requests: u32, most: Option<usize>) -> Result<Vec<u64>, Failed> {
     let said = |error: Error| error.to_string();
     let decoder = Decoder::open(container).map_err(said)?;
@@ -100,7 +101,7 @@ fn compare(gpu: &Gpu, container: &str, requests: u32, most: Option<usize>) -> Re
     Ok(sent)
 }
 
-/// Frames and views change; only texels that did go to the device.
+/// Frames and views change; only texels that changed are uploaded.
 pub fn playback() -> Result<(), Failed> {
     with_gpu(|gpu| {
         let folder = tempfile::tempdir()?;
@@ -108,7 +109,7 @@ pub fn playback() -> Result<(), Failed> {
         lightfold(&["demo", "--frame-count", "4", "--size", "64", "--probes", "4", "--quiet", "-o", &path])?;
         let container = folder.path().join("demo/demo.lfold").display().to_string();
         let sent = compare(gpu, &container, 8, None)?;
-        // The frames after the fourth are the first four again.
+        // The container has four frames, so the requests from the fifth on repeat them.
         if sent[0] == 0 || sent[1..8].iter().any(|&bytes| bytes >= sent[0]) {
             return Err(format!("bytes of texels that went to {}: {sent:?}", gpu.info.name).into());
         }
@@ -116,7 +117,7 @@ pub fn playback() -> Result<(), Failed> {
     })
 }
 
-/// Real footage through the default codecs.
+/// Compares footage encoded with the default codecs.
 pub fn footage() -> Result<(), Failed> {
     let Some(data) = option_env!("LIGHTFOLD_DATA") else { return Err("no footage at hand".into()) };
     with_gpu(|gpu| {
@@ -133,9 +134,9 @@ pub fn footage() -> Result<(), Failed> {
     })
 }
 
-/// What does not fit is refused in words, and a request to stop is heard.
+/// An image larger than the device's limit is refused with a message, and rendering can be interrupted.
 pub fn refusals() -> Result<(), Failed> {
-    /// Asks to stop at once.
+    /// Requests an interruption immediately.
     struct Stopped;
     impl Monitor for Stopped {
         fn advance(&self, _steps: u64) {}
@@ -163,7 +164,8 @@ pub fn refusals() -> Result<(), Failed> {
     })
 }
 
-/// Images that come later may be larger than all before, or the first that have a material: nothing of them is left out.
+/// Later images may be larger than all previous ones, or be the first with materials: textures are reallocated, and no image is
+/// lost.
 pub fn larger_images() -> Result<(), Failed> {
     with_gpu(|gpu| {
         let said = |error: Error| error.to_string();
@@ -171,7 +173,7 @@ pub fn larger_images() -> Result<(), Failed> {
             let mut cases = pictures::cases().map_err(said)?;
             cases.retain(|case| case.label == label);
             let case = cases.pop().ok_or(label)?;
-            // At first only one view has images, small and without a material.
+            // The first request has one view with images, small and without materials.
             let mut start = case.clone();
             start.views.truncate(1);
             start.field.views[1..].iter_mut().for_each(|view| view.faces = Default::default());
@@ -193,7 +195,7 @@ pub fn larger_images() -> Result<(), Failed> {
     })
 }
 
-/// Light fields without materials are rendered without a line of code for mirrors and glass, and nothing is counted for them.
+/// For light fields without materials, the kernel has no code for reflection and refraction, and their counters are zero.
 pub fn no_effects() -> Result<(), Failed> {
     let plain = KERNELS.iter().filter(|kernel| kernel.entry == "render" && !kernel.name.contains("effects"));
     for kernel in plain {

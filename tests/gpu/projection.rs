@@ -1,4 +1,4 @@
-//! `project` of shaders/march/light_field.wgsl against `View::project` and the image model.
+//! Compares `project` of shaders/march/light_field.wgsl with `View::project` and with the image model.
 
 use codec::image::transfer::ToneMap;
 use codec::image::{Face, ImageProjection, TexelMap};
@@ -11,7 +11,7 @@ use lightfold::views::light_field::{ColorCoding, FaceTexels, View};
 
 const NO_FACE: u32 = u32::MAX;
 const POINTS: u32 = 20_000;
-/// Positions differ by at most this part of the image's side, depths by this part: divisions on devices are off by 2.5 ulp.
+/// Maximum error of positions relative to the image's side, and of depths, relative: GPU divisions have errors of up to 2.5 ulp.
 const BOUND: f64 = 2e-6;
 
 const ENTRY: &str = "
@@ -30,7 +30,7 @@ const fn binding(name: &'static str, kind: BindingKind) -> Binding {
     Binding { name, kind }
 }
 
-/// Textures of the shader, which have binding 4 and 5, are not read.
+/// The entry point does not use the textures of the shader, whose bindings are 4 and 5.
 static PROJECT: Kernel = Kernel {
     name: "project-points",
     entry: "project_points",
@@ -50,7 +50,7 @@ static PROJECT: Kernel = Kernel {
     reader: None,
 };
 
-/// A view with these images, `intrinsics` for a perspective one.
+/// Returns a view with these faces; `intrinsics` are those of a perspective image.
 fn view(faces: &[Face], size: [u32; 2], intrinsics: [f64; 4]) -> View {
     let coding = ColorCoding::Codes(ToneMap::default());
     let mut view = View {
@@ -68,7 +68,7 @@ fn view(faces: &[Face], size: [u32; 2], intrinsics: [f64; 4]) -> View {
     view
 }
 
-/// Points in all directions, some on edges and corners of the cube.
+/// Returns points in all directions, some on edges and corners of the cube.
 fn points() -> Vec<Vec3> {
     let point = |at: u32| {
         let part = |prime: u32| ((at * prime) % 2003) as f32 / 1001.5 - 1.0;
@@ -81,7 +81,7 @@ fn points() -> Vec<Vec3> {
     (1..=POINTS).map(point).filter(|point| *point != Vec3::ZERO).collect()
 }
 
-/// The words of views and of their faces, as `layout.wgsl` has them.
+/// Returns the words of views and of their faces, in the layout of `layout.wgsl`.
 fn words(views: &[View]) -> [Vec<u32>; 2] {
     let (mut all, mut faces) = (Vec::new(), Vec::new());
     let mut rows = 0;
@@ -94,7 +94,7 @@ fn words(views: &[View]) -> [Vec<u32>; 2] {
             rows += 1;
             faces.extend([0, 0, 0, 0, texels.size[0], texels.size[1], 0, 0, 0, number as u32]);
             faces.extend(texels.map.scale.iter().chain(&texels.map.centre).map(|value| value.to_bits()));
-            // No alpha.
+            // No alpha image.
             faces.extend([0, 0]);
         }
         all.extend(row);
@@ -152,7 +152,7 @@ pub fn agrees_with_the_model(gpu: &Gpu) -> Result<(), Failed> {
             Some((face, texels.size, model.project(point.as_dvec3())?))
         });
         let shown = views[view].project(point);
-        // Within rounding of the edge of a perspective image, either may leave a point out.
+        // Within rounding of the edge of a perspective image, either implementation may treat a point as outside.
         let at_edge = |at: [f64; 2]| {
             (0..2).any(|axis| at[axis].min(f64::from(size[axis]) - at[axis]) < BOUND * f64::from(size[axis]))
         };

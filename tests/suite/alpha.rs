@@ -1,4 +1,4 @@
-//! Alpha from files to files: beside colour in one EXR or PNG file, or in files of its own.
+//! Alpha in datasets and containers: beside colour in the same EXR or PNG files, or in files of its own.
 
 use std::path::Path;
 use std::time::SystemTime;
@@ -16,13 +16,13 @@ use crate::input::assert_says;
 const SIDE: u32 = 40;
 const FRAMES: u32 = 3;
 
-/// A soft disc that moves.
+/// Returns the alpha of a soft disc that moves right by one pixel per frame.
 fn alpha(x: u32, y: u32, frame: u32) -> f32 {
     let square = (x as f32 - 15.0 - frame as f32).powi(2) + (y as f32 - 20.0).powi(2);
     (2.0 - square / 64.0).clamp(0.0, 1.0)
 }
 
-/// Light that is multiplied by alpha, as EXR files have it.
+/// Returns premultiplied RGB with alpha, as in EXR files.
 fn rgba(frame: u32) -> Plane<[f16; 4]> {
     Plane::from_fn(SIDE, SIDE, |x, y| {
         let a = alpha(x, y, frame);
@@ -41,7 +41,7 @@ fn write_manifest(folder: &Path, files: Value) {
     std::fs::write(folder.join("lightfield.json"), manifest(files).to_string()).unwrap();
 }
 
-/// A dataset of EXR files with R, G, B, A.
+/// Writes a dataset of EXR files with channels R, G, B and A.
 fn footage(folder: &Path) {
     std::fs::create_dir(folder).unwrap();
     for frame in 0..FRAMES {
@@ -74,12 +74,12 @@ fn alpha_of_exr_files_comes_back_beside_colour_without_loss() {
             (source.read_color(&of(source, StreamKind::Color), frame).unwrap().remove(0), alpha)
         };
         let ((color, alpha), (light, shown)) = (read(&source), read(&back));
-        // Half a step of 8 bits, and half a step of a half float.
+        // The tolerance is half an 8-bit step, plus the rounding error of a half float.
         assert!(alpha.data().iter().zip(shown.data()).all(|(a, b)| (a - b).abs() <= 0.5 / 255.0 + 0.0003));
         let pairs = color.data().as_flattened().iter().zip(light.data().as_flattened());
         assert!(pairs.clone().all(|(a, b)| (a.to_f32() - b.to_f32()).abs() < 0.02));
     }
-    // What was decoded is encoded to the same alpha.
+    // Encoding the decoded files again gives the same alpha.
     fine("encode out -o b.lfold --stream alpha", folder.path());
     fine("diff a.lfold b.lfold --stream alpha --exact", folder.path());
     let streams = report("inspect a.lfold --streams --json", folder.path())["streams"].clone();
@@ -98,13 +98,14 @@ fn png_files_have_colour_that_is_not_multiplied() {
     for (x, y) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))) {
         let [red, green, _, a] = codes.get(x, y);
         assert!((f32::from(a) - 255.0 * alpha(x, y, 1)).abs() <= 0.51 + 0.1, "({x}, {y}): {a}");
-        // 0.75 and 0.5 in sRGB; what is thin has few codes left.
+        // 0.75 and 0.5 are codes 225 and 188 in sRGB. Pixels of low alpha are skipped, because their premultiplied colour has few
+        // codes.
         if a > 128 {
             assert!(red.abs_diff(225) <= 2 && green.abs_diff(188) <= 2, "({x}, {y}): {red} {green} at alpha {a}");
         }
         assert!(a > 0 || (red, green) == (0, 0));
     }
-    // Into files of a pattern, too.
+    // Decoding to a pattern of files writes the same pixels.
     fine("decode a.lfold -o c.%d.png", folder.path());
     let one = png::read_rgba8(&folder.path().join("c.1.png"), &ReadLimits::default()).unwrap();
     assert_eq!(one, codes);
@@ -122,11 +123,11 @@ fn alpha_has_files_of_its_own_where_colour_has_none() {
         fine(&format!("decode a.lfold -o {format} --stream alpha --format {format}"), folder.path());
         let decoded = Manifest::read(&folder.path().join(format)).unwrap();
         assert!(decoded.files.alpha.unwrap().ends_with(name));
-        // Shares of 255 are no half floats.
+        // Alpha from PNG files is a multiple of 1/255, which is no half float, so only its codes are compared.
         let exact = if format == "exr" { " --exact" } else { " --max-error 0" };
         fine(&format!("diff a.lfold {format} --stream alpha --common{exact}"), folder.path());
     }
-    // A gray matte, and colour of its own files.
+    // A 16-bit grey matte, with colour in separate files.
     let matte = folder.path().join("matte");
     std::fs::create_dir(&matte).unwrap();
     for frame in 0..FRAMES {
@@ -179,7 +180,7 @@ fn missing_files_are_transparent_where_they_are_black() {
     assert!(back.data().iter().all(|pixel| *pixel == [f16::ZERO; 4]));
 }
 
-/// PNG colour that is white, and alpha in EXR files of its own.
+/// Writes a dataset of white PNG colour, with alpha in separate EXR files.
 fn white_with_mattes(folder: &Path, alpha: impl Fn(u32) -> f32) {
     std::fs::create_dir(folder).unwrap();
     for frame in 0..FRAMES {
@@ -205,7 +206,7 @@ fn colour_of_png_files_follows_alpha_of_other_files() {
     assert_eq!([0, 1, 2].map(|frame| light(&black, frame)), [[0.5; 3], [0.0; 3], [1.0; 3]]);
     let hold = SourceOptions { missing: Some(Missing::Hold), ..SourceOptions::default() };
     assert_eq!(light(&hold, 1), [0.5; 3]);
-    // Alpha that is none spoils colour as well, whatever is encoded.
+    // PNG colour is multiplied by alpha, so an invalid alpha is an error even if only colour is encoded.
     exr::write_alpha(&path.join("m.0001.exr"), &Plane::filled(SIDE, SIDE, f16::from_f32(1.5))).unwrap();
     let output = lightfold(&["encode", "in", "-o", "c.lfold", "--stream", "color"], folder.path());
     let said = String::from_utf8(output.stderr).unwrap();
@@ -213,7 +214,7 @@ fn colour_of_png_files_follows_alpha_of_other_files() {
     assert_eq!(output.status.code(), Some(2));
     let clamped = SourceOptions { invalid_color: InvalidColor::Black, ..SourceOptions::default() };
     assert_eq!(light(&clamped, 1), [1.0; 3]);
-    // A frame that has no alpha is not opaque.
+    // A frame whose alpha is missing is not treated as opaque.
     std::fs::remove_file(path.join("m.0002.exr")).unwrap();
     let output =
         lightfold(&["encode", "in", "-o", "c.lfold", "--missing", "skip", "--invalid-color", "black"], folder.path());
@@ -250,7 +251,7 @@ fn a_shard_follows_from_alpha_that_it_does_not_have() {
     let matte = path.join("m.0002.exr");
     exr::write_alpha(&matte, &Plane::filled(SIDE, SIDE, f16::from_f32(0.25))).unwrap();
     assert_eq!([is_complete(), is_complete()], [false, true]);
-    // A frame that was missing, with a time before that of the shard.
+    // Adds the frame that was missing, with a modification time before that of the shard.
     std::fs::copy(path.join("c.0000.png"), path.join("c.0001.png")).unwrap();
     let file = std::fs::File::options().write(true).open(path.join("c.0001.png")).unwrap();
     file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
@@ -262,7 +263,7 @@ fn an_encode_is_not_resumed_after_its_alpha_has_changed() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("in");
     white_with_mattes(&path, |_| 0.5);
-    // Depth is broken, so that the chunks of colour before it stay.
+    // Depth is truncated, so that the encode stops after the colour chunks are written.
     let depth = |frame: u32| path.join(format!("d.{frame:04}.exr"));
     for frame in 0..FRAMES {
         exr::write_depth(&depth(frame), &Plane::filled(SIDE, SIDE, 2.0 + frame as f32)).unwrap();
@@ -282,7 +283,8 @@ fn an_encode_is_not_resumed_after_its_alpha_has_changed() {
     );
 }
 
-/// A container of probe `a` with faces, of which some have alpha or other frames.
+/// Writes `all.lfold`: faces px and nx of probe `a`, with colour in frames 0 and 1, and alpha of the faces `alpha_of` in the
+/// frames `alpha_frames`.
 fn faces(folder: &Path, alpha_of: &[&str], alpha_frames: &str) {
     let path = folder.join("in");
     std::fs::create_dir(&path).unwrap();
@@ -312,7 +314,7 @@ fn what_a_manifest_cannot_describe_has_none() {
             let said = String::from_utf8(said.stderr).unwrap();
             assert_says(&said, &["some faces have kinds or frames that others do not"]);
             assert!(!folder.path().join(format).join("lightfield.json").exists());
-            // Of one kind there is one that is read again.
+            // Decoding a single kind writes a manifest, and the dataset can be encoded again.
             fine(&format!("decode all.lfold -o {format}2 --format {format} --stream color"), folder.path());
             fine(&format!("encode {format}2 -o again.lfold"), folder.path());
         }
@@ -329,7 +331,8 @@ fn light_that_alpha_cannot_hold_counts_as_clipped() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("in");
     std::fs::create_dir(&path).unwrap();
-    // White behind glass, light that is added, light beyond alpha.
+    // White at alpha 0.5, additive red at alpha 0, a blue value above its alpha, and black. PNG files cannot store the second and
+    // the third.
     let pixels = [[0.5, 0.5, 0.5, 0.5], [0.25, 0.0, 0.0, 0.0], [0.5, 0.5, 0.9, 0.5], [0.0; 4]];
     let picture = Plane::from_fn(SIDE, SIDE, |x, _| pixels[x as usize / 10].map(f16::from_f32));
     exr::write_rgba(&path.join("c.0000.exr"), &picture).unwrap();
@@ -357,11 +360,11 @@ fn pictures_from_a_probe_have_its_alpha() {
     let found = exr::read_rgba(&folder.path().join("a.exr"), &ReadLimits::default()).unwrap();
     for (found, expected) in found.data().iter().zip(rgba(1).data()) {
         let [found, expected] = [found, expected].map(|pixel| pixel.map(f16::to_f32));
-        // What is less than a layer, 1/64, is none.
+        // The renderer drops layers with a share below 1/64.
         let pairs = found.iter().zip(&expected);
         assert!(pairs.clone().all(|(a, b)| (a - b).abs() < 0.03), "{found:?} and {expected:?}");
     }
-    // A second picture of the same file is that of the frame whose alpha moved.
+    // A picture of another frame of the same file has the alpha of that frame.
     fine(&format!("{} -o b.exr", line.replace("--frames 1", "--frames 2")), folder.path());
     let moved = exr::read_rgba(&folder.path().join("b.exr"), &ReadLimits::default()).unwrap();
     let differ = |found: &Plane<[f16; 4]>, frame| {

@@ -1,4 +1,4 @@
-//! The search for BC4w blocks against the literal search of GDC, on random blocks and on footage.
+//! Compares the search for BC4w blocks with the literal search of GDC, on random blocks and on footage.
 
 mod literal;
 

@@ -1,5 +1,5 @@
-//! Colour, depth and material in blocks of texture formats: what goes in comes back as promised, through the library and
-//! through the commands.
+//! Colour, depth and material in texture blocks: decoded values keep the quality and error bounds of the settings, through the
+//! library and through the commands.
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ use crate::roundtrip::{check_color8, check_depth, decoder, encoded};
 
 const ALL_BLOCKS: [Option<ColorBlocks>; 3] = [None, Some(ColorBlocks::Bc1), Some(ColorBlocks::Bc7)];
 
-/// Noise in one corner, slopes that drift elsewhere.
+/// Returns red and green ramps, where red drifts with the frame, and noise in blue in the top left 8x8 pixels.
 fn noisy_color(width: u32, height: u32, frame: u32) -> ColorPlane {
     let mut random = Random(u64::from(frame) + 5);
     Plane::from_fn(width, height, |x, y| {
@@ -205,7 +205,7 @@ fn with_blocks_other_bounds_are_usual() {
         std::fs::read(folder.path().join("a.lfold")).unwrap()
     };
     let of_color = |options: &str| bytes_of(&format!("--stream color --color-block BC7 {options}"));
-    // Not `assert_eq`, which would print whole files.
+    // `assert_eq!` would print both files in full.
     assert!(of_color("") == of_color("--psnr 40 --psnr-final 40"));
     assert!(of_color("--psnr-final 20") == of_color("--psnr 20 --psnr-final 20"));
     assert!(of_color("--psnr-final 20") != of_color("--psnr 50 --psnr-final 20"));

@@ -1,4 +1,5 @@
-//! Cameras go from and to other programs: files that these wrote, conversions, and the probes of a light field.
+//! Import and export of cameras: files of other programs, conversions between formats, and the probes of a light field as
+//! cameras.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +14,8 @@ fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cameras").join(name)
 }
 
-/// Files of pycolmap, usd-core and pygltflib show what these packages say they show; `make.py` wrote both.
+/// Cameras in files of pycolmap, usd-core and pygltflib have the eyes and directions that these packages report. `make.py` wrote
+/// the files and expected.json.
 #[test]
 fn files_of_other_programs_are_read_as_they_mean_them() {
     let expected: Value = serde_json::from_slice(&std::fs::read(data("expected.json")).unwrap()).unwrap();
@@ -25,7 +27,7 @@ fn files_of_other_programs_are_read_as_they_mean_them() {
         let mut place = 0;
         for camera in expected[name].as_array().unwrap() {
             let frame = camera["frame"].as_u64().map(|frame| frame as u32);
-            // USD interpolates matrices between samples, which its package then reads as something else.
+            // expected.json has no frames between USD samples: USD interpolates the matrix, whose axes are then not orthonormal.
             while read[place].timed.frames.map(|frames| frames.first) != frame {
                 place += 1;
             }
@@ -70,11 +72,11 @@ fn a_path_renders_the_same_pictures_from_every_format() {
             let [own, other] = ["own".to_owned(), format!("shown_{name}")].map(|folder| picture(&folder, frame));
             assert_eq!(own.dimensions(), (36, 24));
             let differ = own.pixels().zip(other.pixels()).filter(|(a, b)| a != b).count();
-            // Rays at edges of surfaces may fall on either side.
+            // Rays at the edges of surfaces may hit either side.
             assert!(differ <= 8, "{name}, frame {frame}: {differ} pixels differ");
         }
     }
-    // All are the same cameras again.
+    // The converted files are converted back to cameras.
     fine("cameras shot.usda -o from_usd.json", at);
     fine("cameras model -o from_colmap.json", at);
     let printed = fine("cameras shot.glb --format transforms -o -", at).stdout;
@@ -104,7 +106,8 @@ fn probes_become_cameras_whose_pictures_are_their_images() {
     }
     fine("render a.lfold --camera transforms.json --size 32 --frames 1 -o images/view.%04d.png", at);
     fine("decode a.lfold --stream color --frames 1 --format png -o decoded", at);
-    // Number 4 is face pz of the first probe: stored mirrored, and seen by its own probe alone nearly as it is.
+    // Image 4 is face pz of the first probe. Faces are stored mirrored; rendered from its own probe alone, a face is nearly
+    // unchanged.
     fine("render a.lfold --probe 00 --camera transforms.json --size 32 --frames 1 -o own/view.%04d.png", at);
     for (number, face) in [(1, "nx"), (3, "ny"), (4, "pz"), (5, "nz")] {
         let open = |path: String| image::open(at.join(path)).unwrap().to_rgb8();

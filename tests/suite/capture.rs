@@ -1,5 +1,5 @@
-//! `capture`: what it writes is a dataset that the other commands take, that `inspect --check` has no doubt of, and whose
-//! bytes follow from the scene and the options, however often it was stopped.
+//! `capture`: its output is a dataset that the other commands read and in which `inspect --check` suspects nothing. The bytes
+//! depend only on the scene and the options, however often the capture was interrupted.
 
 use std::fs;
 use std::io::Write;
@@ -19,7 +19,7 @@ use tempfile::TempDir;
 use crate::commands::{fine, lightfold, refused};
 use crate::convention::checked;
 
-/// Three probes, one of them turned by no multiple of a right angle.
+/// Three probes, one of them rotated by an angle that is not a multiple of 90 degrees.
 const CAMERAS: &str = r#"{ "lightfold_cameras": 1, "cameras": [
     { "position": [0, 1.5, 0] },
     { "name": "left", "position": [-0.25, 1.4, 0.2] },
@@ -32,7 +32,7 @@ fn place() -> TempDir {
     folder
 }
 
-/// All files below a folder, by their paths in it.
+/// Returns the paths, relative to a folder, and the contents of all files below it, sorted.
 pub fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     fn collect(root: &Path, folder: &Path, found: &mut Vec<(PathBuf, Vec<u8>)>) {
         for entry in fs::read_dir(folder).unwrap() {
@@ -70,7 +70,7 @@ fn captures_are_datasets_of_which_nothing_is_suspect() {
         fine(&format!("encode {name} --clip --max-error 0 --psnr 50 -o {name}.lfold"), place.path());
         fine(&format!("diff {name} {name}.lfold --allow-clipping --max-error 1 --min-cell-psnr 49.9"), place.path());
     }
-    // What was said to be planar is no distance, and the other way round.
+    // Planar depth labelled as distance is suspected, and distance labelled as planar.
     for (name, kind) in [("distance", DepthKind::Planar), ("planar", DepthKind::Distance)] {
         let folder = place.path().join(name);
         let mut manifest = Manifest::read(&folder).unwrap();
@@ -79,7 +79,7 @@ fn captures_are_datasets_of_which_nothing_is_suspect() {
         let report = checked(&folder);
         assert!(report.findings.iter().any(|finding| finding.verdict == Verdict::Suspect), "{name}: {report:#?}");
     }
-    // The two are the same surfaces.
+    // With the correct labels, both datasets have the same surfaces.
     for (name, kind) in [("distance", DepthKind::Distance), ("planar", DepthKind::Planar)] {
         let folder = place.path().join(name);
         let mut manifest = Manifest::read(&folder).unwrap();
@@ -110,7 +110,7 @@ fn shards_capture_the_files_of_one_run() {
         let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         report["images"].as_u64().unwrap()
     };
-    // At one time, and one of them again.
+    // Runs three shards at the same time, then one of them again.
     let together = std::thread::scope(|scope| {
         let started = [3, 1, 2].map(|number| scope.spawn(move || shard(number, 3, "parts")));
         started.map(|one| one.join().unwrap())
@@ -118,7 +118,7 @@ fn shards_capture_the_files_of_one_run() {
     assert_eq!(together.iter().sum::<u64>(), 72);
     shard(1, 3, "parts");
     assert!(files(&place.path().join("parts")) == whole, "other files than one run");
-    // An even share of 36 views of 2 images each, of more probes than one.
+    // Shard 2 of 5 has 7 of 36 views, with 2 images each, from more than one probe.
     assert_eq!(shard(2, 5, "some"), 14);
     let some = files(&place.path().join("some"));
     assert!(some.len() == 15 && some.iter().all(|file| whole.contains(file)), "{}", some.len());
@@ -141,7 +141,7 @@ fn all_kinds_of_images_are_captured_and_those_alone() {
     );
     let report: serde_json::Value = serde_json::from_slice(&report.stdout).unwrap();
     assert_eq!((&report["images"], &report["probes"], &report["frames"]), (&72.into(), &3.into(), &1.into()));
-    // One ray is all: the colour's is the depth's.
+    // With one sample per pixel, one ray gives both colour and depth.
     assert_eq!(report["rays"], 18 * 256);
     assert!(report["near_m"].as_f64().unwrap() > 0.9 && report["far_m"].as_f64().unwrap() < 100.0, "{report}");
     assert!(report["rays_per_second"].as_f64().unwrap() > 0.0 && report["seconds"].as_f64().unwrap() > 0.0);
@@ -149,7 +149,7 @@ fn all_kinds_of_images_are_captured_and_those_alone() {
     assert_eq!(report["bytes"], images.map(|(_, bytes)| bytes.len()).sum::<usize>());
     let at = |kind: &str| place.path().join(format!("all/probe_00/face_ny/{kind}.0003.exr"));
     let normal = exr::read_material(&at("normal"), ["X", "Y", "Z"], &ReadLimits::default()).unwrap();
-    // The terrace, seen from above.
+    // Face ny shows the terrace from above.
     assert_eq!(normal.get(2, 2), [0.0, 1.0, 0.0]);
     let material = exr::read_material(&at("material"), ["reflect", "refract", "ior"], &ReadLimits::default()).unwrap();
     assert!(material.data().iter().all(|pixel| *pixel == [0.0, 0.0, 1.0]));
@@ -183,7 +183,7 @@ fn panoramas_and_viewers_are_captured_too() {
     let manifest = Manifest::read(&place.path().join("pano")).unwrap();
     assert_eq!((manifest.size, manifest.files.depth.as_deref()), ([256, 128], Some("probe_{probe}/depth.%04d.exr")));
     fine("encode pano --clip -o pano.lfold", place.path());
-    // Its faces are those of a cube map from the same place, but for edges.
+    // Its faces equal those of a cube map from the same position, except at edges.
     fine("capture courtyard --position 0,1.5,0 --frames 3 --size 64 --samples 1 -o cube", place.path());
     let faces = ["pano", "cube"].map(|name| {
         let source = Source::open(&place.path().join(name), &SourceOptions::default()).unwrap();
@@ -206,7 +206,7 @@ fn panoramas_and_viewers_are_captured_too() {
         &ReadLimits::default(),
     );
     let (view, cube) = (view.unwrap(), &faces[1]);
-    // A face is mirrored, as it is seen from outside of the cube.
+    // Faces are stored mirrored, as seen from outside the cube.
     for (col, row) in (0..64).flat_map(|row| (0..64).map(move |col| (col, row))) {
         let (found, expected) = (view.get(16 + col, row), cube.get(63 - col, row));
         assert!(found == expected || (found / expected - 1.0).abs() < 1e-5, "{col} {row}: {found} {expected}");
@@ -229,7 +229,7 @@ fn mirrors_and_glass_are_in_the_material() {
                 (1.0, 0.0, 1.0) => mirror += 1,
                 (0.0, 0.0, 1.0) => opaque += 1,
                 _ => {
-                    // Halves: what they add up to is one to their last digit.
+                    // `reflect` and `refract` are half floats, so their sum is 1 only within rounding.
                     assert!((reflect + refract - 1.0).abs() < 1e-3 && ior > 1.2, "{reflect} {refract} {ior}");
                     glass += 1;
                 }
@@ -240,7 +240,7 @@ fn mirrors_and_glass_are_in_the_material() {
     fine("encode cap --clip -o cap.lfold", place.path());
 }
 
-/// What `-` reads is what a file says.
+/// Cameras from standard input, a file and a dataset give the same capture.
 #[test]
 fn cameras_come_from_a_pipe_and_from_a_dataset() {
     let place = place();
@@ -324,7 +324,7 @@ fn a_dataset_is_not_mixed_with_another() {
     let said = refused(&format!("{capture} --cameras out/lightfield.json"), place.path());
     assert!(said.contains("overwritten"), "{said}");
     assert_eq!(files(&place.path().join("out")), before);
-    // One that has all of its images takes its place.
+    // A capture that writes every image of the existing dataset replaces it.
     fine(&format!("{capture} --size 12 --cameras cameras.json --frames 3-4 --aov depth,normal"), place.path());
     assert_eq!(Manifest::read(&place.path().join("out")).unwrap().size, [12, 12]);
     assert_eq!(files(&place.path().join("out")).len(), before.len() + 36);
@@ -358,7 +358,7 @@ mod stopped {
         entries.flatten().map(|entry| count(entry.path())).sum()
     }
 
-    /// Stops a capture by a signal once it has so many images.
+    /// Starts a capture, and sends a signal once it has written at least `at` images.
     fn stop(place: &TempDir, more: &[&str], signal: &str, at: usize) -> Output {
         let mut child = command(place, more).spawn().unwrap();
         let start = Instant::now();
@@ -393,14 +393,14 @@ mod stopped {
                 let end = " of 288 images are kept in .cap.capture.partial; the same command with --resume continues\n";
                 assert!(words.starts_with("lightfold: interrupted; ") && words.ends_with(end), "{words}");
             }
-            // A second kill on the way.
+            // Kills the resumed capture, too, after at least 10 more images.
             let there = images(&place.path().join(LEFT));
             stop(&place, &["--resume", "-q"], "-KILL", there + 10);
             let there = images(&place.path().join(LEFT));
             let resumed = command(&place, &["--resume", "--json"]).output().unwrap();
             assert!(resumed.status.success(), "{}", said(&resumed));
             let report: serde_json::Value = serde_json::from_slice(&resumed.stdout).unwrap();
-            // A killed process may have images that are not recorded yet.
+            // A killed process may have written images that it has not recorded yet.
             let taken = report["resumed_images"].as_u64().unwrap();
             assert!(taken > 0 && taken <= there as u64 && report["images"] == 288, "{there}: {report}");
             let words = said(&resumed);
@@ -429,7 +429,7 @@ mod stopped {
         fs::write(place.path().join("cameras.json"), CAMERAS.replace("1.6", "1.7")).unwrap();
         refused(&["--resume"], "the choice of cameras was");
         fs::write(place.path().join("cameras.json"), CAMERAS).unwrap();
-        // Every kind of damage that a disk may do to an image.
+        // Images that are truncated, empty, filled with zeros and missing.
         let found = files(&place.path().join(LEFT));
         let damaged: Vec<_> =
             found.iter().filter(|(path, _)| path.extension().is_some_and(|end| end == "exr")).collect();
@@ -456,7 +456,7 @@ mod stopped {
         let there = images(&place.path().join(LEFT));
         let mut first = command(&place, &["--threads", "1"]).spawn().unwrap();
         let start = Instant::now();
-        // It has begun as soon as fewer images are there.
+        // The number of images drops once the capture has begun to replace the unfinished one.
         while images(&place.path().join(LEFT)) >= there && start.elapsed() < Duration::from_secs(60) {
             std::thread::sleep(Duration::from_micros(200));
         }

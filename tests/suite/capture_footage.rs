@@ -1,4 +1,4 @@
-//! `capture` against footage of another renderer: the same scene from the same places is the same depths.
+//! `capture` against footage of another renderer: the same scene from the same positions has the same depths.
 
 use std::path::PathBuf;
 
@@ -13,8 +13,8 @@ fn data() -> PathBuf {
     PathBuf::from(option_env!("LIGHTFOLD_DATA").unwrap_or("no data")).canonicalize().unwrap()
 }
 
-/// Relative differences of the depths of a face, where both have one, in order; and the share of pixels where one has a
-/// surface and the other does not.
+/// Returns the relative differences of the depths of a face, sorted, of the pixels with a surface in both; and the fraction of
+/// pixels with a surface in only one.
 fn differences(a: &[f32], b: &[f32]) -> (Vec<f32>, f64) {
     let both = a.iter().zip(b).filter(|(a, b)| a.is_finite() && b.is_finite());
     let mut found: Vec<f32> = both.map(|(a, b)| (a / b - 1.0).abs()).collect();
@@ -46,7 +46,7 @@ fn sponza_has_the_depths_of_its_footage() {
             let [theirs, ours] = sources.each_ref().map(|source| depth(source, probe, face));
             let (found, one) = differences(&theirs, &ours);
             let median = found[found.len() / 2];
-            // The footage has a bunny and three balls more.
+            // The footage has a bunny and three balls that the scene file does not have.
             let alike = found.iter().filter(|found| **found < 1e-3).count() as f64 / found.len() as f64;
             println!("{probe} {face:?}: median {median:e}, {alike:.3} alike, {one:.4} in one only");
             assert!(median < 1e-4 && alike > 0.8 && one < 0.02, "{probe} {face:?}: {median} {alike} {one}");

@@ -1,4 +1,4 @@
-//! `capture` and files of scenes: what they are told apart by, which animation is shown, and words about what is no scene.
+//! `capture` with scene files: how scenes are identified, which animation is captured, and errors for files that are not scenes.
 
 use std::fs;
 use std::path::Path;
@@ -16,7 +16,7 @@ use crate::model_files::{Gltf, OBJ, png};
 const RED: [u8; 4] = [200, 0, 0, 255];
 const BLUE: [u8; 4] = [0, 0, 200, 255];
 
-/// A triangle with a texture in a file beside it.
+/// Returns a triangle with a texture in a separate file.
 fn painted() -> Gltf {
     let mut file = Gltf::new();
     let uvs = file.floats("VEC2", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0]);
@@ -31,7 +31,7 @@ fn painted() -> Gltf {
     file
 }
 
-/// A triangle that one animation moves to the left for a second, and another up for half a second.
+/// Returns a triangle with two animations: `left` for 1 s, and `up` for 0.5 s.
 fn moved() -> Gltf {
     let mut file = Gltf::new();
     let mesh = file.triangle();
@@ -66,17 +66,17 @@ fn every_file_of_a_scene_tells_it_apart() {
     let of_all = || all.map(|name| contents(&folder.path().join(name)));
     let first = of_all();
     assert_eq!(of_all(), first);
-    // What all three name.
+    // The texture is referenced by all three scenes.
     write("paint.png", &png(1, 1, &[BLUE]));
     let blue = of_all();
     assert!(first.iter().zip(&blue).all(|(first, blue)| first != blue), "{first:?} {blue:?}");
-    // What was missing, and is there now.
+    // A missing texture gives other contents; restoring it gives the first contents again.
     fs::remove_file(folder.path().join("paint.png")).unwrap();
     let none = of_all();
     assert!(none.iter().zip(first.iter().zip(&blue)).all(|(none, (first, blue))| none != first && none != blue));
     write("paint.png", &png(1, 1, &[RED]));
     assert_eq!(of_all(), first);
-    // What one of them names.
+    // b.bin and c.mtl are each referenced by one scene.
     let last = file.buffer.len() - 1;
     file.buffer[last] ^= 1;
     write("b.bin", &file.buffer);
@@ -109,7 +109,7 @@ fn a_capture_does_not_go_on_with_another_texture_beside_its_scene() {
     fs::write(at("paint.png"), png(1, 1, &[RED])).unwrap();
     let said = refused(&format!("{line} --resume --animation x"), folder.path());
     assert!(said.contains("no animation “x”"), "{said}");
-    // A state that was lost is no reason to lose images.
+    // A damaged state file must not cause the loss of images.
     fs::write(left.join(".capture.json"), "").unwrap();
     let said = refused(&format!("{line} --resume"), folder.path());
     assert!(said.contains("its state is damaged"), "{said}");
@@ -171,7 +171,7 @@ fn folders_hide_no_built_in_scenes_and_what_is_no_scene_is_told_what_would_be() 
         assert!(said.contains(says) && said.contains(".glb, .gltf, .obj"), "{said}");
         assert!(said.contains("courtyard, interior, object, mirrors, cornell, fence"), "{said}");
     }
-    // A file does.
+    // A file does hide a built-in scene.
     fs::write(folder.path().join("cornell"), "no scene").unwrap();
     assert!(refused(&format!("capture cornell {line} -o out"), folder.path()).contains("neither glTF"));
     assert!(refused(&format!("capture courtyard {line} -o -"), folder.path()).contains("name a folder"));
@@ -210,7 +210,7 @@ fn a_scene_is_told_by_inspect() {
     assert!(text.contains("No lights: capture adds a sun and a sky"), "{text}");
     assert!(text.lines().any(|line| line.starts_with("left ") && line.ends_with(" 1.000")), "{text}");
     assert!(refused("inspect a.glb --verify", folder.path()).contains("as a table"));
-    // Of a dataset it says which option to add.
+    // For a dataset, the error names the option to add.
     fine("capture b.gltf --position 0,0,1 --size 8 --samples 1 -q -o cap", folder.path());
     for name in ["cap", "cap/lightfield.json"] {
         assert!(refused(&format!("inspect {name}"), folder.path()).contains("--check"), "{name}");

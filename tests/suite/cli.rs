@@ -1,4 +1,4 @@
-//! The command line as a user meets it: words, exit codes, pipes, interruptions.
+//! The command line: help and error texts, exit codes, pipes and interruptions.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -14,14 +14,14 @@ use lightfold::cli::Cli;
 use lightfold::scene::{DemoKind, FootagePlan};
 use tempfile::TempDir;
 
-/// Help and error messages are those under tests/cmd/.
+/// Help and error messages are equal to those under tests/cmd/.
 #[test]
 #[cfg(unix)]
 fn words() {
     trycmd::TestCases::new().case("tests/cmd/*.trycmd");
 }
 
-/// Former options: hidden, and with the same effect as those that replaced them.
+/// Former options are hidden, and have the same effect as their replacements.
 #[test]
 fn former_options_are_aliases() {
     let place = "place courtyard --region=0,0,0,1,1,1 -o c.json";
@@ -59,7 +59,7 @@ fn tiles_per_side_and_tiles_in_pixels_exclude_each_other() {
         succeeded(&output(lightfold().arg("encode").arg("--clip").arg(dataset()).args(options).arg("-o").arg(&file)));
         fs::read(&file).unwrap()
     };
-    // Faces of 32 pixels.
+    // Faces have 32x32 pixels.
     assert!(encoded(&["--tiles", "4"]) == encoded(&["--depth-tile", "8"]));
     let quadtree = ["--depth-codec", "quadtree"];
     assert!(encoded(&quadtree) == encoded(&[&quadtree[..], &["--depth-tile", "16"]].concat()));
@@ -96,7 +96,7 @@ fn lightfold() -> Command {
     command
 }
 
-/// Runs to the end, with standard output and standard error caught.
+/// Runs a command to its end, and captures standard output and standard error.
 fn output(command: &mut Command) -> Output {
     command.output().unwrap()
 }
@@ -110,7 +110,7 @@ fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
-/// A dataset that all tests share: made once, never written to.
+/// Returns a dataset that all tests share: written once, then only read.
 fn dataset() -> &'static Path {
     static FOLDER: OnceLock<TempDir> = OnceLock::new();
     let make = || {
@@ -145,7 +145,7 @@ fn bytes_below(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     found
 }
 
-/// Waits for the end, but not for ever.
+/// Waits for a process to end, for at most two minutes.
 fn wait(child: &mut Child) -> ExitStatus {
     let start = Instant::now();
     loop {
@@ -230,7 +230,8 @@ fn a_reader_that_goes_away_ends_a_command_quietly() {
     }
 }
 
-/// Runs a command line on a terminal of its own; answers what was printed there. None without `script`, which makes them.
+/// Runs a command line on a pseudo-terminal and returns its output, with its exit code at the end; `None` without the `script`
+/// command.
 #[cfg(target_os = "linux")]
 fn on_a_terminal(words: &str) -> Option<String> {
     let line = format!("{} {words}; echo code $?", env!("CARGO_BIN_EXE_lightfold"));
@@ -324,7 +325,7 @@ fn no_stage_of_the_demo_has_more_steps_than_it_told() {
     for line in &lines {
         assert!(line["done"].as_u64() <= line["total"].as_u64(), "{line}");
     }
-    // A stage may begin within another, which then goes on.
+    // A stage may begin within another one, which continues afterwards.
     for stage in lines.iter().map(|line| &line["stage"]) {
         let last = lines.iter().rfind(|line| line["stage"] == *stage).unwrap();
         assert_eq!(last["done"], last["total"], "{said}");
@@ -345,7 +346,7 @@ fn a_full_disk_is_named() {
     }
 }
 
-/// The shared dataset played over and over, by links: long to encode, quick to make.
+/// Writes a dataset that repeats the frames of the shared one, by symbolic links: slow to encode, and quick to make.
 #[cfg(unix)]
 fn long_dataset(folder: &Path) {
     use codec::image::StreamKind;
@@ -368,7 +369,7 @@ fn long_dataset(folder: &Path) {
     fs::write(folder.join(MANIFEST_NAME), manifest.to_json().unwrap()).unwrap();
 }
 
-/// An encode that takes long enough to be stopped in the middle: started, and known to be at work.
+/// Starts an encode that takes long enough to be stopped midway, and waits until it has created a file.
 #[cfg(unix)]
 fn encode_at_work(folder: &Path) -> Child {
     let scene = folder.join("scene");
@@ -469,8 +470,9 @@ fn the_demo_is_what_its_commands_say() {
     fs::remove_file(to.join("demo.lfold")).unwrap();
     fs::remove_dir_all(to.join("decoded")).unwrap();
     let commands = report["commands"].as_array().unwrap().iter();
-    let mut commands: Vec<_> = commands.map(|command| crate::house::shell_words(command.as_str().unwrap())).collect();
-    // A server, which would not end.
+    let mut commands: Vec<_> =
+        commands.map(|command| crate::repository_rules::shell_words(command.as_str().unwrap())).collect();
+    // The last command is a server, which would not end.
     let view = commands.pop().unwrap();
     assert_eq!(view, ["lightfold", "view", to.join("demo.lfold").to_str().unwrap(), "--open"]);
     for words in commands {

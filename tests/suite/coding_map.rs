@@ -1,4 +1,4 @@
-//! What `inspect --plot` draws: rectangles against what a decoder writes, pictures of all codecs, and what is refused.
+//! `inspect --plot`: rectangles against the pixels that a decoder writes, pictures of all codecs, and refused requests.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ fn vectors(folder: &str) -> Vec<PathBuf> {
     files
 }
 
-/// Which patch each pixel lies in; fails where two overlap or one reaches beyond the image.
+/// Returns the index of the patch that contains each pixel. Fails if two patches overlap or one extends beyond the image.
 fn owners(stream: &StreamInfo, anatomy: &CodingMap) -> Plane<Option<usize>> {
     let mut owners = Plane::filled(stream.entry.width, stream.entry.height, None);
     for (at, patch) in anatomy.patches.iter().enumerate() {
@@ -39,7 +39,7 @@ fn owners(stream: &StreamInfo, anatomy: &CodingMap) -> Plane<Option<usize>> {
     owners
 }
 
-/// A number for each pixel that differs where pictures differ.
+/// Returns a number for each pixel; two pixels have the same number only if they are equal.
 fn values(picture: &Picture) -> Vec<u64> {
     let word = |[a, b, c]: [u64; 3]| a << 32 | b << 16 | c;
     match picture {
@@ -89,7 +89,7 @@ fn rectangles_are_the_pixels_that_a_decoder_writes() {
             }
         }
     }
-    // Every codec has vectors with every way of writing that it knows.
+    // The vectors of each codec use every way of writing that the codec has.
     let counted = |codec: &str| seen.iter().filter(|(name, _)| *name == codec).count();
     let codecs = [
         ("aabb", 2),
@@ -126,7 +126,7 @@ fn surveys_agree_with_counts_of_all_frames() {
                 assert_eq!(keyframes, kinds, "{}", path.display());
                 assert_eq!(found.cells.iter().map(|cell| cell.blocks).sum::<u64>(), blocks.blocks);
             }
-            // Frames without keyframes tell which one is the busiest; where others change more, it is one of these.
+            // No frame without keyframes may update more pixels than the busiest frame does.
             let rows = inspection.rows.iter().filter(|row| row.stream.index == stream.index);
             let plain = rows.filter(|row| row.cost.keyframe_units == 0).map(|row| row.cost.updated_pixels);
             match found.busiest {
@@ -157,11 +157,11 @@ fn all_vectors_are_drawn_and_no_invalid_one_breaks_anything() {
         assert!(drawn > 0 || path.to_string_lossy().ends_with("empty.lfold"), "{}", path.display());
     }
     let refused = vectors("invalid").iter().filter(|path| draw(path).is_err()).count();
-    // What only a rule about several chunks forbids may be drawn.
+    // Containers that break only a rule about several chunks may be drawn.
     assert!(refused + 3 >= vectors("invalid").len(), "{refused} of {}", vectors("invalid").len());
 }
 
-/// A ramp and a square that moves to the right in each of the first three frames, and background above.
+/// Returns depth with a ramp, background at the top, and a square that moves to the right in each of the first three frames.
 fn moving(width: u32, height: u32) -> impl Fn(Face, u32) -> DepthPlane {
     move |_, frame| {
         let frame = frame.min(2);
@@ -225,14 +225,14 @@ fn pictures_are_listed_and_the_same_on_any_number_of_threads() {
     let blocks = listed.iter().find(|plot| plot["path"].as_str().unwrap().ends_with("0001_blocks.png")).unwrap();
     assert_eq!((blocks["stream"].as_str(), blocks["what"].as_str()), (Some("depth 00/px"), Some("blocks")));
     assert_eq!((blocks["frame"].as_u64(), blocks["face"].as_str()), (Some(1), Some("px")));
-    // A second run joins the folder; what else lies there stays.
+    // A second run adds files to the folder and keeps the other files in it.
     std::fs::write(folder.path().join("one/other.txt"), "mine").unwrap();
     let few = plots("inspect a.lfold --plot one --stream depth --frame 4 --json", folder.path());
     assert_eq!(few.len(), 1);
     assert!(names(&folder.path().join("one")).is_superset(&[String::from("other.txt")].into()));
 }
 
-/// Codes of a PNG, and the size.
+/// Reads a PNG file as 8-bit RGB.
 fn read(path: &Path) -> image::RgbImage {
     image::open(path).unwrap().into_rgb8()
 }
@@ -243,12 +243,12 @@ fn what_a_frame_writes_is_tinted_and_the_rest_is_grey() {
     footage(folder.path(), [64, 64]);
     let coloured = |name: &str| {
         let drawn = read(&folder.path().join("p").join(name));
-        // Between title and key; an image of 64 pixels is drawn as 1024.
+        // The image is between title and key; its 64 pixels are drawn 1,024 wide.
         let (left, top) = (24, drawn.height().saturating_sub(1024) / 3);
         let pixels = (top..top + 900).flat_map(|y| (left..left + 1024).map(move |x| (x, y)));
         pixels.filter(|&(x, y)| drawn.get_pixel(x, y).0.iter().any(|code| *code != drawn.get_pixel(x, y).0[0])).count()
     };
-    // The frame that is drawn is the one that changes most: with a window, records repeat changes.
+    // The frame with the most changed pixels is drawn, besides the first one. With a window of 2, records repeat changes.
     let codecs = [("predictive", "blocks", 1), ("quadtree", "nodes", 2), ("aabb", "boxes", 2), ("bc4w", "blocks", 2)];
     for (codec, what, busiest) in codecs {
         fine(&format!("encode . -o {codec}.lfold --stream depth --depth-codec {codec}"), folder.path());

@@ -1,4 +1,4 @@
-//! Colour spaces, clipping, presets and missing frames of `encode`, and what `decode`, `diff` and `inspect` make of them.
+//! Colour spaces, clipping, presets and missing frames of `encode`, and how `decode`, `diff` and `inspect` handle them.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::footage::Footage;
 
 const SIDE: u32 = 32;
 
-/// Smooth light up to `most`, of saturated colours.
+/// Returns smooth, saturated linear RGB, scaled by `most`.
 fn light(frame: u32, most: f32) -> ColorPlane {
     Plane::from_fn(SIDE, SIDE, |x, y| {
         let [x, y, t] = [x as f32 / SIDE as f32, y as f32 / SIDE as f32, frame as f32 / 10.0];
@@ -20,7 +20,7 @@ fn light(frame: u32, most: f32) -> ColorPlane {
     })
 }
 
-/// Finite half floats of both signs and all exponents, subnormal ones too.
+/// Returns finite half floats of both signs and all exponents, including subnormals.
 fn all_magnitudes(frame: u32) -> ColorPlane {
     const INFINITE: u32 = 0x7c00;
     Plane::from_fn(SIDE, SIDE, |x, y| {
@@ -31,7 +31,7 @@ fn all_magnitudes(frame: u32) -> ColorPlane {
     })
 }
 
-/// A dataset of one face whose colour files state `primaries`.
+/// Writes a dataset of one face whose colour files state `primaries`.
 fn write(folder: &Path, most: f32, primaries: Primaries) {
     write_light(folder, &|frame| light(frame, most), primaries);
 }
@@ -57,7 +57,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// The exit code of a command line, and what it printed on both outputs.
+/// Runs a command line. Returns its exit code, and standard output followed by standard error.
 fn run(line: &str, folder: &Path) -> (i32, String) {
     let output = lightfold(&line.split(' ').collect::<Vec<_>>(), folder);
     (output.status.code().unwrap(), text(&output.stdout) + &text(&output.stderr))
@@ -70,7 +70,7 @@ fn acescg_comes_back_as_it_was() {
     let at = TempDir::new().unwrap();
     let at = at.path();
     let acescg = Primaries::ACESCG.to_array();
-    // Without loss. Both sides are half floats: within half a step, half the distance of neighbouring ones, they are equal.
+    // Lossless: both sides are half floats, so an error below half the distance of adjacent half floats means equal bits.
     for light in [&all_magnitudes as &dyn Fn(u32) -> ColorPlane, &|frame| light(frame, 8.0)] {
         write_light(at, light, Primaries::ACESCG);
         fine("encode . -o a.lfold --hdr --color-codec cells --psnr 200", at);
@@ -85,7 +85,7 @@ fn acescg_comes_back_as_it_was() {
             }
         }
     }
-    // With the loss that the container promises, by its own metric.
+    // Lossy: the quality bound of the container holds in its own metric.
     for promised_db in [45, 60, 80] {
         for codec in ["transform", "cells"] {
             fine(&format!("encode . -o a.lfold --hdr --color-codec {codec} --psnr {promised_db}"), at);
@@ -111,7 +111,7 @@ fn light_of_other_primaries_stays_what_it_is() {
     assert!(manifest.contains("\"acescg\""), "{manifest}");
     assert!(text(&fine("inspect a.lfold", at).stdout).contains("light of acescg"));
 
-    // The same light in the numbers of other spaces.
+    // The same colours in another colour space.
     fine("decode a.lfold -o rec709 --color-space linear-rec709", at);
     let (converted, primaries) = read(&at.join("rec709").join(FIRST));
     assert!(primaries.is_rec709());
@@ -120,7 +120,7 @@ fn light_of_other_primaries_stays_what_it_is() {
     fine("diff . rec709 --hdr --min-cell-psnr 30", at);
     fine("diff rec709 a.lfold --min-cell-psnr 50", at);
 
-    // Pictures of EXR say what they are, those of PNG are sRGB.
+    // Rendered EXR files state their primaries; decoded PNG files are sRGB.
     fine("render a.lfold --eye 0,1,2 --look-at 3,1,2 --size 16 -o view.exr -q", at);
     assert_eq!(exr::read_primaries(&at.join("view.exr")).unwrap(), Primaries::ACESCG);
     fine("decode a.lfold -o png --format png --stream color", at);
@@ -140,7 +140,7 @@ fn files_of_two_sets_of_primaries_are_refused_unless_a_space_is_named() {
     assert!(said.contains("chromaticities") && said.contains("--color-space") && said.contains("color.0001"), "{said}");
     fine("encode . -o a.lfold --color-space linear-p3-d65", at);
     assert!(text(&fine("inspect a.lfold", at).stdout).contains("light of linear-p3-d65"));
-    // What is stated by the manifest counts before what files state.
+    // The colour space of the manifest overrides the chromaticities of the files.
     let manifest = at.join("lightfield.json");
     let stated = std::fs::read_to_string(&manifest)
         .unwrap()
@@ -178,7 +178,7 @@ fn light_is_not_clipped_silently() {
         assert!(code == 1 && !said.contains("inf dB"), "{said}");
         fine(&format!("diff . {side} --min-cell-psnr 40 --allow-clipping"), at);
     }
-    // The container tells, also where the source is not at hand.
+    // The container records the clipping, so `diff` reports it without the source.
     let (code, said) = run("diff a.lfold decoded", at);
     assert!(code == 1 && said.contains("did not fit 8 bits"), "{said}");
     fine("diff a.lfold decoded --stream depth", at);
@@ -201,7 +201,7 @@ fn missing_frames_are_stood_in_for_and_remembered() {
     fine("decode held.lfold -o held", at);
     assert_eq!(read(&at.join("held").join(FIRST)).0, read(&at.join("held").join(FIRST.replace("0000", "0001"))).0);
 
-    // By the manifest.
+    // The manifest sets `missing` instead of the option.
     let manifest = at.join("lightfield.json");
     let stated = std::fs::read_to_string(&manifest).unwrap().replace("\"files\"", "\"missing\": \"black\", \"files\"");
     std::fs::write(&manifest, stated).unwrap();
@@ -236,7 +236,7 @@ fn odd_values_and_large_results_are_told_before_and_after() {
             |_: Face, _: u32| Plane::from_fn(SIDE, SIDE, |x, y| if x < 8 { far } else { 2.0 + (x + y) as f32 * 0.1 });
         Footage { frames: [0, 0], depth: Some(&depth), color: Some(&color), ..Footage::new(SIDE, SIDE) }.write(at);
     };
-    // This is read as background.
+    // A depth of 1e30 is read as background.
     write(1e30);
     let said = text(&fine("encode . -o a.lfold", at).stderr);
     assert!(!said.contains("depth.background") && !said.contains("warning"), "{said}");
@@ -244,11 +244,11 @@ fn odd_values_and_large_results_are_told_before_and_after() {
     let said = text(&fine("encode . -o a.lfold", at).stderr);
     assert!(said.contains("depth.background") && said.contains("1.0e8 m away"), "{said}");
     assert!(!text(&fine("encode . -o a.lfold --quiet", at).stderr).contains("depth"));
-    // A wrong channel is found before anything is coded.
+    // A wrong channel is refused before anything is encoded.
     let said = refused("encode . -o b.lfold --depth-channel W", at);
     assert!(said.contains('W') && !at.join("b.lfold").exists(), "{said}");
 
-    // Columns that EXR files compress well.
+    // Columns of equal pixels, which EXR files compress well.
     let columns = |_: Face, _: u32| Plane::from_fn(64, 64, |x, _| [f16::from_f32(x as f32 / 64.0); 3]);
     Footage { frames: [0, 0], color: Some(&columns), ..Footage::new(64, 64) }.write(at);
     let line = "encode . -o a.lfold --color-codec cells --psnr 200";

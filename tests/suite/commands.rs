@@ -1,4 +1,4 @@
-//! Commands one after the other, as a shell script calls them: what one writes, the next reads.
+//! Sequences of commands, as in a shell script: each command reads the output of the previous one.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -21,9 +21,10 @@ pub fn fine(line: &str, folder: &Path) -> Output {
     output
 }
 
-/// The exit code of a refusal: a missing image may come, another process may end, all else stays wrong.
+/// Returns the expected exit code of an error: 75 if a retry may succeed, because an image is missing or another process holds a
+/// file; 2 otherwise.
 pub fn code_of(said: &str) -> i32 {
-    // Notes come before it.
+    // Notes may precede the error.
     let said = said.trim_end().lines().last().unwrap_or_default().to_lowercase();
     let is_typed = said.contains("there is no such file or folder") || said.contains("there is no folder");
     let is_missing = !is_typed && said.contains("no such file") || said.ends_with("no file matches this pattern");
@@ -31,7 +32,7 @@ pub fn code_of(said: &str) -> i32 {
     if is_missing || is_busy { 75 } else { 2 }
 }
 
-/// Runs a command line that must be refused; answers what it said.
+/// Runs a command line that must be refused. Returns its standard error.
 pub fn refused(line: &str, folder: &Path) -> String {
     let output = lightfold(&line.split_whitespace().collect::<Vec<_>>(), folder);
     let said = String::from_utf8(output.stderr).unwrap();
@@ -39,7 +40,7 @@ pub fn refused(line: &str, folder: &Path) -> String {
     said
 }
 
-/// Faces whose depths lie in ranges of their own, far apart.
+/// Writes a cube map whose faces have depth ranges that differ by factors of 10.
 fn cube(folder: &Path) {
     let depth = |face: Face, frame: u32| {
         let scale = 10f32.powi(face as i32);
@@ -81,7 +82,7 @@ fn said(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
-/// Four frames of a face with light up to 15.
+/// Writes four frames of a face with linear RGB up to 15.
 fn bright(folder: &Path) {
     let color = |_: Face, frame: u32| {
         Plane::from_fn(16, 16, |x, y| [x as f32, y as f32 / 16.0, frame as f32 / 4.0].map(f16::from_f32))
@@ -95,13 +96,13 @@ fn clipped_light_and_missing_manifests_are_said_also_to_the_quiet() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
     bright(at);
-    // Light of 2 to 15, in 14 of 16 columns of 4 images.
+    // Red is 2 to 15 in 14 of 16 columns of 4 images.
     let clipped = 14 * 16 * 4;
     let encoded = said(&fine("encode . -o codes.lfold -q --clip", at));
     assert!(encoded.contains(&format!("{clipped} of 1024 colour pixels")), "{encoded}");
     assert_eq!(said(&fine("encode . -o a.lfold --hdr -q", at)), "");
     let decoded = said(&fine("decode a.lfold --stream color --format png -o out -q", at));
-    // Coding may lift light of 1 above it.
+    // Coding errors may raise a value of 1 above 1.
     let count = decoded.strip_prefix("out: ").and_then(|words| words.split(' ').next()?.parse::<u32>().ok());
     assert!(count.is_some_and(|count| (clipped..1024).contains(&count)), "{decoded}");
     assert!(decoded.contains("clipped"), "{decoded}");

@@ -1,4 +1,4 @@
-//! `inspect --check`: data labelled right raises no doubt, data labelled wrong in every common way does.
+//! `inspect --check`: correctly labelled data raises no suspicion; data with a common labelling error does.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use tempfile::TempDir;
 
 const SIDE: u32 = 64;
 
-/// The demo scene seen by four probes that do not stand in a line.
+/// The demo scene captured by four probes that are not on a line.
 struct Set {
     folder: TempDir,
     manifest: Manifest,
@@ -48,7 +48,7 @@ impl Set {
         self.path().join(format!("probe_{probe:02}/face_{}/depth.0000.exr", face.name()))
     }
 
-    /// Reads, changes and writes the depth of every face of the probes.
+    /// Applies `change` to the depth file of every face of the probes.
     fn rewrite(&self, probes: std::ops::Range<usize>, change: impl Fn(Face, DepthPlane) -> DepthPlane) {
         for probe in probes {
             for face in Face::CUBE {
@@ -59,7 +59,7 @@ impl Set {
         }
     }
 
-    /// Exchanges folders of faces: the files of `a` become those of `b`.
+    /// Exchanges the folders of faces `a` and `b`.
     fn exchange(&self, probes: std::ops::Range<usize>, a: Face, b: Face) {
         for probe in probes {
             let folder = |face: &str| self.path().join(format!("probe_{probe:02}/face_{face}"));
@@ -121,7 +121,7 @@ fn data_labelled_right_is_fine() {
         assert_eq!(finding(&report, name).verdict, Verdict::Fine, "{report:#?}");
     }
     assert_eq!((report.probes, report.all_probes, report.images), (4, 4, 48));
-    // Planar depth that is said to be planar.
+    // Planar depth that is labelled as planar.
     set.rewrite(0..4, planar);
     let report = set.check_as(|manifest| depth(manifest).kind = DepthKind::Planar);
     assert_clean(&report);
@@ -144,9 +144,9 @@ fn planar_depth_and_distance_are_told_apart() {
     let report = set.check_as(|manifest| depth(manifest).kind = DepthKind::Planar);
     assert_suspects(&report, "depth.kind", "depth as distance");
     assert_suspects(&report, "depth.kind.flatness", "looks like distance");
-    // A seam cannot tell.
+    // Seams do not distinguish planar depth from distance.
     assert_eq!(finding(&report, "seams.depth").verdict, Verdict::Fine);
-    // One probe alone.
+    // A single probe.
     let report = set.check_as(|manifest| {
         depth(manifest).kind = DepthKind::Planar;
         manifest.probes.truncate(1);
@@ -169,7 +169,7 @@ fn scales_are_found() {
         let found = finding(&report, "depth.scale");
         assert_eq!(found.verdict, Verdict::Suspect, "{scale}: {report:#?}");
     }
-    // Two mistakes at once.
+    // Two errors at once.
     let report = set.check_as(|manifest| {
         depth(manifest).unit = None;
         depth(manifest).scale = Some(100.0);
@@ -192,7 +192,7 @@ fn positions_are_checked() {
     assert_suspects(&moved(|[x, y, z]| [x, y, -z]), "positions", "(x, y, -z)");
     assert_suspects(&moved(|[x, y, z]| [x, z, y]), "positions", "(x, z, y)");
     assert_suspects(&moved(|[x, y, z]| [x, -z, y]), "positions", "(x, z, -y)");
-    // Where the world's origin lies is nobody's business.
+    // The origin of the world is arbitrary.
     assert_clean(&moved(|[x, y, z]| [x + 5.0, y - 7.0, z + 1.0]));
     let report = set.check_as(|manifest| {
         let position = manifest.probes[1].position;
@@ -207,7 +207,7 @@ fn positions_are_checked() {
 #[test]
 fn orientations_are_checked() {
     let set = Set::new();
-    // A world that is turned about the first probe: positions and orientations turn together.
+    // A world that is rotated about its origin: positions and orientations rotate together.
     let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.4, -0.8, 0.3);
     let turned = |orientation: glam::DQuat| {
         set.check_as(|manifest| {
@@ -231,11 +231,11 @@ fn faces_in_a_wrong_order_are_named() {
     set.exchange(0..4, Face::Nx, Face::Nz);
     let report = set.check();
     assert_suspects(&report, "seams.depth", "nx and nz are exchanged");
-    // Colour at 64 pixels is too coarse to be sure of, but it is not as it should be either.
+    // Colour with 64x64 pixels per face is too coarse for a suspicion, but it must not be reported as fine.
     assert_ne!(finding(&report, "seams.color").verdict, Verdict::Fine);
     set.exchange(0..4, Face::Nx, Face::Nz);
     assert_clean(&set.check());
-    // One probe of four.
+    // One of four probes.
     set.exchange(2..3, Face::Ny, Face::Pz);
     let report = set.check();
     assert_suspects(&report, "seams.depth", "probe 02: ");
@@ -266,7 +266,7 @@ fn faces_that_are_turned_and_mirrored_are_named() {
         assert_suspects(&report, "seams.depth", &format!("nz is {words}"));
     }
     let set = Set::new();
-    // Every face from inside instead of outside, as programs with left-handed cubes write them.
+    // Every face as seen from inside the cube instead of outside, as programs with left-handed cube maps write it.
     set.rewrite(0..4, |_, plane| Plane::from_fn(SIDE, SIDE, |x, y| plane.get(SIDE - 1 - x, y)));
     let report = set.check();
     assert_suspects(&report, "seams.depth", "every face is mirrored left to right");
@@ -304,7 +304,7 @@ fn walls_that_are_alike_are_no_copies() {
         assert!(images.says.contains(words), "{report:#?}");
         images.verdict
     };
-    // The middle of a room as high as it is long and wide.
+    // The centre of a cubic room.
     let wall =
         |x, y, distance: f64| (distance * ImageProjection::cube_face(Face::Px, SIDE).ray_length_factor(x, y)) as f32;
     set.rewrite(0..1, |_, _| Plane::from_fn(SIDE, SIDE, |x, y| wall(x, y, 2.0)));
@@ -313,7 +313,7 @@ fn walls_that_are_alike_are_no_copies() {
     let color = |face: Face| set.depth_file(0, face).with_file_name("color.0000.exr");
     std::fs::copy(color(Face::Pz), color(Face::Nx)).unwrap();
     assert_eq!(verdict(&set.check_as(one), "color 00/nx and color 00/pz have the same"), Verdict::Suspect);
-    // A floor without end, seen from one height and said to be seen from two.
+    // An infinite floor: equal images are plausible at equal heights, and suspect if the manifest states different heights.
     set.rewrite(1..3, |face, _| {
         Plane::from_fn(SIDE, SIDE, |x, y| match face {
             Face::Ny => wall(x, y, 1.5),
@@ -338,7 +338,7 @@ fn the_same_sky_from_everywhere_is_no_copy() {
     for probe in [1, 2] {
         exr::write_color(&color(probe), &sky).unwrap();
     }
-    // With surfaces below, the same picture cannot be seen from two places.
+    // Faces with surfaces cannot have the same pixels from two positions.
     set.rewrite(1..3, |face, plane| match face {
         Face::Py => Plane::from_fn(SIDE, SIDE, |x, y| 2.5 + (3 * x + y) as f32 * 0.01 + plane.get(x, y).min(1.0)),
         _ => plane,
@@ -350,7 +350,7 @@ fn the_same_sky_from_everywhere_is_no_copy() {
     let images = finding(&found, "images");
     assert_eq!(images.verdict, Verdict::Fine, "{found:#?}");
     assert!(images.says.contains("color 01/py and color 02/py have"), "{}", images.says);
-    // Without depth nobody knows what is seen.
+    // Without depth it is unknown whether the images show only sky.
     let report = set.check_as(|manifest| {
         manifest.files.depth = None;
         manifest.depth = None;
@@ -361,24 +361,24 @@ fn the_same_sky_from_everywhere_is_no_copy() {
 #[test]
 fn what_cannot_be_told_is_said() {
     let set = Set::new();
-    // Nothing but background.
+    // Only background.
     set.rewrite(0..4, |_, plane| plane.map(|_| f32::INFINITY));
     let report = set.check();
     for name in ["seams.depth", "depth.kind.flatness", "probes", "depth.near_far"] {
         assert_eq!(finding(&report, name).verdict, Verdict::CannotTell, "{report:#?}");
     }
-    // A dome around the probe may as well be a box of planar depth.
+    // A dome around the probe is indistinguishable from a box in planar depth.
     set.rewrite(0..4, |_, plane| plane.map(|_| 4.0));
     let report = set.check_as(|manifest| manifest.probes.truncate(1));
     for name in ["seams.depth", "depth.kind.flatness", "probes"] {
         assert_eq!(finding(&report, name).verdict, Verdict::CannotTell, "{report:#?}");
     }
     let found = suspected(&report);
-    // Colour has more than depth shows, and that is no mistake.
+    // Colour shows details that depth does not have, which is not an error.
     assert!(found.is_empty(), "{found:#?}");
 }
 
-/// Distance seen by probes in a dome, none of them in its middle.
+/// Distance from four probes in a dome with a radius of 10 m: one probe is at the centre, the others at up to 70% of the radius.
 #[test]
 fn probes_in_a_dome_raise_no_doubt() {
     let set = Set::new();
@@ -400,7 +400,7 @@ fn probes_in_a_dome_raise_no_doubt() {
             (depth(manifest).near, depth(manifest).far) = (None, None);
         });
         assert_clean(&report);
-        // Far from the middle a dome looks straight here and there, but probes that see the same know better.
+        // Far from the centre, parts of a dome look planar; the reprojection between probes overrules that suspicion.
         let overruled = finding(&report, "depth.kind.flatness").says.contains("but reprojection between probes");
         assert_eq!(overruled, share > 0.5, "{report:#?}");
     }
@@ -437,7 +437,7 @@ fn the_command_answers_with_an_exit_code_and_json() {
     assert!(text.starts_with("courtyard: 4 of 4 probes, 48 images\n"), "{text}");
     assert!(text.contains("depth.kind ") && text.ends_with("Nothing is suspected.\n"), "{text}");
     assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
-    // The sentences are broken, and go on where they began.
+    // Sentences are wrapped, and each line continues in the column where the sentence began.
     let began = text.lines().find_map(|line| line.find("Why")).unwrap();
     assert!(text.lines().any(|line| line.len() > began && line[..began].trim().is_empty()), "{text}");
     let output = run(&["lightfield.json", "--check", "--depth-kind", "planar", "--json"]);
@@ -449,7 +449,7 @@ fn the_command_answers_with_an_exit_code_and_json() {
     assert_eq!(kind["verdict"], "suspect");
     assert!(kind["says"].as_str().unwrap().contains("depth as distance"));
     assert!(kind["figures"]["margin"].as_f64().unwrap() > 3.0, "{kind}");
-    // One probe, chosen by its name.
+    // A single probe, selected by name.
     let output = run(&[".", "--check", "--probe", "02", "--json"]);
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((json["probes"].as_u64(), json["images"].as_u64()), (Some(1), Some(12)));

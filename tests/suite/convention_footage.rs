@@ -1,4 +1,4 @@
-//! `inspect --check` on measured footage: as labelled, and mislabelled in copies of the manifest beside links to the files.
+//! `inspect --check` on measured footage: with correct labels, and with wrong manifests beside symbolic links to the files.
 #![cfg(unix)]
 
 use std::os::unix::fs::symlink;
@@ -16,7 +16,7 @@ fn data() -> PathBuf {
     PathBuf::from(option_env!("LIGHTFOLD_DATA").unwrap_or("no data"))
 }
 
-/// Links every folder of a set, the faces under other names, and writes another manifest.
+/// Creates a dataset of links to every folder of `set`, with faces renamed by `face`, and with a changed manifest.
 fn copy(set: &Path, change: impl FnOnce(&mut Manifest), face: impl Fn(&str) -> String) -> TempDir {
     let folder = TempDir::new().unwrap();
     let mut manifest = Manifest::read(set).unwrap();
@@ -74,7 +74,7 @@ fn measured_footage_raises_no_doubt() {
     for set in ["sponza", "sponza9", "glass", "object", "equirect", "sponza1k"] {
         let report = checked(&data().join(set));
         assert!(!report.suspects(), "{set}: {report:#?}");
-        // A single probe without faces says little, but something.
+        // A single probe without faces allows few checks, but some.
         let fine = report.findings.iter().filter(|finding| finding.verdict == Verdict::Fine).count();
         assert!(fine >= 4, "{set}: {report:#?}");
     }
@@ -101,7 +101,7 @@ fn measured_footage_with_a_wrong_manifest_is_suspected() {
             let report = wrong(&|manifest| {
                 manifest.probes.iter_mut().for_each(|probe| probe.position.as_mut().unwrap()[axis] *= -1.0)
             });
-            // On a line along an axis, its sign is all that there is; object's probes are symmetric about every axis.
+            // A flipped axis is suspected even in `object`, whose probes are symmetric about every axis.
             assert_suspects(&report, &format!("{set} -{axis}"), &["positions"]);
         }
         let report = wrong(&|manifest| manifest.probes[2].position.as_mut().unwrap()[0] += 0.3);
@@ -124,13 +124,13 @@ fn measured_footage_with_exchanged_faces_is_suspected() {
         }
     }
     assert_suspects(&exchanged("sponza1k", "px", "nz"), "sponza1k", &["seams.depth"]);
-    // No surface of the dragon reaches an edge: here it is the positions that do not fit.
+    // No surface of the dragon reaches an edge of a face, so the positions are suspected instead of the seams.
     for (a, b) in [("py", "ny"), ("px", "nx"), ("px", "pz")] {
         assert_suspects(&exchanged("object", a, b), &format!("object {a} {b}"), &["positions", "probes"]);
     }
 }
 
-/// Frames of a depth camera that moves, each a probe of its own.
+/// Checks 12 frames of a moving depth camera, each as a probe.
 fn kinect(change: impl FnOnce(&mut Manifest)) -> Report {
     let folder = TempDir::new().unwrap();
     let set = data().join("rgbd/kinect");
@@ -146,7 +146,7 @@ fn kinect(change: impl FnOnce(&mut Manifest)) -> Report {
     for frame in 150..162 {
         let text = std::fs::read_to_string(set.join(format!("frame-{frame:06}.pose.txt"))).unwrap();
         let pose: Vec<f64> = text.split_whitespace().map(|word| word.parse().unwrap()).collect();
-        // Its cameras look along +Z with +Y down.
+        // The cameras of this dataset look along +Z with +Y down.
         let column = |at: usize| DVec3::new(pose[at], pose[4 + at], pose[8 + at]);
         let turn = DQuat::from_mat3(&DMat3::from_cols(column(0), -column(1), -column(2))).normalize();
         let name = frame.to_string();

@@ -1,5 +1,5 @@
-//! Damaged containers: whatever happens to a file, it is refused or shows exactly what it showed before. Where the
-//! damage is made to look sound (its CRC-32s are repaired), nothing panics.
+//! Damaged containers: a damaged file is refused or decodes to exactly the images of the intact file. If the CRC-32s are
+//! recomputed after the damage, nothing panics.
 
 use codec::color::{SearchSettings, Target};
 use codec::container::{ChunkEntry, ChunkKey, Compression, Index, OpenLimits, Reader, Storage, StreamEntry};
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::samples::{self, Images, Random, Shape};
 
-/// Three kinds of stream in a few kilobytes, compressed or not.
+/// Returns a container of colour, depth and material streams in less than 4,096 bytes, compressed or not.
 fn small(compression: Compression) -> Vec<u8> {
     let shape = |face, size: [u32; 2], frame_count| Shape { face, size, unit: [4, 4], first_frame: 3, frame_count };
     let settings = TemporalSettings { window: 2, epsilon: 1, max_aabbs: 4, keyframe_interval: 3 };
@@ -19,7 +19,7 @@ fn small(compression: Compression) -> Vec<u8> {
     let size = [5, 4];
     let halves = halves(-1.0);
     let whole = |shape: Shape| Shape { unit: shape.size, ..shape };
-    // Smooth enough for compression to help.
+    // Codes that are smooth enough for compression to help.
     let flat: Vec<Vec<u16>> = (0..3).map(|t| (0..96).map(|at| at / 48 + t).collect()).collect();
     let streams = [
         samples::depth(shape(0, size, 5), [0.5, 8.0], &samples::moving_codes(size, 5, 5), settings),
@@ -36,13 +36,13 @@ fn small(compression: Compression) -> Vec<u8> {
     bytes
 }
 
-/// Images of 4x3 pixels whose light starts at `least`.
+/// Returns images of 4x3 half-float pixels with values from `least` up.
 fn halves(least: f32) -> Vec<Vec<[f16; 3]>> {
     let light = |v: u16| f16::from_f32(f32::from(v) / 4.0 + least);
     (0..5).map(|t| (0..12).map(|at| [at + t, at * 2, 7].map(light)).collect()).collect()
 }
 
-/// The same with pieces and keyframes in blocks.
+/// Returns an uncompressed container whose pieces and keyframes are in blocks.
 fn in_blocks() -> Vec<u8> {
     let shape = |face, size: [u32; 2], frame_count| Shape { face, size, unit: [8, 4], first_frame: 3, frame_count };
     let settings = TemporalSettings { window: 2, epsilon: 90, max_aabbs: 4, keyframe_interval: 3 };
@@ -60,7 +60,7 @@ fn in_blocks() -> Vec<u8> {
     bytes
 }
 
-/// Fails where a damaged file shows other pixels than the good one.
+/// Fails if a damaged file decodes to other pixels than the intact one.
 fn check(damaged: Vec<u8>, expected: &Images, what: impl Fn() -> String) {
     if let Ok(images) = samples::decode_all(damaged) {
         assert!(images == *expected, "{}: pixels changed in silence", what());
@@ -74,7 +74,7 @@ fn all() -> [(Vec<u8>, Images); 3] {
     })
 }
 
-/// The same files, also as version 1.0 wrote them.
+/// Returns the files of [`all`], also in the form of version 1.0, and one with Zstandard compression.
 fn all_in_both_forms() -> Vec<(Vec<u8>, Images)> {
     let rows = all().map(|(file, images)| (samples::in_rows(file), images));
     let zstd = small(Compression::Zstd(19));
@@ -133,7 +133,7 @@ fn any_two_bytes_exchanged_are_an_error_or_change_nothing() {
     }
 }
 
-/// Opens and decodes what can be decoded in a moment: some frames of images that are not huge.
+/// Opens a file and decodes a few frames of each stream of at most 2^20 pixels. Returns false if it does not open.
 fn exercise(file: Vec<u8>, random: &mut Random) -> bool {
     let Ok(reader) = Reader::from_memory(file) else { return false };
     let Ok(decoder) = Decoder::new(reader) else { return false };
@@ -146,14 +146,14 @@ fn exercise(file: Vec<u8>, random: &mut Random) -> bool {
         frames.extend((0..4).map(|_| random.below(count)));
         let mut face = decoder.face(stream);
         for frame in frames {
-            // An error in one frame need not spoil the next.
+            // An error is ignored; decoding continues with the next frame.
             let _ = face.decode(first + frame);
         }
     }
     true
 }
 
-/// Changes a few bytes or fields of a slice, towards values that break things.
+/// Changes 1 to 3 bytes or fields of a slice, often to extreme values.
 fn mutate(bytes: &mut [u8], random: &mut Random) {
     for _ in 0..=random.below(3) {
         if bytes.is_empty() {
@@ -182,7 +182,7 @@ fn mutate(bytes: &mut [u8], random: &mut Random) {
     }
 }
 
-/// Gives every chunk whose bytes lie where it says the CRC-32 of those bytes.
+/// Sets the CRC-32 of every chunk to that of its stored bytes.
 fn repair_chunks(index: &mut Index, stored: &[u8]) {
     for chunk in &mut index.chunks {
         let start = chunk.offset as usize - 16;
@@ -271,7 +271,7 @@ fn a_static_stream_of_many_frames_is_decoded_at_once() {
         assert_eq!(samples::image_bytes(&picture), [7, 0, 7, 0, 7, 0, 7, 0]);
     };
     last(Reader::from_memory(long(1 << 26)).unwrap(), (1 << 26) - 1);
-    // So many that to walk over them takes hours: only for a file that is trusted.
+    // With so many frames, visiting each one takes hours, so only trusted files may have them.
     let refused = Reader::from_memory(long(1 << 31)).unwrap_err().to_string();
     assert!(refused.contains("claim 2147483648 units and 8589934592 pixels"), "{refused}");
     last(Reader::from_source(std::sync::Arc::new(long(1 << 31)), "", OpenLimits::NONE).unwrap(), (1 << 31) - 1);
@@ -296,12 +296,13 @@ fn streams_that_would_take_more_memory_than_the_file_justifies_are_refused() {
             }
         })
     };
-    // 1 GiB at 4 bytes a pixel, less the unit and the payload; then all streams together.
+    // One stream may take 1 GiB: at 4 bytes per pixel, 16,384x16,384 pixels exceed it together with the unit and the payload. All
+    // streams together may take four times as much.
     assert_eq!(refusal(sized(16_383, 1)), "it opens");
     assert!(refusal(sized(16_384, 1)).contains("would take 1073746100 bytes"), "{}", refusal(sized(16_384, 1)));
     assert_eq!(refusal(sized(16_383, 4)), "it opens");
     assert!(refusal(sized(16_383, 5)).contains("5 streams would take"), "{}", refusal(sized(16_383, 5)));
-    // More bytes justify more: a megabyte of a real picture.
+    // The limit grows with the size of the file: with 1 MiB of stored bytes, the same stream opens.
     let small = Reader::from_source(std::sync::Arc::new(sized(16_384, 1)), "", OpenLimits::NONE).unwrap();
     let large = samples::assemble(small.index(), &vec![0; 1 << 20], |_| ());
     assert_eq!(refusal(large), "it opens");
@@ -309,7 +310,7 @@ fn streams_that_would_take_more_memory_than_the_file_justifies_are_refused() {
 
 #[test]
 fn one_stored_chunk_of_many_units_is_refused_by_the_sum() {
-    // 10 bytes for one of a payload, since they are boxes.
+    // A stream of boxes counts 10 bytes per byte of its payloads: 6 units of 16 MiB are below 1 GiB, and 7 are above.
     let shared = samples::shared_chunk;
     assert_eq!(refusal(shared(6)), "it opens");
     assert!(refusal(shared(7)).contains("would take"), "{}", refusal(shared(7)));

@@ -1,10 +1,10 @@
-//! `decode --device` and `selftest` on a machine without a graphics device. What needs one is in `tests/gpu/`.
+//! `decode --device` and `selftest` on a machine without a graphics device. Tests that need a device are in `tests/gpu/`.
 #![cfg(target_os = "linux")]
 
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Runs the program where the Vulkan loader finds no driver.
+/// Runs the program with a Vulkan loader that finds no driver. Returns the exit code, standard output and standard error.
 fn without_drivers(arguments: &[&str]) -> (Option<i32>, String, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
     for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {

@@ -1,4 +1,4 @@
-//! `lightfold diff`: everything against everything else.
+//! `lightfold diff`: comparisons of datasets, containers, image sequences and single files.
 
 use std::path::{Path, PathBuf};
 
@@ -41,7 +41,7 @@ fn depth(probe: u32, face: u32, frame: u32) -> DepthPlane {
 }
 
 impl Bench {
-    /// Two probes, two faces, colour and depth.
+    /// Writes the dataset `set` of two probes with two faces each, with colour and depth.
     fn new() -> Bench {
         let bench = Bench { folder: TempDir::new().unwrap() };
         bench.write_set("set", LAST);
@@ -100,7 +100,7 @@ impl Bench {
         .unwrap();
     }
 
-    /// Exit code, standard output and standard error.
+    /// Runs `diff`. Returns its exit code, standard output and standard error.
     fn run(&self, arguments: &str) -> (i32, String, String) {
         let mut command = Command::cargo_bin("lightfold").unwrap();
         let output = command.current_dir(&self.folder).arg("diff").args(arguments.split(' ')).output().unwrap();
@@ -142,7 +142,7 @@ fn lossless_containers_and_folders_are_equal_to_their_source() {
         assert_eq!(code, 0, "{report}");
         assert_eq!((&report["equal"], &report["within_bounds"]), (&true.into(), &true.into()));
         assert_eq!(report["depth"]["max_error_codes"], 0);
-        // Halves of two sequences may have equal codes and other bits.
+        // Files of two datasets may have equal colour codes but different half floats; their PSNR is then NaN, not infinite.
         let are_files = [a, b] == ["set/lightfield.json", "out"];
         let infinite = if are_files { Value::Null } else { "inf".into() };
         assert_eq!(report["depth"]["psnr_db_is"], "inf");
@@ -152,7 +152,7 @@ fn lossless_containers_and_folders_are_equal_to_their_source() {
         assert_eq!(report["worst"], Value::Null);
         assert!(report.get("material").is_none());
         assert_eq!(report["streams"].as_array().unwrap().len(), 8);
-        // Half a step of the codes: the files' own metres are compared.
+        // Half a step of the codes, because the metres of the files are compared.
         let metres = report["depth"]["max_error_m"].as_f64().unwrap();
         if [a, b].contains(&"out") && b == "set.lfold" {
             assert_eq!(metres, 0.0);
@@ -359,7 +359,7 @@ fn half_floats_are_measured_as_the_encoder_measures_them() {
     assert_eq!(code, 0);
     assert_eq!(report["equal"], false);
     bench.encode("set", "eight.lfold", |_| {});
-    // Across formats: through light, into the first side's.
+    // Sides of different formats are converted through linear RGB to the format of side A.
     assert_eq!(bench.json("eight.lfold exact.lfold").1["color"]["psnr_db_is"], "inf");
     let (_, report) = bench.json("exact.lfold eight.lfold");
     assert_eq!(report["domains"]["color"][0]["codes"], "half");
@@ -429,13 +429,13 @@ fn lone_sequences() {
     let differing = first.data().iter().zip(second.data()).filter(|(a, b)| a != b).count();
     assert_eq!(report["depth"]["differing_pixels"], differing);
     assert_eq!(bench.run("set/pa/px/color.0000.exr set/pa/px/color.0000.exr --exact").0, 0);
-    // The words in a file's name can be told instead.
+    // `--kind` replaces the words in the file name that state the kind.
     std::fs::copy(bench.path("set/pa/px/depth.0000.exr"), bench.path("z.exr")).unwrap();
     std::fs::copy(bench.path("set/pa/px/depth.0000.exr"), bench.path("y.exr")).unwrap();
     bench.refused("z.exr y.exr", "--stream");
     assert_eq!(bench.run("z.exr y.exr --kind depth --exact").0, 0);
     assert_eq!(bench.run("z.exr set.lfold --stream depth --probe a --face px --frames 0 --max-error 0").0, 0);
-    // Integer files with a scale of their own.
+    // Integer files with their own scale.
     let codes = Plane::from_fn(SIZE, SIZE, |x, y| (x * 10 + y) as u16);
     png::write_depth16(&bench.path("depth_mm.0000.png"), &codes).unwrap();
     let scaled = codes.map(|&code| if code == 0 { f32::INFINITY } else { (f64::from(code) * 0.001) as f32 });

@@ -1,4 +1,4 @@
-//! The documents under formats/ say what the library does.
+//! The documents under formats/ against the library: examples, tables, constants, citations and links.
 
 use std::collections::HashSet;
 use std::fs;
@@ -32,7 +32,7 @@ pub fn read(path: impl AsRef<Path>) -> String {
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// The file of container.md 8, as its text describes it.
+/// Returns the example file of container.md 8.
 fn example() -> Vec<u8> {
     let settings = TemporalSettings { window: 1, epsilon: 0, max_aabbs: 8, keyframe_interval: 64 };
     let shape = Shape { face: 0, size: [2, 1], unit: [8, 8], first_frame: 0, frame_count: 2 };
@@ -42,7 +42,8 @@ fn example() -> Vec<u8> {
     samples::container(0, probe, &[stream], Compression::None)
 }
 
-/// The payload of depth.md 9: 12x8 codes, a plane on the left and raw leaves on the right, of which the second frame changes one.
+/// Returns the payload of depth.md 9: 12x8 codes, a plane on the left and raw leaves on the right; the second frame changes one
+/// of the leaves.
 fn example_of_nodes() -> Vec<u8> {
     let first: Vec<u16> = (0..96).map(|at| (at % 12, at / 12)).map(|(x, y)| code_of_example(x, y)).collect();
     let mut second = first.clone();
@@ -63,7 +64,7 @@ fn code_of_example(x: u16, y: u16) -> u16 {
     }
 }
 
-/// The payload of depth.md 11: 8x4 codes of a plane.
+/// Returns the payload of depth.md 11: 8x4 codes of a plane.
 fn example_of_tree() -> Vec<u8> {
     let codes: Vec<u16> = (0..32).map(|at| code_of_example(at % 8, at / 8)).collect();
     let settings = NodeSettings { window: 1, bound: 100, effort: Effort::Fast, ..NodeSettings::default() };
@@ -84,7 +85,7 @@ fn predictive_header() -> PredictiveHeader {
     }
 }
 
-/// The payload of depth.md 15.10: the codes of depth.md 9, predicted.
+/// Returns the payload of depth.md 15.10: the codes of depth.md 9 in the predictive codec.
 fn example_of_prediction() -> Vec<u8> {
     let first: Vec<u16> = (0..96).map(|at| code_of_example(at % 12, at / 12)).collect();
     let mut second = first.clone();
@@ -95,7 +96,7 @@ fn example_of_prediction() -> Vec<u8> {
     encoder.finish().unwrap().payload
 }
 
-/// The bytes of block `number` tagged hex of a document, whose offsets must be right.
+/// Returns the bytes of hex block `number` of a document. Fails if the offset of a line is wrong.
 pub fn hex_bytes(document: &str, number: usize) -> Vec<u8> {
     let mut bytes: Vec<u8> = Vec::new();
     for (offset, line) in hex_lines(document, number) {
@@ -105,7 +106,7 @@ pub fn hex_bytes(document: &str, number: usize) -> Vec<u8> {
     bytes
 }
 
-/// `(offset, bytes)` of every line of block `number` tagged hex, counted from 0.
+/// Returns `(offset, bytes)` of every line of hex block `number`, counted from 0.
 fn hex_lines(document: &str, number: usize) -> Vec<(usize, Vec<u8>)> {
     let block = document.split("```hex\n").nth(1 + number).expect("a block tagged hex");
     let block = block.split("```").next().unwrap();
@@ -168,7 +169,7 @@ fn the_smallest_file_is_as_small_as_container_md_says() {
     assert!(Reader::from_memory(file).unwrap().index().streams.is_empty());
 }
 
-/// The rows of the table whose first column heading is `heading`, as cells.
+/// Returns the cells of each row of the table whose header begins with `heading`.
 pub fn table(document: &str, heading: &str) -> Vec<Vec<String>> {
     let cells = |line: &str| -> Vec<String> { line.split('|').map(|cell| cell.trim().to_owned()).collect() };
     let mut rows = document.lines().skip_while(|line| !line.starts_with(heading));
@@ -280,7 +281,7 @@ fn files_below(folder: PathBuf, extension: &str, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// `(document, section)` of every citation such as `container.md 6.1` in a text.
+/// Returns the section of every citation of `document` in a text, such as `6.1` for `container.md 6.1`.
 fn citations(text: &str, document: &str) -> Vec<String> {
     let number = |rest: &str| {
         let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
@@ -328,7 +329,7 @@ fn links_between_documents_lead_somewhere() {
     }
 }
 
-/// Prints the examples, to be named by hand: `cargo test --test suite print_example -- --ignored --nocapture`.
+/// Prints the examples, whose fields are then named by hand: `cargo test --test suite print_example -- --ignored --nocapture`.
 #[test]
 #[ignore = "prints"]
 fn print_example() {

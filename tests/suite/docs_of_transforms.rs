@@ -1,4 +1,4 @@
-//! Sections 6 to 8 of formats/color.md say what the library does.
+//! Sections 6 to 8 of formats/color.md against the library.
 
 use codec::color::transform::authored::{Author, Question, contexts_of};
 use codec::color::transform::basis::{COSINES, LENGTHS};
@@ -99,7 +99,7 @@ fn bases_and_steps_are_those_of_the_code() {
     }
 }
 
-/// The header of the example of section 8.
+/// Returns the header of the example in color.md 8.
 fn header_of_example() -> Header {
     Header {
         set: 0,
@@ -110,7 +110,7 @@ fn header_of_example() -> Header {
     }
 }
 
-/// The payload of section 8 from its table of symbols.
+/// Encodes the payload of color.md 8 from its table of symbols.
 fn example(document: &str) -> Vec<u8> {
     let mut rows = table(document, "| what | value | meaning |").into_iter();
     let mut value_of = |what: String| {
@@ -136,7 +136,7 @@ fn example(document: &str) -> Vec<u8> {
     header.write::<u8>(&[0], &[stream.finish()])
 }
 
-/// All frames of the example.
+/// Decodes both frames of the example.
 fn pictures(payload: &[u8]) -> Vec<Vec<u8>> {
     let chunk = TransformChunk::parse::<u8>(payload, [5, 6], 2, &Tables::default()).unwrap();
     let mut shown = vec![0; 5 * 6 * 3];
@@ -166,7 +166,7 @@ fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect::<Vec<_>>().join(" ")
 }
 
-/// Prints what section 8 shows: `cargo test --test suite print_transform_example -- --ignored --nocapture`.
+/// Prints the payload and the pixels of color.md 8: `cargo test --test suite print_transform_example -- --ignored --nocapture`.
 #[test]
 #[ignore = "prints the example of color.md 8"]
 fn print_transform_example() {

@@ -6,12 +6,12 @@ use std::path::PathBuf;
 use codec::image::channels;
 use lightfold::dataset::Manifest;
 
-use crate::house::{blocks, files_below, read, root, subcommands};
+use crate::repository_rules::{blocks, files_below, read, root, subcommands};
 
-/// The documents at the top level.
+/// Documents in the root folder.
 pub const DOCUMENTS: [&str; 5] = ["README.md", "ARCHITECTURE.md", "BENCHMARKS.md", "CONTRIBUTING.md", "CHANGELOG.md"];
 
-/// Those of folders.
+/// Documents in other folders, except formats/ and man/.
 const MORE_DOCUMENTS: [&str; 2] = ["shaders/README.md", "python/README.md"];
 
 #[test]
@@ -52,7 +52,7 @@ fn benchmarks_md_has_every_table() {
     }
 }
 
-/// The anchor of a heading, as Git hosts make it.
+/// Returns the anchor of a heading, as Git hosts generate it.
 fn anchor(heading: &str) -> String {
     let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
     heading.trim_start_matches('#').trim().to_lowercase().chars().filter(kept).collect::<String>().replace(' ', "-")
@@ -78,7 +78,7 @@ fn links_lead_somewhere() {
     }
 }
 
-/// All documents.
+/// Returns the documents of the root folder, formats/, man/ and [`MORE_DOCUMENTS`].
 fn documents() -> Vec<PathBuf> {
     let mut documents: Vec<PathBuf> = DOCUMENTS.iter().map(PathBuf::from).collect();
     documents.extend(files_below("formats").into_iter().chain(files_below("man")));
@@ -90,7 +90,8 @@ fn documents() -> Vec<PathBuf> {
 fn no_document_holds_a_placeholder() {
     for document in documents() {
         let text = read(&document);
-        // A word of capitals between two signs. What follows the last sign is no such word.
+        // A placeholder is a word of capitals, digits and underscores between two `@`. The text after the last `@` is not between
+        // two.
         let between: Vec<&str> = text.split('@').skip(1).collect();
         let placeholder = between.iter().rev().skip(1).find(|word| {
             !word.is_empty() && word.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
@@ -107,7 +108,7 @@ fn no_document_names_a_folder_outside_the_repository() {
     }
 }
 
-/// Names that `src/lib.rs` re-exports and does not hide.
+/// Returns the names that `src/lib.rs` re-exports without `#[doc(hidden)]`.
 fn public_face() -> BTreeSet<String> {
     let text = read("src/lib.rs");
     let mut names = BTreeSet::new();

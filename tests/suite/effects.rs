@@ -1,4 +1,4 @@
-//! Mirrors and glass of rendered pictures, against the renderer of scenes (CALF 6.1).
+//! Mirrors and glass in rendered pictures, against captures of the scene (CALF 6.1).
 
 use codec::container::ProbeEntry;
 use codec::depth::DepthRange;
@@ -27,9 +27,9 @@ use lightfold::scene::raycast::SceneAtTime;
 use lightfold::views::inverse_depth::InverseDepth;
 use lightfold::views::light_field::{ColorCoding, ColorTexels, FaceTexels, LightField, View};
 
-/// Where the glass ball of the built-in scene is, and its radius.
+/// Centre and radius in metres of the glass ball in the built-in scene.
 const GLASS: (DVec3, f64) = (DVec3::new(0.1, 0.5, -0.5), 0.45);
-/// Between the balls and the wall behind the viewer.
+/// Viewpoint between the balls and the wall behind the viewer.
 const MIDDLE: DVec3 = DVec3::new(0.0, 0.6, 1.1);
 
 fn scene() -> SceneAtTime {
@@ -45,7 +45,7 @@ fn capture(scene: &SceneAtTime, position: DVec3, face: Face, size: u32) -> Image
     capture_view(scene, &from, &settings, &Silent).unwrap()
 }
 
-/// The light field of probes, as 8-bit codes.
+/// Captures a light field with a probe at each position; colour is in 8-bit codes.
 fn field(scene: &SceneAtTime, positions: &[DVec3], size: u32) -> LightField {
     let tone = ToneMap::default();
     let (coding, table) = (ColorCoding::Codes(tone), EncodeTable::new(&tone));
@@ -80,7 +80,7 @@ fn field(scene: &SceneAtTime, positions: &[DVec3], size: u32) -> LightField {
     LightField { views: positions.iter().enumerate().map(view).collect(), coding }
 }
 
-/// The corners of a box of decimetres around the middle.
+/// Returns the corners of a box of 0.6 x 0.3 x 0.4 m around [`MIDDLE`].
 fn corners() -> Vec<DVec3> {
     let corner = |at: u32| {
         let signs = [0, 1, 2].map(|axis| f64::from(at >> axis & 1) * 2.0 - 1.0);
@@ -103,7 +103,7 @@ fn settings(size: u32, views: &ActiveViews<'_>, specular: SpecularMode) -> Rende
     }
 }
 
-/// A picture of the scene's end with the balls.
+/// Renders the view along -Z, where the balls are.
 fn look(field: &LightField, eye: DVec3, size: u32, specular: SpecularMode) -> Rendered {
     let indices: Vec<usize> = (0..field.views.len()).collect();
     let views = ActiveViews::new(field, &indices, eye);
@@ -111,7 +111,7 @@ fn look(field: &LightField, eye: DVec3, size: u32, specular: SpecularMode) -> Re
     render(&views, &camera, &settings(size, &views, specular), &Silent).unwrap()
 }
 
-/// Sets all materials of a light field.
+/// Sets the material of all texels of a light field; `None` removes it.
 fn with_material(mut field: LightField, material: Option<[u8; 4]>) -> LightField {
     for face in field.views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
         face.material = material.map(|material| vec![material; face.inverse_depth.len()]);
@@ -120,7 +120,7 @@ fn with_material(mut field: LightField, material: Option<[u8; 4]>) -> LightField
     field
 }
 
-/// PSNR of a picture in the pixels of a material.
+/// Returns the PSNR in dB of a picture, over the pixels whose material is `wanted`.
 fn psnr(rendered: &Rendered, truth: &Images, wanted: impl Fn([f32; 3]) -> bool) -> f64 {
     let size = rendered.image.color.width();
     let table = EncodeTable::new(&ToneMap::default());
@@ -131,7 +131,7 @@ fn psnr(rendered: &Rendered, truth: &Images, wanted: impl Fn([f32; 3]) -> bool) 
         if wanted(material) {
             let (x, y) = (at % size, at / size);
             a.extend(expected.get(x, y));
-            // Faces of cube maps are mirror images of what cameras see.
+            // Faces of cube maps are mirror images of camera pictures.
             b.extend(found.get(size - 1 - x, y));
         }
     }
@@ -157,7 +157,8 @@ fn mirrors_show_what_stands_around_them() {
     assert!(neither >= -0.1, "elsewhere {neither} dB");
 }
 
-/// Texels are a few centimetres wide, and the first step is far behind what is hidden of the balls.
+/// Texels are a few centimetres wide. A first step at 0.6 m is far beyond the region that the balls hide, so secondary rays must
+/// also be sampled before it.
 #[test]
 fn mirrors_do_not_depend_on_where_steps_begin() {
     let (scene, size) = (scene(), 96);
@@ -218,7 +219,7 @@ fn nothing_is_sent_on_where_nothing_calls_for_it() {
 #[test]
 fn light_is_neither_made_nor_without_end() {
     let field = field(&scene(), &corners()[..4], 16);
-    // All alike: whatever way light goes, it can only be the same.
+    // All texels have the same colour, so reflection and refraction must not change it.
     let alike = |material| {
         let mut field = with_material(field.clone(), Some(material));
         for face in field.views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
@@ -226,7 +227,7 @@ fn light_is_neither_made_nor_without_end() {
         }
         field
     };
-    // Mirrors that face each other, weights that add up to 2, glass of index 1, 1.5 and 3, a bit of each.
+    // Facing mirrors, weights that add up to 2, glass of index 1, 1.5 and 3, and a mixture.
     for material in
         [[255, 0, 0, 0], [255, 255, 128, 0], [0, 255, 0, 0], [20, 235, 64, 0], [30, 225, 255, 0], [40, 50, 64, 0]]
     {
@@ -234,7 +235,7 @@ fn light_is_neither_made_nor_without_end() {
         let plain = look(&field, MIDDLE, 16, SpecularMode::None);
         let sent = look(&field, MIDDLE, 16, SpecularMode::Auto);
         assert!(sent.counters.secondary_rays > 0, "{material:?}");
-        // At most four rays of each surface, each sent on four times.
+        // At most four secondary rays per surface, over four bounces: 4 + 16 + 64 + 256 = 4 * 85.
         assert!(sent.counters.secondary_rays <= sent.counters.primary_rays * 4 * 85, "{material:?}");
         for (a, b) in sent.image.color.data().iter().flatten().zip(plain.image.color.data().iter().flatten()) {
             assert!(a.is_finite() && (a - b).abs() <= 1e-5, "{material:?}: {a} instead of {b}");
@@ -266,8 +267,8 @@ fn normals_are_those_of_the_ball() {
     assert!(middle.1 < 0.05, "parts of the curvature: {errors:?}");
 }
 
-/// The ball is where it is, and the view from its centre sees the walls as far as they are, also behind the ball, where no
-/// probe sees them.
+/// The fitted sphere has the centre and radius of the ball. In the environment around its centre, walls have their true
+/// distances, also behind the ball, where no probe sees them.
 #[test]
 fn balls_of_glass_are_known_as_wholes() {
     let field = field(&scene(), &corners(), 96);
@@ -282,7 +283,7 @@ fn balls_of_glass_are_known_as_wholes() {
     for at in 0..63 {
         let [x, y] = [at % 9, at / 9].map(|at| (f64::from(at) - 4.0) / 10.0);
         let direction = DVec3::new(x, y - 0.4, -1.0).normalize();
-        // The walls of the room of the scene.
+        // Distances from the centre of the ball to the walls of the scene's room, per axis.
         let walls = [DVec3::new(-2.0, 0.0, -2.0), DVec3::new(2.0, 3.0, 2.0)].map(|wall| (wall - GLASS.0) / direction);
         let expected_m = walls[0].max(walls[1]).min_element();
         let ray = Ray { origin: found.sphere.centre, direction: direction.as_vec3() };
@@ -297,18 +298,18 @@ fn balls_of_glass_are_known_as_wholes() {
 fn planes_have_exact_normals_and_are_flat() {
     let field = field(&scene(), &corners()[..1], 48);
     let views = ActiveViews::new(&field, &[0], MIDDLE);
-    // The wall behind the eye, two metres from the middle of the room.
+    // The wall behind the eye, 2 m from the centre of the room.
     let wall = patch(&views, (DVec3::new(0.2, 1.2, 2.0) - MIDDLE).as_vec3()).unwrap();
     assert!(wall.normal.distance(Vec3::NEG_Z) < 2e-3, "{}", wall.normal);
     assert!(wall.curvature.unwrap().abs() < 0.05);
-    // No view knows a point that is nowhere near a surface.
+    // No view has a surface near this point.
     assert_eq!(patch(&views, Vec3::new(0.0, 0.0, -0.1)), None);
 }
 
-/// What a probe sees from one place to another direction: distance, colour and material.
+/// Function from a direction to the distance in metres, colour and material that a probe sees in it.
 type Sight<'a> = &'a dyn Fn(DVec3) -> (f64, [u8; 3], [u8; 4]);
 
-/// A probe of what is seen in a scene of formulas, as linear codes.
+/// Returns a synthetic probe with the distances, colours and materials of `sight`, as linear codes.
 fn made(position: DVec3, size: u32, sight: Sight<'_>) -> View {
     let mut view = SyntheticProbe::new(position, size).cube(CODES, &|to| {
         let (distance_m, color, _) = sight(to);
@@ -329,7 +330,8 @@ fn made(position: DVec3, size: u32, sight: Sight<'_>) -> View {
 
 const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Linear, exposure_ev: 0.0 });
 
-/// The nearest wall, from inside of a room of 4 m a side around the origin, and where it is met.
+/// Returns the distance in metres to the nearest wall of a 4 m cube around the origin, seen from inside, and the point on the
+/// wall.
 fn wall(eye: DVec3, direction: DVec3) -> (f64, DVec3) {
     let distance_m = ((2.0 * direction.signum() - eye) / direction).min_element();
     (distance_m, eye + distance_m * direction)
@@ -356,7 +358,7 @@ fn pixel_direction(camera: &Camera, size: u32, x: u32, y: u32) -> DVec3 {
     camera.direction([x, y].map(|at| (f64::from(at) + 0.5) / f64::from(size)))
 }
 
-/// Two walls that face each other are mirrors; what they show after so many turns is a matter of geometry.
+/// Two facing walls are mirrors; the visible point after up to four reflections follows from geometry.
 #[test]
 fn mirrors_that_face_each_other_show_places_in_order() {
     let sight = |to: DVec3| {
@@ -386,7 +388,7 @@ fn mirrors_that_face_each_other_show_places_in_order() {
     assert!(errors[0] > 20.0 && errors[1] < 4.0, "codes off without and with effects: {errors:?}");
 }
 
-/// A ball of glass of index 1 is not there: behind it is what other probes see there.
+/// A glass ball of index 1 is invisible: the renderer shows the wall behind it, which other probes see.
 #[test]
 fn glass_of_index_one_is_not_there() {
     let (ball, radius_m) = (DVec3::new(0.1, 0.0, -0.8), 0.4);
@@ -413,7 +415,7 @@ fn glass_of_index_one_is_not_there() {
     let (eye, size) = (DVec3::new(0.2, 0.1, 0.7), 48);
     let views = ActiveViews::new(&field, &[0, 1, 2, 3, 4, 5, 6, 7], eye);
     let camera = Camera::look_at(eye, ball, DVec3::Y, Lens::new(40.0)).unwrap();
-    // Well inside of its outline, which is a texel or two wide.
+    // Pixels well inside the outline of the ball, which is one or two texels wide.
     let expected = |x: u32, y: u32| {
         let direction = pixel_direction(&camera, size, x, y);
         let inside = (ball - eye).cross(direction).length() < 0.8 * radius_m;
@@ -426,7 +428,7 @@ fn glass_of_index_one_is_not_there() {
     assert!(errors[0] > 60.0 && errors[1] < 8.0, "codes off without and with effects: {errors:?}");
 }
 
-/// A ball of glass shows above all what it hides, and other probes see that through the ball, too, from elsewhere.
+/// A glass ball mainly shows the surfaces that it hides. Other probes see these through the ball as well, from other positions.
 #[test]
 fn glass_shows_what_it_hides() {
     let (ball, radius_m, ior) = (DVec3::new(0.1, 0.0, -0.8), 0.4, 1.5);
@@ -435,7 +437,7 @@ fn glass_shows_what_it_hides() {
         let cosine = -direction.dot(normal);
         ratio * direction + (ratio * cosine - (1.0 - ratio * ratio * (1.0 - cosine * cosine)).sqrt()) * normal
     };
-    // Straight through the ball, whose outline reflects the rest, or past it.
+    // The ray passes the ball, or is refracted through it. The reflection, which is strong at the outline, is ignored.
     let sight = |eye: DVec3, to: DVec3| {
         let along = to.dot(eye - ball);
         let squared = along * along - ((eye - ball).length_squared() - radius_m * radius_m);
@@ -459,7 +461,7 @@ fn glass_shows_what_it_hides() {
     let (eye, size) = (DVec3::new(0.2, 0.1, 0.7), 48);
     let views = ActiveViews::new(&field, &[0, 1, 2, 3], eye);
     let camera = Camera::look_at(eye, ball, DVec3::Y, Lens::new(40.0)).unwrap();
-    // Where little is reflected, of which the formulas know nothing.
+    // Pixels with little reflection, which `sight` ignores.
     let expected = |x: u32, y: u32| {
         let direction = pixel_direction(&camera, size, x, y);
         let inside = (ball - eye).cross(direction).length() < 0.6 * radius_m;

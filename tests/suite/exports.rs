@@ -1,4 +1,4 @@
-//! Results go to other programs: streams of pictures on standard output, and point clouds.
+//! Output for other programs: streams of pictures on standard output, and point clouds.
 
 use std::io::Read;
 use std::path::Path;
@@ -12,7 +12,7 @@ use crate::commands::{fine, refused};
 const EYE: &str = "--eye 0.05,1.52,0 --look-at -2,1.2,0.8 --fov 80";
 const FACE: &str = "--probe 00 --face nx --stream color";
 
-/// Two probes and three frames at the rate of television.
+/// Captures and encodes two probes and three frames at 29.97 frames per second.
 fn film(folder: &Path) {
     let probes = "--position=-0.3,1.5,0 --position=0.3,1.5,0";
     fine(&format!("capture courtyard {probes} --frames 0-2 --fps 29.97 --size 32 -o captured"), folder);
@@ -23,7 +23,7 @@ fn stdout(line: &str, folder: &Path) -> Vec<u8> {
     fine(line, folder).stdout
 }
 
-/// The line of text that a stream begins with, and the rest.
+/// Splits a stream into its first line, without the newline, and the rest.
 fn head(bytes: &[u8]) -> (String, &[u8]) {
     let end = bytes.iter().position(|&byte| byte == b'\n').unwrap();
     (String::from_utf8(bytes[..end].to_vec()).unwrap(), &bytes[end + 1..])
@@ -66,7 +66,7 @@ fn pictures_of_one_stream_go_to_standard_output() {
         let (planes, rest) = rest.split_at(3 * 1024);
         assert_eq!(words, "FRAME");
         for (pixel, rgb) in colors.chunks(3).enumerate() {
-            // The inverse of BT.709 for codes of 16 to 235 and 16 to 240.
+            // The inverse BT.709 conversion of limited range: luma 16 to 235, chroma 16 to 240.
             let [y, cb, cr] = [0, 1, 2].map(|plane| f64::from(planes[1024 * plane + pixel]));
             let (y, cb, cr) = ((y - 16.0) / 219.0, (cb - 128.0) / 224.0, (cr - 128.0) / 224.0);
             let (r, b) = (y + 1.5748 * cr, y + 1.8556 * cb);
@@ -147,7 +147,7 @@ fn a_reader_that_leaves_ends_the_program_quietly() {
     assert_ne!(ended.status.code(), Some(2));
 }
 
-/// Runs ffmpeg on bytes; answers what it writes to standard output.
+/// Runs ffmpeg on `input`. Returns its standard output.
 #[cfg(ffmpeg_at_hand)]
 pub fn ffmpeg(arguments: &str, input: Vec<u8>) -> Vec<u8> {
     use std::io::Write;
@@ -163,7 +163,7 @@ pub fn ffmpeg(arguments: &str, input: Vec<u8>) -> Vec<u8> {
     output.stdout
 }
 
-/// As above where there is none: never called, as tests are ignored.
+/// Replaces `ffmpeg` on machines without it; never called, because the tests that need it are ignored.
 #[cfg(not(ffmpeg_at_hand))]
 pub fn ffmpeg(_arguments: &str, _input: Vec<u8>) -> Vec<u8> {
     panic!("there is no ffmpeg")
@@ -178,7 +178,7 @@ fn ffmpeg_reads_the_streams() {
     let line = format!("decode a.lfold {FACE} -o -");
     let colors = stdout(&format!("{line} --stream-format raw"), at);
     let (_, colors) = head(&colors);
-    // Without a word about the format of the input.
+    // ffmpeg detects the input format by itself.
     let png = ffmpeg("-i - -f rawvideo -pix_fmt rgb24 -", stdout(&line, at));
     assert!(png == colors);
     let y4m = stdout(&format!("{line} --stream-format y4m"), at);
@@ -187,14 +187,14 @@ fn ffmpeg_reads_the_streams() {
     assert_eq!(from_y4m.len(), colors.len());
     let worst = from_y4m.iter().zip(colors).map(|(a, b)| a.abs_diff(*b)).max();
     assert!(worst <= Some(4), "{worst:?}");
-    // Its time base is the rate: it writes the same head again.
+    // ffmpeg takes the frame rate as its time base, so the header that it writes has the same rate.
     let (words, _) = head(&y4m);
     let again = ffmpeg("-i - -f yuv4mpegpipe -", y4m.clone());
     let (written, _) = head(&again);
     assert!(words.contains(" F30000:1001 ") && written.contains(" F30000:1001 "), "{written}");
 }
 
-/// Vertices of a binary PLY file: place and colour.
+/// Returns position in metres and colour of each vertex of a binary PLY file.
 fn vertices(bytes: &[u8]) -> Vec<([f32; 3], [u8; 3])> {
     let end = b"end_header\n";
     let start = bytes.windows(end.len()).position(|part| part == end).unwrap() + end.len();
@@ -241,7 +241,7 @@ fn frames_become_point_clouds() {
         assert_eq!(code, color.get_pixel(x, y).0);
     }
     assert!(points.next().is_none());
-    // All probes and faces, all frames.
+    // All probes, faces and frames.
     fine("decode a.lfold -o all/f.%04d.ply", at);
     let all = vertices(&std::fs::read(at.join("all/f.0002.ply")).unwrap());
     assert!(all.len() > 3 * 1024 && at.join("all/f.0000.ply").exists());

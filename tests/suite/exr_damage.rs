@@ -1,4 +1,5 @@
-//! EXR files whose chunks claim what they have no room for: refused with one sentence, before memory is allocated.
+//! EXR files whose chunks claim more bytes than their pixels or the file allow: refused with one sentence, before memory is
+//! allocated.
 
 use std::io::{Seek, SeekFrom, Write};
 use std::path::Path;
@@ -27,7 +28,7 @@ const COMPRESSIONS: [Compression; 10] = [
     Compression::DWAB(None),
 ];
 
-/// A file of colour and alpha as halves and depth as floats: channels of all kinds that DWA tells apart.
+/// Writes colour and alpha as half floats, and depth as floats: all kinds of channels that DWA distinguishes.
 fn write_mixed(path: &Path, compression: Compression, blocks: Blocks, size: [usize; 2]) {
     let count = size[0] * size[1];
     let halves = |step: usize| FlatSamples::F16((0..count).map(|i| f16::from_f32((i / 8 * step % 5) as f32)).collect());
@@ -37,7 +38,7 @@ fn write_mixed(path: &Path, compression: Compression, blocks: Blocks, size: [usi
     write_parts(path, IntegerBounds::from_dimensions((size[0], size[1])), compression, blocks, vec![part]);
 }
 
-/// The place of the first chunk of a file of one part.
+/// Returns the offset of the first chunk in a file of one part.
 fn first_chunk(file: &[u8]) -> usize {
     let mut rest = std::io::Cursor::new(file);
     MetaData::read_from_buffered(&mut rest, true).unwrap();
@@ -64,7 +65,7 @@ fn counters_of_dwa_chunks_are_bounded_by_their_pixels() {
         write_mixed(&path, compression, Blocks::ScanLines, [64, 48]);
         read_all(&path).unwrap();
         let bytes = std::fs::read(&path).unwrap();
-        // The line and size of the chunk, its version, and nine counters.
+        // The chunk's line number and size (8 bytes) and its version (8 bytes) precede nine counters.
         let counters = first_chunk(&bytes) + 8 + 8;
         for counter in 0..9 {
             for value in [u64::MAX, i64::MAX as u64, 1 << 50, 1 << 32, 1 << 24] {
@@ -74,7 +75,7 @@ fn counters_of_dwa_chunks_are_bounded_by_their_pixels() {
                 let place = format!("the chunk at byte {} claims {value} ", first_chunk(&bytes));
                 assert_says(&read_all(&path).unwrap_err(), &["counters.exr", &place]);
             }
-            // One bit of a counter.
+            // One flipped bit of a counter.
             for bit in 0..64 {
                 let mut damaged = bytes.clone();
                 damaged[counters + 8 * counter + bit / 8] ^= 1 << (bit % 8);
@@ -89,7 +90,7 @@ fn counters_of_dwa_chunks_are_bounded_by_their_pixels() {
 fn run_length_sections_beyond_the_pixels_are_refused() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("bomb.exr");
-    // A valid chunk of 2048x256 pixels, in a file of 8x256.
+    // A valid chunk of 2048x256 pixels, in a file that claims 8x256.
     let zeros = FlatSamples::F16(vec![f16::ZERO; 2048 * 256]);
     let part = Part { name: None, position: [0, 0], size: [2048, 256], channels: vec![("A", zeros)] };
     let display = IntegerBounds::from_dimensions((2048, 256));
@@ -135,7 +136,7 @@ fn blocks_of_b44_that_step_below_zero_are_refused() {
         write_parts(&path, IntegerBounds::from_dimensions((16, 16)), compression, Blocks::ScanLines, vec![part]);
         let mut bytes = std::fs::read(&path).unwrap();
         ours::read_depth(&path, &AUTO, &ReadLimits::default()).unwrap();
-        // A first sample of 0, a shift of 12, and steps downwards.
+        // A first sample of 0, a shift of 12, and downward steps.
         let block = first_chunk(&bytes) + 8;
         bytes[block..block + 14].copy_from_slice(&[0, 0, 12 << 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
         std::fs::write(&path, &bytes).unwrap();
@@ -144,7 +145,7 @@ fn blocks_of_b44_that_step_below_zero_are_refused() {
     }
 }
 
-/// All compressions, and every byte of their header, of their chunks' heads and of their payloads.
+/// Changes each byte of files in all compressions: file headers, chunk headers and payloads.
 #[test]
 fn every_changed_byte_is_read_or_refused() {
     let folder = TempDir::new().unwrap();
@@ -155,7 +156,7 @@ fn every_changed_byte_is_read_or_refused() {
         for blocks in [Blocks::ScanLines, Blocks::Tiles(Vec2(24, 8))] {
             write_mixed(&path, compression, blocks, [24, 16]);
             let bytes = std::fs::read(&path).unwrap();
-            // Written in place: to empty and fill a file again makes file systems sync it.
+            // Written in place, because file systems sync a file that is truncated and written again.
             let mut file = std::fs::OpenOptions::new().write(true).open(&path).unwrap();
             let mut put = |at: usize, value: u8| {
                 file.seek(SeekFrom::Start(at as u64)).unwrap();

@@ -1,4 +1,4 @@
-//! EXR files as renderers write them, and as nobody should.
+//! EXR files of renderers, and hostile EXR files.
 
 use std::path::Path;
 
@@ -116,7 +116,7 @@ fn every_compression_and_both_block_kinds() {
 fn half_float_and_uint_channels() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("t.exr");
-    // 2049 lies between two halves, and the even one is below; 2051 rounds up to the even one.
+    // 2049 and 2051 are halfway between half floats, and round to the even neighbours 2048 and 2052.
     let channels = vec![
         ("R", FlatSamples::U32(vec![2049, 2051])),
         ("G", FlatSamples::F32(vec![2049.0, 2051.0])),
@@ -241,10 +241,10 @@ fn hostile_headers_are_refused_without_panic() {
             }
             std::fs::write(&bad, &bytes[..at]).unwrap();
             let cut = ours::read_depth(&bad, &AUTO, &tight);
-            // A layer that is not asked for may be missing.
+            // A layer that is not read may be missing.
             assert!(cut.is_err() || several, "cut at {at}");
         }
-        // Four bytes at once: sides and counts at their extremes.
+        // Four bytes at once: extreme values of sizes and counts.
         for at in 0..bytes.len().saturating_sub(4) {
             for value in [i32::MAX, i32::MIN, -1, 0, 0x0100_0000, 0x0000_ffff] {
                 let mut damaged = bytes.clone();

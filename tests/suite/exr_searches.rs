@@ -1,5 +1,5 @@
-//! EXR files that take the `exr` crate a long time to decode: long lists of Huffman codes, and many channels. They are refused before
-//! their chunks are decoded; none of these tests looks at a clock.
+//! EXR files that the `exr` crate takes long to decode: long lists of Huffman codes, and many channels. They are refused before
+//! their chunks are decoded. No test measures time.
 
 use std::path::Path;
 
@@ -15,12 +15,12 @@ use crate::samples::Random;
 
 const PIZ: u8 = 4;
 const DWAA: u8 = 8;
-/// Rows of a chunk of both.
+/// Rows of a chunk, in both compressions.
 const ROWS: u32 = 32;
-/// Samples of a chunk of 2048 pixels, which has more bytes than the codes.
+/// Number of samples in a chunk of 2048x32 pixels; its raw size is above that of the Huffman code.
 const SAMPLES: usize = 2048 * 32;
 
-/// Bits, highest first.
+/// Bit writer, most significant bit first.
 #[derive(Default)]
 struct Bits {
     bytes: Vec<u8>,
@@ -39,8 +39,8 @@ impl Bits {
     }
 }
 
-/// Codes of 1 to 14 bits, and 65,523 that begin with 14 zeros. The last of these, which the crate finds after all others, follows
-/// `times` times, and runs of it up to so many samples.
+/// Returns a Huffman code with codes of 1 to 14 bits, and 65,523 codes that begin with 14 zeros. The last of these, which the
+/// crate finds after all others, is written `times` times; run codes then repeat it up to `samples` samples.
 fn long_list(times: usize, samples: usize) -> Vec<u8> {
     let length = |symbol: u64| match symbol {
         0..=12 => symbol + 1,
@@ -53,7 +53,7 @@ fn long_list(times: usize, samples: usize) -> Vec<u8> {
     (0..times).for_each(|_| coded.put(65_509, 30));
     let mut left = samples.saturating_sub(times) as u64;
     while left > 0 {
-        // The code of 14 bits, and the length of the run.
+        // The run code of 14 bits, then the run length.
         coded.put(1, 14);
         coded.put(left.min(255), 8);
         left -= left.min(255);
@@ -62,19 +62,19 @@ fn long_list(times: usize, samples: usize) -> Vec<u8> {
     [head.map(u32::to_le_bytes).as_flattened(), &table.bytes, &coded.bytes].concat()
 }
 
-/// A PIZ chunk without values in its bitmap.
+/// Returns a PIZ chunk with an empty bitmap.
 fn piz(code: &[u8]) -> Vec<u8> {
     [&[1, 0, 0, 0][..], &(code.len() as i32).to_le_bytes(), code].concat()
 }
 
-/// A DWA chunk of coefficients, with a rule of red channels that is repeated.
+/// Returns a DWA chunk with `coefficients` AC coefficients, and `rules` copies of a channel rule for R.
 fn dwa(code: &[u8], coefficients: u64, rules: usize) -> Vec<u8> {
     let rules = b"R\0\x14\x01".repeat(rules);
     let counters = [2, 0, 0, code.len() as u64, 0, 0, 0, 0, coefficients, 0, 0].map(u64::to_le_bytes);
     [counters.as_flattened(), &(rules.len() as u16 + 2).to_le_bytes(), &rules, code].concat()
 }
 
-/// A file of halves, of one part in lines.
+/// Returns a scan-line file with one part of half-float channels.
 fn file(compression: u8, [width, height]: [u32; 2], channels: &[String], chunks: &[Vec<u8>]) -> Vec<u8> {
     let window = [0, 0, width - 1, height - 1].map(u32::to_le_bytes).concat();
     let channel = |name: &String| {
@@ -135,11 +135,11 @@ fn long_lists_of_codes_are_refused_before_they_are_searched() {
     read(&path, &of_piz(512)).unwrap();
     let said = read(&path, &of_piz(2048)).unwrap_err();
     assert_says(&said, &["lists.exr", "134191104 steps", "save the image with ZIP compression"]);
-    // Steps add up over the chunks of a file.
+    // The steps of all chunks of a file are added up.
     let many = file(PIZ, [2048, 32 * 4], &red, &vec![piz(&long_list(512, SAMPLES)); 4]);
     assert_says(&read(&path, &many).unwrap_err(), &["lists.exr", "steps"]);
     let of_dwa = |times: usize| file(DWAA, [2048, 32], &red, &[dwa(&long_list(times, 0), times as u64, 1)]);
-    // The rule takes a few comparisons.
+    // The channel rule adds three comparisons.
     assert_says(&read(&path, &of_dwa(2048)).unwrap_err(), &["lists.exr", "134191107 steps"]);
     let without_end = read(&path, &of_dwa(512)).unwrap_err();
     assert!(!without_end.contains("steps"), "{without_end}");
@@ -150,7 +150,7 @@ fn codes_that_are_not_complete_count_as_their_longest_list() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("open.exr");
     let red = names(1, |_| "R".into());
-    // The code of one bit is gone.
+    // Clears the length of the only 1-bit code.
     let mut code = long_list(4096, SAMPLES);
     code[20] &= 0x03;
     let said = read(&path, &file(PIZ, [2048, 32], &red, &[piz(&code)])).unwrap_err();
@@ -169,7 +169,7 @@ fn channels_that_dwa_compares_with_each_other_are_counted() {
         let read = ours::read_depth(&path, &ChannelSelect::Named(name.into()), &ReadLimits::default());
         read.map(|_| ()).map_err(|error| error.to_string())
     };
-    // A few hundred layers, as renderers write them, with the rules of OpenEXR.
+    // 300 layers, as renderers write them, with the channel rules of OpenEXR.
     let usual = select(&wide(&layers(300), 15), "0000.R").unwrap_err();
     assert!(!usual.contains("steps"), "{usual}");
     let said = select(&wide(&layers(4096), 15), "0000.R").unwrap_err();
@@ -207,7 +207,7 @@ fn rare_values_of_large_tiles_are_read() {
     let path = folder.path().join("rare.exr");
     let mut random = Random(3);
     let size = [2048, 1024];
-    // Thousands of values that occur once have codes of one list.
+    // Thousands of values that occur once have codes in the same list.
     let mut values = vec![f16::ZERO; size[0] * size[1]];
     (0..3000).for_each(|_| {
         let at = random.below((size[0] * size[1]) as u32) as usize;

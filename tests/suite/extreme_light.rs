@@ -1,5 +1,5 @@
-//! Light that PU21 does not describe: beyond 10000 cd/m², below 0.005 cd/m², negative. It has a bound of its own (color.md 5), is
-//! exact where that is asked for, and `diff` sees every difference.
+//! Luminance outside the range of PU21: above 10000 cd/m², below 0.005 cd/m², and negative. Its error has a bound of its own
+//! (color.md 5) and is 0 if exact coding is requested; `diff` reports every difference.
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ fn shade(x: u32, y: u32) -> f32 {
     0.2 + (x + 2 * y) as f32 / 200.0
 }
 
-/// Name, and light by frame.
+/// Name of a scene, and its linear RGB by frame.
 const SCENES: [(&str, Light); 8] = [
     ("lamp that moves", |frame| {
         plane(|x, y| if (x / 2, y / 2) == (2 * frame, 5) { [200.0, 60_000.0, 121.0] } else { [shade(x, y); 3] })
@@ -78,7 +78,7 @@ fn diff(line: &str, at: &Path) -> (i32, serde_json::Value) {
     (out.status.code().unwrap(), serde_json::from_slice(&out.stdout).unwrap())
 }
 
-/// Color.md 5, written anew.
+/// Computes the encoding E of color.md 5.1, independently of the library.
 fn encoding(value: f16) -> f64 {
     let pu = |y: f64| {
         let power = y.powf(0.906_256_262_7);
@@ -135,7 +135,7 @@ fn every_codec_keeps_the_bound_outside_the_metric() {
             fine(&format!("encode . -o a.lfold {options}"), at);
             let decoder = Decoder::open(at.join("a.lfold")).unwrap();
             let mut face = decoder.face(&decoder.streams()[0]);
-            // Rounding to 64ths on both sides.
+            // The second bound of color.md 5.1, plus the rounding to 64ths on both sides.
             let most = 4.0 * 256.0 * 10f64.powf(-db / 20.0) + 1.0 / 64.0;
             for frame in 0..FRAMES {
                 let Picture::ColorHalf(shown) = face.decode(frame).unwrap() else {
@@ -198,7 +198,7 @@ fn diff_sees_every_difference_of_halves() {
                 .unwrap();
             assert!(!text.contains("inf dB") && text.contains("different; no bound was given"), "{text}");
         }
-        // A lamp of the wrong brightness is an error by usual bounds, too.
+        // A lamp of the wrong brightness also breaks an ordinary PSNR bound.
         if (to - from).abs() > 1000.0 {
             assert_eq!(diff("a b.lfold --min-cell-psnr 50", at).0, 1, "{from} and {to}");
         }

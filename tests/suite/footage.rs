@@ -1,4 +1,4 @@
-//! Small datasets for tests, written as files that the library then reads.
+//! Small datasets for tests, written as files that the library reads.
 
 use std::path::Path;
 
@@ -7,28 +7,28 @@ use half::f16;
 use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::image_files::exr;
 
-/// A dataset that is about to be written: every closure answers the image of (face, frame).
+/// A dataset to be written. Each closure returns the image of a face and a frame.
 pub struct Footage<'a> {
-    /// Width and height of a face.
+    /// Width and height of a face in pixels.
     pub size: [u32; 2],
-    /// First and last frame.
+    /// First and last frame, inclusive.
     pub frames: [u32; 2],
-    /// Names of the faces there are.
+    /// Faces of the cube map; ignored for perspective images.
     pub faces: &'a [Face],
     /// Extra keys of the manifest's `depth`, such as `, "near": 1`.
     pub depth_keys: &'a str,
-    /// Depth, where there is any.
+    /// Depth in metres; `None` for a dataset without depth.
     pub depth: Option<&'a dyn Fn(Face, u32) -> DepthPlane>,
-    /// Colour, where there is any.
+    /// Linear RGB; `None` for a dataset without colour.
     pub color: Option<&'a dyn Fn(Face, u32) -> ColorPlane>,
-    /// Material, where there is any.
+    /// Reflection weight, refraction weight and index of refraction; `None` for a dataset without material.
     pub material: Option<&'a dyn Fn(Face, u32) -> MaterialPlane>,
-    /// Alpha, where there is any.
+    /// Alpha, 0 to 1; `None` for a dataset without alpha.
     pub alpha: Option<&'a dyn Fn(Face, u32) -> AlphaPlane>,
 }
 
 impl Footage<'_> {
-    /// No streams yet, all six faces, frames 0 to 5.
+    /// Creates a dataset of face px and frames 0 to 5, without streams.
     pub fn new(width: u32, height: u32) -> Footage<'static> {
         Footage {
             size: [width, height],
@@ -42,7 +42,7 @@ impl Footage<'_> {
         }
     }
 
-    /// Writes files and manifest of a single probe "00". Square images are faces of a cube, others perspective.
+    /// Writes the images and the manifest of a single probe "00". Square images are cube map faces, others are perspective.
     pub fn write(&self, folder: &Path) {
         let cube = self.size[0] == self.size[1];
         let faces = if cube { self.faces } else { &[Face::View] };
@@ -110,23 +110,23 @@ impl Footage<'_> {
     }
 }
 
-/// A pseudo-random sequence that depends on nothing but its seed.
+/// A pseudo-random sequence that depends only on its seed.
 pub struct Random(pub u64);
 
 impl Random {
-    /// The next 32 bits.
+    /// Returns the next 31 bits.
     pub fn next(&mut self) -> u32 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as u32
     }
 
-    /// A number below `limit`.
+    /// Returns a number below `limit`.
     pub fn below(&mut self, limit: u32) -> u32 {
         self.next() % limit
     }
 }
 
-/// Colour that drifts, flickers in one corner and is constant in another.
+/// Returns linear RGB that drifts in the right half, flickers in the top left corner, and is constant elsewhere.
 pub fn drifting_color(width: u32, height: u32, frame: u32) -> ColorPlane {
     Plane::from_fn(width, height, |x, y| {
         let base = (x * 7 + y * 3) as f32 / 400.0;

@@ -1,6 +1,6 @@
-//! Inputs that are numerically hard, each with the bound that must hold and, printed, what was measured.
+//! Numerically hard inputs. Each case has a bound that must hold; the measured figures are printed.
 //!
-//! `cargo test --test suite hard_cases -- --nocapture` prints the table; `lightfold selftest --hard-cases` is the same.
+//! `cargo test --test suite hard_cases -- --nocapture` prints the table; `lightfold selftest --hard-cases` runs the same cases.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use codec::depth::block::{Block, BlockMut};
 use codec::monitor::Silent;
 use lightfold::hard_cases::{CaseReport, FamilyRow, family_rows, notes, number, run_all, table};
 
-/// Pipelines whose blocks a library finds in floating point, by the processor's instruction set.
+/// Pipelines whose blocks come from a library that computes in floating point, with results that depend on the instruction set.
 const BY_PROCESSOR: [&str; 4] = ["CCB1", "CCB7", "CCB6", "MAB1"];
 
 #[test]
@@ -27,7 +27,7 @@ fn every_hard_case_keeps_its_bound_and_the_page_of_them_is_fresh() {
     check_page(&rows);
 }
 
-/// What the page says of a row.
+/// Returns the cells of a row, as on the page.
 fn cells(row: &FamilyRow<'_>) -> [String; 7] {
     let worst = row.worst;
     [
@@ -41,10 +41,10 @@ fn cells(row: &FamilyRow<'_>) -> [String; 7] {
     ]
 }
 
-/// How far figures may be from those of another mathematical library, as a part of them.
+/// Relative tolerance of figures, for differences between mathematical libraries.
 const LIBRARY: f64 = 0.01;
 
-/// Whether a cell of the page says what was found: whole numbers to the digit, others within what libraries differ by.
+/// True if a cell of the page matches a new one: text and whole numbers exactly, other figures within [`LIBRARY`].
 fn agree(kept: &str, made: &str) -> bool {
     let parts = |cell: &str| {
         let (sign, figure) = cell.rsplit_once(' ').unwrap_or(("", cell));
@@ -60,7 +60,7 @@ fn agree(kept: &str, made: &str) -> bool {
     }
 }
 
-/// Compares tests/hard_cases.md with rows; figures only where they are alike on any machine.
+/// Compares tests/hard_cases.md with rows; figures only if they are alike on all machines.
 fn check_page(rows: &[FamilyRow<'_>]) {
     let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hard_cases.md")).unwrap();
     let kept = page.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| ---")).skip(1);
@@ -73,7 +73,7 @@ fn check_page(rows: &[FamilyRow<'_>]) {
         let by_processor = BY_PROCESSOR.iter().any(|codec| made[1].starts_with(codec));
         let measured = row.worst.measured;
         let small = measured.abs() < 1e-6 && measured != 0.0;
-        // Which case is the worst may change with the last bits of its figure.
+        // The last bits of a figure may decide which case is the worst, so its name is compared only for whole numbers.
         let compared = match () {
             () if by_processor || small => vec![0, 1, 2, 5],
             () if measured.fract() != 0.0 => vec![0, 1, 2, 3, 4, 5],

@@ -1,35 +1,35 @@
-//! No circle of imports between source files.
+//! No circular imports between source files.
 //!
-//! A file imports another where it names it in a path: `use crate::a::b::Item`, `crate::a::b::f()`, `super::b`, or a module
-//! that it declares. A name that a module only re-exports stands for the file that it comes from. Declaring a module
-//! (`mod b;`) is no import, and a file that holds nothing but declarations and re-exports imports nothing. Every other file
-//! that uses its own child module, and is used by it, is a circle. Code under `#[cfg(test)]` does not count.
+//! A file imports another file if it names that file in a path: `use crate::a::b::Item`, `crate::a::b::f()`, `super::b`, or a
+//! module that it declares. A name that a module only re-exports stands for the file that defines it. A declaration (`mod b;`) is
+//! not an import, and a file with nothing but declarations and re-exports imports nothing. Any other file that uses its own child
+//! module, and is used by that child, forms a cycle. Code under `#[cfg(test)]` does not count.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 
-use crate::house::{product_lines, read, sources};
+use crate::repository_rules::{product_lines, read, sources};
 
-/// Files that are still in circles: empty once all are opened. A file that no longer needs its entry fails, too.
+/// Files that may be part of a cycle. The test also fails for an entry that is no longer needed.
 const IN_CIRCLES: &[&str] = &[];
 
-/// A source file as a module.
+/// Module of one source file.
 struct Module {
     file: String,
-    /// Paths that it imports, absolute (`["depth", "boxes", "split"]`), with those of re-exports apart.
+    /// Absolute paths of all imports, re-exports included, such as `["depth", "boxes", "split"]`.
     imports: Vec<Vec<String>>,
     reexports: Vec<Reexport>,
-    /// Nothing but declarations, imports and re-exports.
+    /// True if the file has only declarations, imports and re-exports.
     is_door: bool,
 }
 
 struct Reexport {
-    /// `*` for all.
+    /// Exported name, or `*` for a glob re-export.
     name: String,
     path: Vec<String>,
 }
 
-/// Modules by path; the root is empty.
+/// Modules by path; the path of src/lib.rs is empty.
 type Modules = BTreeMap<Vec<String>, Module>;
 
 fn path_of(file: &Path) -> Option<Vec<String>> {
@@ -43,7 +43,8 @@ fn path_of(file: &Path) -> Option<Vec<String>> {
     (!path.iter().any(|part| part == "tests")).then_some(path)
 }
 
-/// `a::{b, c::{self, d as e}}` as `(["a", "b"], "b")`, `(["a", "c"], "c")` and `(["a", "c", "d"], "e")`.
+/// Expands a `use` tree to paths and names: `a::{b, c::{self, d as e}}` gives `(["a", "b"], "b")`, `(["a", "c"], "c")` and
+/// `(["a", "c", "d"], "e")`.
 fn expand(tree: &str) -> Vec<(Vec<String>, String)> {
     let tree = tree.trim();
     let Some((prefix, group)) = tree.split_once('{') else {
@@ -79,10 +80,10 @@ fn expand(tree: &str) -> Vec<(Vec<String>, String)> {
         .collect()
 }
 
-/// The crate below `src/` that has a folder of its own; its modules have its name before them.
+/// Crate with a folder of its own below `src/`; the paths of its modules begin with its name.
 const CODEC: &str = "codec";
 
-/// A path as seen from a module, from the root of `src/`; `None` for those of other packages.
+/// Resolves a path used in `module` to a path from the root of `src/`. Returns `None` for a path into another package.
 fn absolute(path: &[String], module: &[String], children: &BTreeSet<String>) -> Option<Vec<String>> {
     match path.first()?.as_str() {
         "crate" => {
@@ -107,7 +108,7 @@ fn is_word(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_'
 }
 
-/// Paths in code that begin with `crate`, `codec`, `self`, `super` or a child.
+/// Returns the paths in `code` that begin with `crate`, `codec`, `self`, `super` or a child module.
 fn paths_in(code: &str, children: &BTreeSet<String>) -> Vec<Vec<String>> {
     let starts = ["crate", CODEC, "super", "self"].into_iter().chain(children.iter().map(String::as_str));
     let mut found = Vec::new();
@@ -130,7 +131,7 @@ fn module(file: &Path, path: &[String]) -> Module {
     let code: String = product_lines(&text).into_iter().map(|(_, line)| format!("{line}\n")).collect();
     let mut children = BTreeSet::new();
     let (mut uses, mut other, mut rest) = (Vec::new(), String::new(), code.as_str());
-    // Declarations and uses begin lines, and end in semicolons.
+    // A declaration or a `use` begins a line and ends with a semicolon.
     while !rest.is_empty() {
         let line = rest.split('\n').next().unwrap();
         let trimmed = line.trim_start().trim_start_matches("pub(crate) ").trim_start_matches("pub(super) ");
@@ -167,7 +168,7 @@ fn module(file: &Path, path: &[String]) -> Module {
     found
 }
 
-/// The module that a path leads to, through re-exports.
+/// Resolves a path to a module through at most `left` re-exports.
 fn resolve<'a>(modules: &'a Modules, path: &[String], left: u32) -> Option<&'a Module> {
     let known = (0..=path.len()).rev().find(|&length| modules.contains_key(&path[..length]))?;
     let module = &modules[&path[..known]];
@@ -189,7 +190,7 @@ fn resolve<'a>(modules: &'a Modules, path: &[String], left: u32) -> Option<&'a M
     Some(module)
 }
 
-/// Files that each file imports.
+/// Returns the files that each file imports.
 fn imports() -> BTreeMap<String, BTreeSet<String>> {
     let files: Vec<(PathBuf, Vec<String>)> =
         sources().into_iter().filter_map(|file| path_of(&file).map(|path| (file, path))).collect();
@@ -211,7 +212,7 @@ fn imports() -> BTreeMap<String, BTreeSet<String>> {
     imports
 }
 
-/// The shortest way from a file back to itself.
+/// Returns the shortest import cycle through a file, if there is one.
 fn circle<'a>(imports: &'a BTreeMap<String, BTreeSet<String>>, start: &'a str) -> Option<Vec<&'a str>> {
     let mut before: BTreeMap<&str, &str> = BTreeMap::new();
     let mut queue = VecDeque::from([start]);

@@ -1,4 +1,4 @@
-//! `init`: manifests for folders as renderers leave them.
+//! `lightfold init`: manifests inferred from folders of images as renderers write them.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ use tempfile::TempDir;
 use crate::commands::{fine, refused};
 use crate::input::assert_says;
 
-/// Runs it on the folder `in`; answers what it said.
+/// Runs `init` on the folder `in` and returns its standard error.
 fn init(folder: &Path) -> String {
     let output = fine("init in --force", folder);
     assert!(output.stdout.is_empty());
@@ -38,7 +38,7 @@ fn gray(width: u32, height: u32, value: impl Fn(u32, u32) -> f32) -> ColorPlane 
     Plane::from_fn(width, height, |x, y| [f16::from_f32(value(x, y)); 3])
 }
 
-/// Writes channels of floats of 8x6 pixels with attributes.
+/// Writes an EXR file of 8x6 pixels with the given attributes and channels of 32-bit floats.
 fn write(path: &Path, attributes: LayerAttributes, channels: &[(&str, &dyn Fn(usize) -> f32)]) {
     std::fs::create_dir_all(path.parent().unwrap()).unwrap();
     let samples = |value: &dyn Fn(usize) -> f32| FlatSamples::F32((0..48).map(value).collect());
@@ -239,7 +239,7 @@ fn panoramas_of_two_eyes_by_their_halves() {
         assert_eq!(eyes, [("left", Some(Eye::Left)), ("right", Some(Eye::Right))]);
         encodes(folder.path());
     }
-    // A square picture is not two.
+    // A square image whose halves differ is not stereo.
     let folder = TempDir::new().unwrap();
     let set = folder.path().join("in");
     std::fs::create_dir_all(&set).unwrap();
@@ -272,7 +272,7 @@ fn a_lens_by_its_attributes() {
     let folder = TempDir::new().unwrap();
     let attributes = LayerAttributes {
         world_to_camera: Some([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, -2.0, 0.0, 1.0]),
-        // Of 8 by 6 pixels: 10 pixels at distance 1, along -Z.
+        // The focal length is 10 pixels in an image of 8x6 pixels; the camera looks along -Z.
         world_to_normalized_device: Some([
             2.5,
             0.0,
@@ -321,7 +321,7 @@ fn cameras_of_a_file_beside_the_images() {
         let file = serde_json::json!({ "w": 8, "h": 6, "fl_x": 10, "frames": frames });
         std::fs::write(set.join("transforms.json"), file.to_string()).unwrap();
     };
-    // In any order.
+    // The file may list the frames in any order.
     write(&[3, 1, 2]);
     let said = init(folder.path());
     assert_says(&said, &["unsure: the cameras are those of transforms.json"]);
@@ -337,7 +337,7 @@ fn cameras_of_a_file_beside_the_images() {
     assert_says(&init(folder.path()), &["transforms.json was left out:"]);
     std::fs::remove_file(set.join("transforms.json")).unwrap();
 
-    // COLMAP, of one camera that stands still, under the name of the probe.
+    // COLMAP files of one static camera, whose image has the name of the probe.
     std::fs::write(set.join("cameras.txt"), "1 PINHOLE 8 6 10 10 4 3\n").unwrap();
     let probe = &manifest(&set).probes[0].name;
     std::fs::write(set.join("images.txt"), format!("1 1 0 0 0 -1 -2 -3 1 {probe}.png\n\n")).unwrap();

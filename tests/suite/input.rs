@@ -1,4 +1,4 @@
-//! Datasets and single sequences: what comes in as it should, and as it should not.
+//! Input of datasets and of single image sequences: values that are read, and input that is refused.
 
 use std::path::{Path, PathBuf};
 
@@ -55,7 +55,7 @@ impl Set {
     }
 }
 
-/// A manifest of two frames and one probe; `more` is put in front of the files.
+/// Returns a manifest of two frames and one probe; `more` is inserted before the key `files`.
 fn manifest(projection: &str, size: [u32; 2], more: &str, files: &str, probe: &str) -> String {
     format!(
         r#"{{"lightfield": 1, "name": "t", "fps": 24, "frames": [0, 1], "projection": "{projection}",
@@ -134,7 +134,7 @@ fn crosses_and_strips_hold_the_same_cube() {
         assert_eq!(source.groups()[0].faces, Face::CUBE);
         let expected: Vec<_> = Face::CUBE.into_iter().map(|face| face_image(face, size)).collect();
         assert_eq!(source.read_color(&source.groups()[0], 0).unwrap(), expected);
-        // A cube of planes two metres away: the distance at each pixel is the length of its direction times two.
+        // The faces are planes 2 m away, so the distance at a pixel is twice the length of its direction.
         let depth = source.read_depth(&source.groups()[1], 1).unwrap();
         for (face, plane) in Face::CUBE.into_iter().zip(depth) {
             let exact = Plane::from_fn(size, size, |x, y| (2.0 * face.direction(x, y, size).length()) as f32);
@@ -155,7 +155,7 @@ fn crosses_and_strips_hold_the_same_cube() {
 fn equirect_images_become_a_cube() {
     let files = r#""color": "c.%d.exr", "depth": "z.%d.exr""#;
     let set = Set::new(&manifest("equirect", [256, 128], "", files, ""));
-    // Inside a box of 4 x 2 x 6 metres: each wall has one colour direction and a known distance.
+    // The camera is in a box of 4 x 2 x 6 metres. Colour is the direction, and the distance of the walls is known.
     let distance = |d: DVec3| 1.0 / (d.x.abs() / 2.0).max(d.y.abs()).max(d.z.abs() / 3.0);
     let color = Plane::from_fn(256, 128, |x, y| {
         face_color(ImageProjection::Equirect { size: [256, 128] }.pixel_direction(x, y))
@@ -285,7 +285,7 @@ fn perspective_planar_depth() {
         let expected = if x == 0 { f32::INFINITY } else { (metres * factor) as f32 };
         assert_eq!(plane.get(x, y), expected, "{x},{y}");
     }
-    // Without intrinsics there is nothing to convert with.
+    // Without intrinsics, planar depth is not converted to distance.
     let options = SourceOptions {
         depth_kind: Some(DepthKind::Planar),
         depth_scale: Some(0.001),
@@ -330,7 +330,7 @@ fn depth_that_is_none() {
     for (value, scales) in [(f32::from_bits(1), [1e-30, 1e9]), (9e9, [1e-30, 1.0])] {
         write(value);
         assert_eq!(read(&with(InvalidDepth::Refuse, None)).unwrap(), [1.0, inf, value]);
-        // Scaling neither makes nothing of something nor something of nothing.
+        // Scaling does not turn a surface into 0 or infinity, and background stays infinite.
         for scale in scales {
             let options = SourceOptions { depth_scale: Some(scale), ..SourceOptions::default() };
             let values = read(&options).unwrap();

@@ -1,4 +1,4 @@
-//! `inspect` against brute force: what it counts is what a decoder does, what it adds up is the file.
+//! `inspect` against brute force: its counts equal those of a decoder, and its byte counts add up to the size of the file.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,8 @@ use crate::samples;
 
 const SIZE: u32 = 32;
 const FRAMES: u32 = 10;
-/// Cells of 16 pixels: four a face. Noise fills the first cell of face px, everything else stands still.
+/// Number of cells that change, of four cells of 16x16 pixels per face: noise fills the first cell of face px, all others are
+/// static.
 const MOVING_CELLS: u64 = 1;
 
 fn noise(x: u32, y: u32, frame: u32) -> f32 {
@@ -43,7 +44,7 @@ fn color(face: &str, frame: u32) -> ColorPlane {
     })
 }
 
-/// A ramp with a block that moves one pixel to the right in each frame; nothing at all on face nz.
+/// Returns a ramp with a block that moves one pixel to the right per frame; face nz is all background.
 fn depth(face: &str, frame: u32) -> DepthPlane {
     Plane::from_fn(SIZE, SIZE, |x, y| match face {
         "nz" => f32::INFINITY,
@@ -159,7 +160,7 @@ fn rows_of_frames_are_what_a_decoder_does() {
     let mut half = settings();
     half.color = codec::streams::ColorFormat::Half { white_cd_m2: 100.0 };
     let mut blended = settings();
-    // Few keyframes and weights between them.
+    // A low target gives few keyframes, with weights between them.
     blended.search.target = Target::Psnr(6.0);
     let transform = EncodeSettings { color_codec: ColorCodec::Transform, color_chunk: 4, ..settings() };
     for settings in [settings(), half, blended, transform] {
@@ -197,8 +198,8 @@ fn rows_of_frames_are_what_a_decoder_does() {
             assert_eq!(stats.aabbs, sum(|cost| cost.aabbs));
             assert_eq!(stats.storage.payload_bytes, sum(|cost| cost.bytes));
             let still: Vec<usize> = (0..rects.len()).filter(|&unit| never_changes(&rects[unit])).collect();
-            // Blocks of a transform that follow one another in time may show the same, and are written all the same; chunks of
-            // other lengths have other bytes.
+            // With the transform codec, a unit may be written by several blocks in time although its pixels do not change, and
+            // chunks of different lengths have different bytes. Such units do not count as static.
             let is_written_once = |unit: &usize| {
                 let chunks = decoder.reader().index().unit_chunks(stream.index, *unit as u32);
                 updates[*unit].iter().copied().eq(chunks.iter().map(|chunk| chunk.key.first_frame))
@@ -222,13 +223,13 @@ fn counts_are_those_of_the_picture() {
     let inspection = inspected(&decoder, ALL_ROWS).unwrap();
     let of = |kind: StreamKind| inspection.streams.iter().filter(move |stats| stats.stream.kind == kind);
     let frames = u64::from(FRAMES);
-    // Noise at 100 dB: every frame is a keyframe; a cell that stands still has one.
+    // At 100 dB every frame of noise is a keyframe; a static cell has one keyframe.
     let [px, nz]: [_; 2] = of(StreamKind::Color).collect::<Vec<_>>().try_into().unwrap();
     assert_eq!((px.keyframes, px.static_units), (MOVING_CELLS * frames + 3, 3));
     assert_eq!((px.keyframes_per_unit.min, px.keyframes_per_unit.max), (1, frames));
     assert_eq!(px.keyframes_per_unit.mean, (frames + 3) as f64 / 4.0);
     assert_eq!((nz.keyframes, nz.static_units, nz.updated_pixels), (4, 4, 32 * 32));
-    // Keyframes at frames 0, 4 and 8 of each of four tiles; the block stays in the first.
+    // Each of the four tiles has keyframes at frames 0, 4 and 8; the block stays within the first tile.
     let [px, nz]: [_; 2] = of(StreamKind::Depth).collect::<Vec<_>>().try_into().unwrap();
     assert_eq!((px.units, px.keyframes, px.constant_units, px.static_units), (4, 12, 0, 3));
     assert_eq!((nz.units, nz.keyframes, nz.constant_units, nz.aabbs), (4, 12, 4, 0));
@@ -256,7 +257,7 @@ fn bytes_add_up_to_the_file_before_and_after_compression() {
         let all = inspection.totals(None);
         let overhead = decoder.reader().overhead_bytes() + inspection.unreferenced_bytes;
         assert_eq!((all.bytes + overhead, inspection.unreferenced_bytes), (bytes.len() as u64, 0));
-        // Empty tiles and still material are stored once.
+        // Empty tiles and static material are stored once.
         assert!(all.shared_bytes_saved > 0);
         let of = |storage| decoder.reader().index().chunks.iter().filter(|chunk| chunk.storage == storage).count();
         assert_eq!(
@@ -275,7 +276,7 @@ fn bytes_add_up_to_the_file_before_and_after_compression() {
     assert_eq!(temporal[0], temporal[2]);
 }
 
-/// The same container with unused bytes in front of its chunks.
+/// Returns the container with `gap` unused bytes before its chunks.
 fn with_gap(bytes: &[u8], gap: usize) -> Vec<u8> {
     let reader = Reader::from_memory(bytes.to_vec()).unwrap();
     let mut index = reader.index().clone();
@@ -314,7 +315,7 @@ fn verification_finds_records_that_break_the_window_rule() {
     };
     let (damaged, checked) = check(&file);
     assert!(damaged.is_empty() && checked.is_ok());
-    // The same records under a larger window: the offsets are those of depth.md 3.
+    // The same records with a larger window in both headers; depth.md 3 has the offsets of the window.
     Arc::make_mut(&mut index.streams[0].codec_header)[16] = 2;
     Arc::make_mut(&mut index.streams[1].codec_header)[0] = 2;
     let (damaged, checked) = check(&samples::assemble(&index, &stored, |_| {}));
@@ -550,7 +551,7 @@ fn the_report_fits_a_terminal() {
     );
 }
 
-/// A container with one stream whose one chunk claims as many frames.
+/// Returns a container of one stream, whose only chunk claims `frames` frames.
 fn endless(frames: u32) -> lightfold::Result<Vec<u8>> {
     let decoder = decoder(&encoded(&[StreamKind::Color], &EncodeSettings { cell: SIZE, ..settings() }));
     let index = decoder.reader().index();

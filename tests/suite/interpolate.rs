@@ -1,4 +1,4 @@
-//! `lightfold interpolate`: what each stage is for, files and refusals.
+//! `lightfold interpolate`: effect of each stage, output files, and refusals.
 
 use std::path::Path;
 
@@ -40,13 +40,13 @@ fn views(count: u32, spread: Spread, focus_m: f64) -> OutputViews {
     looking([[0.0, 1.5, 0.2], [2.0, 1.3, 0.0]], count, spread, focus_m)
 }
 
-/// From a point at another one.
+/// Returns output views around a camera at `eye` that looks at `target`.
 fn looking([eye, target]: [[f64; 3]; 2], count: u32, spread: Spread, focus_m: f64) -> OutputViews {
     let camera = Camera::look_at(eye.into(), target.into(), [0.0, 1.0, 0.0].into(), Lens::new(60.0)).unwrap();
     OutputViews::new(camera.with_aspect(1.4), [112, 80], count, spread, focus_m).unwrap()
 }
 
-/// At the fence of the courtyard.
+/// Eye and target of a view of the courtyard's fence.
 const FENCE: [[f64; 3]; 2] = [[-1.5, 1.4, -1.5], [-1.3, 1.2, 4.0]];
 
 fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
@@ -79,7 +79,7 @@ fn run(scene: &SceneAtTime, views: &OutputViews, settings: &Settings) -> Run {
     Run { filled, unfilled, summary: summary.unwrap() }
 }
 
-/// PSNR in dB over all views.
+/// Returns the PSNR in dB over all views, against ray casting.
 fn psnr_db(scene: &SceneAtTime, views: &OutputViews, pictures: &[RenderedImage]) -> f64 {
     let samples = SamplePattern::new(4).unwrap();
     let mut sum = Similarity::empty();
@@ -98,7 +98,7 @@ fn views_are_close_to_ray_casting_and_every_stage_is_needed() {
     let whole = of(|_| {});
     let whole_db = psnr_db(&scene, &views, &whole.filled);
     assert!(whole_db > 22.0, "{whole_db}");
-    // The nearest surfaces alone leave holes.
+    // One layer, the nearest surfaces, leaves more holes.
     let nearest: fn(&mut Settings) = |settings| {
         settings.acquire.layers = 1;
         settings.acquire.acquisition = Acquisition::Center;
@@ -107,7 +107,7 @@ fn views_are_close_to_ray_casting_and_every_stage_is_needed() {
     let layered = of(|settings| settings.acquire.acquisition = Acquisition::Center);
     let [first, layered] = [&traced, &layered].map(|run| run.summary.counters.hole_pixels);
     assert!(first > 2 * layered.max(20), "{first} {layered}");
-    // Holes show what ray casting shows, and are left open where nothing fills them.
+    // Filled holes equal ray casting; `HoleFilling::Blank` leaves them transparent.
     let blank = of(|settings| {
         settings.acquire.layers = 1;
         settings.acquire.acquisition = Acquisition::Center;
@@ -128,7 +128,7 @@ fn views_are_close_to_ray_casting_and_every_stage_is_needed() {
         }
     }
     assert_eq!(filled, first);
-    // Without a second source the ends are worse.
+    // With only one source the PSNR is lower, because the outermost views are worse.
     let one = of(|settings| settings.acquire.acquisition = Acquisition::Center);
     let [one, two] = [&one, &whole].map(|run| psnr_db(&scene, &views, &run.unfilled));
     assert!(two > one, "{two} {one}");
@@ -162,20 +162,20 @@ fn short_cuts_and_bands_and_threads_do_not_change_the_picture() {
         assert_eq!(expected, found.summary.counters);
         assert_eq!(plain.summary.sources, found.summary.sources);
     }
-    // From a file, too.
+    // Views stored in a file give the same pictures.
     let storage = Storage::File(std::env::temp_dir());
     assert_eq!(plain.filled, run(&scene, &views, &settings(|settings| settings.storage = storage)).filled);
     let counted = plain.summary.counters;
     let plain = plain.filled;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     assert_eq!(plain, pool.install(|| run(&scene, &views, &settings(|_| {})).filled));
-    // What no view shows may be there: the rule of masks is of pixels, and edges of surfaces lie between them.
+    // Culling may change a few pixels: masks decide per pixel, whereas edges of surfaces lie between pixels.
     let with = |culling: Culling| run(&scene, &views, &settings(|settings| settings.acquire.culling = culling));
     let [offset, all] = [Culling::DepthOffset, Culling::Off].map(with);
     let [by_offset, uncut] = [&offset, &all].map(|run| run.summary.counters);
     assert!(counted.masked_pixels > 0 && counted.source_pixels < by_offset.source_pixels, "{counted:?} {by_offset:?}");
     assert!(by_offset.offset_skipped > 0 && by_offset.source_pixels < uncut.source_pixels, "{by_offset:?} {uncut:?}");
-    // Without culling surfaces at one distance count alone.
+    // Without culling, `offset_skipped` counts only surfaces at equal distance.
     assert!(uncut.offset_skipped < by_offset.offset_skipped, "{uncut:?} {by_offset:?}");
     assert_eq!((by_offset.masked_pixels, uncut.masked_pixels), (0, 0));
     let all = all.filled;
@@ -272,7 +272,7 @@ fn matt_scenes_and_empty_ones_cost_nothing_more() {
     let counters = found.summary.counters;
     assert_eq!((counters.source_layers, counters.splits, counters.hole_pixels, counters.traced_pixels), (1, 0, 0, 0));
     assert!(found.filled.iter().all(|picture| picture.alpha.data().iter().all(|alpha| *alpha == 1.0)));
-    // Views in one place have one source.
+    // Views at one position need only one source.
     let still = views_in_one_place();
     let scene = scene("interior");
     let found = run(&scene, &still, &settings(|_| {}));
@@ -296,7 +296,7 @@ fn parts_have_the_files_of_the_whole_and_quilts_join_them() {
     let at = folder.path();
     let said = report(&format!("{LINE} --views 12 --baseline 0.3 --quilt 4x3 -o q.png --json"), at);
     assert!(said["quilt"].as_str().unwrap().ends_with("q_qs4x3a0.75.png"), "{said}");
-    // Three machines, one of which ran twice.
+    // Parts as rendered by three machines, one of which runs twice.
     for part in ["5-8", "0-4", "9-11", "5-8"] {
         fine(&format!("{LINE} --views 12 --baseline 0.3 --view-range {part} -o v/%04d.png"), at);
     }
@@ -305,7 +305,7 @@ fn parts_have_the_files_of_the_whole_and_quilts_join_them() {
     fine("quilt v/%04d.png --quilt 4x3 -o joined.png", at);
     let bytes = |name: &str| std::fs::read(at.join(name)).unwrap();
     assert_eq!(bytes("q_qs4x3a0.75.png"), bytes("joined_qs4x3a0.75.png"));
-    // The same on another number of threads.
+    // The bytes do not depend on the number of threads.
     fine(&format!("{LINE} --views 12 --baseline 0.3 --quilt 4x3 -o one.png --threads 1"), at);
     assert_eq!(bytes("q_qs4x3a0.75.png"), bytes("one_qs4x3a0.75.png"));
     let picture = png::read_rgba8(&at.join("q_qs4x3a0.75.png"), &ReadLimits::default()).unwrap();
@@ -345,7 +345,7 @@ fn stages_add_up_to_the_time_of_a_run() {
     for stage in ["acquire", "mask", "filter", "interpolate", "light"] {
         assert!(seconds(&whole, stage) > 0.0, "{stage}: {whole}");
     }
-    // Nothing is behind the nearest surfaces.
+    // With one layer there are no surfaces behind the nearest, so no masks are computed.
     assert!(seconds(&nearest, "mask") == 0.0 && seconds(&nearest, "acquire") > 0.0, "{nearest}");
 }
 
@@ -369,7 +369,7 @@ fn what_cannot_be_done_is_refused_and_leaves_nothing() {
     refused(&format!("{LINE} --views 0 --baseline 0.3 --null"), folder.path());
 }
 
-/// The cameras that `capture` would look through are those of the views.
+/// The camera that `capture` uses for a view has the same rays as the view.
 #[test]
 fn cameras_of_views_see_what_views_see() {
     let views = views(3, Spread::Baseline(0.5), 1.5);
@@ -392,14 +392,14 @@ fn captured_images_are_source_views_and_come_out_as_they_were() {
     );
     fine("interpolate room --probe 00,01 --face nz --views 5 --holes blank -o v/%02d.exr", at);
     let view = |number: u32| exr::read_rgba(&at.join(format!("v/{number:02}.exr")), &ReadLimits::default()).unwrap();
-    // Looking along -Z, +X is to the right. Faces of cubes are stored mirrored.
+    // Looking along -Z, +X is on the right. Cube faces are stored mirrored.
     for (number, probe) in [(0, "00"), (4, "01")] {
         let path = at.join(format!("room/probe_{probe}/face_nz/color.0000.exr"));
         let face = exr::read_rgba(&path, &ReadLimits::default()).unwrap();
         let mirrored = Plane::from_fn(32, 32, |x, y| face.get(31 - x, y));
         assert_eq!(view(number), mirrored, "view {number}");
     }
-    // A container has the same views, by its own codes.
+    // A container of the dataset has the same views, with its decoded values.
     fine("encode room --clip -o room.lfold --max-error 0 -q", at);
     fine("interpolate room.lfold --probe 01,00 --face nz --views 5 -o q.png", at);
     let says = |more: &str, words: &str| {

@@ -1,4 +1,4 @@
-//! `interpolate` of animated scenes, grids of views, containers, and the cameras that it hands to `capture`.
+//! `interpolate` of animated scenes, grids of views and containers, and its camera files for `capture`.
 
 use std::path::Path;
 
@@ -36,14 +36,14 @@ fn frames_are_sequences_of_views_or_of_quilts() {
     let said = report(&format!("{line} --frames 1-2 --quilt 2x2 -o q.%04d.png --json"), at);
     assert_eq!((&said["views"], &said["frames"]), (&Value::from(8), &Value::from(2)), "{said}");
     fine(&format!("{line} --frames 1-2 -o %V/v.%02d.png"), at);
-    // Frames differ, and each is what it is on its own.
+    // The frames differ, and each equals the frame rendered alone.
     let quilts = ["0001", "0002"].map(|frame| bytes(&at.join(format!("q.{frame}_qs2x2a0.75.png"))));
     assert!(quilts[0] != quilts[1]);
     fine(&format!("{line} --frames 2 --quilt 2x2 -o one.png"), at);
     assert!(bytes(&at.join("one_qs2x2a0.75.png")) == quilts[1]);
     fine(&format!("{line} --frames 2 --view-range 3 -o last.png"), at);
     assert!(bytes(&at.join("0003/v.02.png")) == bytes(&at.join("last.png")));
-    // Layers that nothing shows are left out of later frames.
+    // `--reduce-layers` removes layers that cover few pixels from later frames.
     let reduced = report(&format!("{line} --frames 0-3 --layers 4 --reduce-layers 50,90 --null --json"), at);
     let all = report(&format!("{line} --frames 0-3 --layers 4 --null --json"), at);
     let pixels = |said: &Value| said["counters"]["source_pixels"].as_u64().unwrap();
@@ -59,7 +59,7 @@ fn rows_of_a_grid_are_lines_at_their_heights() {
     let focus = "--views 3 --baseline 0.3 --focus 2";
     let said = report(&format!("{LINE} {focus} --rows 3 --baseline-y 0.2 --compare --null --json"), at);
     assert!(said["views"] == 9 && said["quality"]["psnr_db"]["min"].as_f64().unwrap() > 25.0, "{said}");
-    // The plain way: each row is a line.
+    // `--grid rows` interpolates each row as a line of views.
     fine(&format!("{LINE} {focus} --rows 3 --baseline-y 0.2 --grid rows -o plain/%d.png"), at);
     fine(&format!("{LINE} {focus} -o middle/%d.png"), at);
     fine(&format!("{LINE} {focus} --rows 3 --baseline-y 0.2 -o v/%d.png"), at);
@@ -68,7 +68,7 @@ fn rows_of_a_grid_are_lines_at_their_heights() {
             [format!("plain/{}.png", 3 + view), format!("middle/{view}.png")].map(|name| bytes(&at.join(name)));
         assert!(of_grid == of_line, "view {view}");
     }
-    // A part of a grid has the pictures of the whole, and a quilt its rows from below.
+    // A range of views has the pictures of the whole grid. A quilt stores the rows from bottom to top.
     fine(&format!("{LINE} {focus} --rows 3 --baseline-y 0.2 --view-range 2-6 -o part/%d.png"), at);
     assert!(bytes(&at.join("part/6.png")) == bytes(&at.join("v/6.png")));
     assert!(!at.join("part/7.png").exists() && !at.join("part/1.png").exists());
@@ -91,7 +91,7 @@ fn columns_between_two_rows_are_close_to_rows_of_their_own_from_fewer_sources() 
     assert!(mean_db(&columns) > mean_db(&rows) - 1.5, "{columns} {rows}");
     let sources = |said: &Value| said["counters"]["source_views"].as_u64().unwrap();
     assert_eq!([sources(&columns), sources(&rows)], [4, 10]);
-    // What lies behind the outer rows' pixels comes into view between them.
+    // Surfaces behind the pixels of the outer rows become visible between these rows; one layer leaves holes.
     let first = report(&format!("{line} --layers 1"), folder.path());
     let holes = |said: &Value| said["counters"]["hole_pixels"].as_u64().unwrap();
     assert!(holes(&first) > 2 * holes(&columns).max(20), "{first} {columns}");
@@ -114,17 +114,17 @@ fn capture_renders_the_views_of_the_cameras_that_interpolate_writes() {
         let made = exr::read_rgba(&at.join(format!("v/{view:04}.exr")), &limits).unwrap();
         let captured = exr::read_rgba(&at.join(format!("truth/probe_{view:04}/color.0000.exr")), &limits).unwrap();
         let changed = made.data().iter().zip(captured.data()).filter(|(a, b)| a != b).count();
-        // The field of view in degrees is rounded.
+        // The file stores the field of view in degrees, rounded, so a few pixels may differ.
         assert!(changed <= 8, "view {view}: {changed}");
     }
-    // The manifest has the shift, and its probes are cameras again.
+    // The manifest stores the shift, so its probes can be used as cameras again.
     fine("capture interior --cameras truth --projection perspective --size 24x32 --samples 1 --frames 0 -o again", at);
     let name = "probe_0002/color.0000.exr";
     let [once, twice] =
         ["truth", "again"].map(|set| exr::read_rgba(&at.join(set).join(name), &ReadLimits::default()).unwrap());
     let changed = once.data().iter().zip(twice.data()).filter(|(a, b)| a != b).count();
     assert!(changed <= 8, "{changed}");
-    // Its images are sources: their windows have one focus.
+    // Its images can be sources, because their windows have one focus.
     let between = "interpolate truth --probe 0002,0000 --views 3";
     let said = report(&format!("{between} -o between/%d.exr --json"), at);
     let focus_m = said["focus_m"].as_f64().unwrap();
@@ -158,7 +158,7 @@ fn containers_are_rendered_at_the_places_of_sources() {
     let quality = &said["quality"]["psnr_db"];
     assert!(quality["mean"].as_f64().unwrap() > 20.0, "{said}");
     assert_eq!(said["sources"].as_array().unwrap().len(), 2);
-    // Views at the ends are those that are rendered.
+    // The first and last views equal rendered views.
     fine(&format!("{line} --brute-force -o rendered/%d.png"), at);
     for view in [0, 4] {
         let read =
@@ -166,13 +166,13 @@ fn containers_are_rendered_at_the_places_of_sources() {
         let (made, rendered) = (read("v"), read("rendered"));
         let seen = rendered.data().iter().zip(made.data()).filter(|(pixel, _)| pixel[3] == 255);
         assert!(seen.clone().count() > 600);
-        // Light of source pixels is in half floats.
+        // Source pixels store colour as half floats, so codes may differ by 1.
         let is_same = |(a, b): (&[u8; 4], &[u8; 4])| a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= 1);
         assert!(seen.into_iter().all(is_same), "view {view}");
     }
     let center = report(&format!("{line} --acquire center --null --json"), at);
     assert_eq!(center["sources"].as_array().unwrap().len(), 1);
-    // Its window is wider than that of a view.
+    // The window of the central source is wider than that of a view.
     assert!(center["counters"]["source_pixels"].as_u64().unwrap() > 24 * 32, "{center}");
     assert!(refused(&format!("{} --null", line.replace("--samples 1", "--samples 8")), at).contains("choose 4 or 9"));
     assert!(refused(&format!("{line} --holes trace --null"), at).contains("ray cast"));
@@ -196,7 +196,7 @@ fn light_and_triangles_change_alike_in_both_ways_of_rendering() {
     let all = [plain("a", ""), plain("b", " --ao-rays 16"), plain("c", " --shadows none")];
     assert!(all[0] != all[1] && all[1] != all[2] && all[0] != all[2]);
     assert!(refused(&format!("{line} --subdivide 1 --null"), at).contains("built-in"));
-    // Of a mesh the light does not change.
+    // Subdivision does not change the shading of a mesh.
     let obj = "v -1 -1 -2\nv 1 -1 -2\nv 0 1 -3\nvn 0 0 1\nvn 0 1 1\nvn 1 0 1\nf 1//1 2//2 3//3\n";
     std::fs::write(at.join("a.obj"), obj).unwrap();
     let of_mesh = "interpolate a.obj --eye 0,0,0 --look-at 0,0,-1 --size 24x32 --views 2 --baseline 0.1";
@@ -218,7 +218,7 @@ fn a_stopped_run_is_resumed_to_the_same_files() {
     fine("capture interior --position=-0.2,1.5,0 --position=0.2,1.5,0 --size 16 --samples 1 --frames 0-1 -o room", at);
     let line = "interpolate room --probe 00,01 --face nz --views 3 --frames 0-1";
     fine(&format!("{line} -o whole/%V.%d.png"), at);
-    // The second frame cannot be read.
+    // The second frame is truncated and cannot be read.
     let image = at.join("room/probe_01/face_nz/color.0001.exr");
     let whole = bytes(&image);
     std::fs::write(&image, &whole[..100]).unwrap();
@@ -226,7 +226,7 @@ fn a_stopped_run_is_resumed_to_the_same_files() {
         let output = lightfold(&format!("{line} -o v/%V.%d.png {more}").split(' ').collect::<Vec<_>>(), at);
         (output.status.success(), String::from_utf8(output.stderr).unwrap())
     };
-    // Nothing is kept, and no resumption advised, where layers depend on the frames before.
+    // With `--reduce-layers`, layers depend on earlier frames, so no images are kept and `--resume` is not suggested.
     let (is_fine, said) = run("--reduce-layers 0.1,1");
     let names = std::fs::read_dir(at).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     assert!(
@@ -243,13 +243,13 @@ fn a_stopped_run_is_resumed_to_the_same_files() {
     assert!(!is_fine && said.contains("cannot resume") && said.contains("--splits was 8 and is 1 now"), "{said}");
     let said = refused(&format!("{line} -o v/%V-%d.png --resume"), at);
     assert!(said.contains("--output was v/%V.%d.png and is v/%V-%d.png now"), "{said}");
-    // A disk that lost what was written last.
+    // One of the kept images is all zeros, as after a disk that lost its last write.
     let kept = at.join(".v.f0-1.views.partial/files/0000.0.png");
     std::fs::write(&kept, vec![0; bytes(&kept).len()]).unwrap();
     let resumed = fine(&format!("{line} -o v/%V.%d.png --resume --json"), at);
     let said = String::from_utf8(resumed.stderr).unwrap();
     assert!(said.contains("resuming with 2 of 6 images; 1 damaged image is made again"), "{said}");
-    // Of this run.
+    // Only views of this run are counted.
     assert_eq!(serde_json::from_slice::<Value>(&resumed.stdout).unwrap()["views"], 4);
     for name in ["0000.0.png", "0002.0.png", "0000.1.png", "0002.1.png"] {
         assert!(bytes(&at.join("v").join(name)) == bytes(&at.join("whole").join(name)), "{name}");
@@ -289,10 +289,10 @@ fn sources_are_added_until_little_is_missing() {
             assert_eq!(with(0.01, 3).len(), 3);
         }
     }
-    // No time is left for a third one.
+    // A time limit of 0 allows no third source.
     let none = Hierarchy { hole_threshold_percent: 0.0, time: Some(std::time::Duration::ZERO), ..Hierarchy::default() };
     assert_eq!(places(none), [-0.75, 0.75]);
-    // What makes a source may fail.
+    // An error of the function that makes a source is returned.
     let failed = hierarchical(&views, &none, &Cpu, |_| Err(codec::error::Error::Interrupted));
     assert!(failed.is_err());
 }
@@ -336,7 +336,7 @@ fn a_film_is_interpolated_from_its_first_frame_on() {
     assert!(refused(&format!("interpolate film.lfold {eye} --views 2 --frames 0 --null"), at).contains("no frame 0"));
 }
 
-/// Cameras that `lightfold cameras` makes of a file.
+/// Runs `lightfold cameras` on a file and returns the cameras of its output.
 fn converted(from: &str, at: &Path) -> Vec<lightfold::evaluate::TimedCamera> {
     fine(&format!("cameras {from} -o read.json"), at);
     lightfold::evaluate::camera_file::CameraFile::parse(&bytes(&at.join("read.json"))).unwrap()
@@ -350,7 +350,7 @@ fn files_of_cameras_that_commands_write_are_read_by_all_others() {
     fine(&format!("{LINE} {grid} --null --cameras-out cams.json"), at);
     let cameras = converted("cams.json", at);
     assert_eq!(cameras.len(), 6);
-    // Eyes on a grid of 0.15 by 0.1 metres, which all see one rectangle at the focus.
+    // The eyes are on a grid of 0.15 by 0.1 m, and all windows share one rectangle at the focus distance.
     let first = cameras[0].camera;
     let [forward, right, down] = first.axes();
     for (number, timed) in cameras.iter().enumerate() {
@@ -364,10 +364,10 @@ fn files_of_cameras_that_commands_write_are_read_by_all_others() {
             assert!((seen(&camera) - seen(&first)).length() < 1e-9, "{number}");
         }
     }
-    // Through lightfold's own files and back nothing is lost; a second time changes no byte.
+    // Conversion to lightfold's own camera file is lossless: a second conversion gives the same bytes.
     fine("cameras read.json -o again.json", at);
     assert!(bytes(&at.join("read.json")) == bytes(&at.join("again.json")));
-    // Viewers with windows off their axes are probes to capture.
+    // Cameras with off-axis windows can be captured.
     let capture = "capture interior --projection perspective --size 24x32 --samples 1 --frames 0";
     fine(&format!("{capture} --cameras cams.json -o one"), at);
     fine(&format!("{capture} --cameras read.json -o two"), at);
@@ -379,7 +379,7 @@ fn files_of_cameras_that_commands_write_are_read_by_all_others() {
     assert!(
         refused(&format!("{} --cameras cams.json -o three", capture.replace("24x32", "32x32")), at).contains("aspect")
     );
-    // A manifest, as capture writes it, and a container have the same cameras.
+    // The manifest that `capture` writes and its container have the same cameras.
     let of_manifest = converted("one", at);
     fine("encode one -o one.lfold --max-error 100 --clip", at);
     for (name, others) in
@@ -400,7 +400,7 @@ fn files_of_cameras_that_commands_write_are_read_by_all_others() {
             b.middle()
         );
     }
-    // render takes each of them.
+    // `render` accepts each of these files.
     for file in ["cams.json", "read.json", "one", "one/lightfield.json", "one.lfold"] {
         fine(
             &format!("render one.lfold --camera {file} --size 32 -o {}/v.%02d.exr", file.replace(['.', '/'], "_")),
@@ -409,7 +409,7 @@ fn files_of_cameras_that_commands_write_are_read_by_all_others() {
     }
     let [from_placed, from_read] = ["cams_json", "read_json"].map(|folder| bytes(&at.join(folder).join("v.05.exr")));
     assert!(from_placed == from_read);
-    // Probes without a field of view are cube maps.
+    // A probe without a field of view is a cube map: six cameras.
     std::fs::write(
         at.join("placed.json"),
         r#"{"lightfold_cameras": 1, "cameras": [{"name": "a", "position": [0, 1.5, 0], "frames": [2, 3]}]}"#,

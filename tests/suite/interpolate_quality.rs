@@ -1,6 +1,6 @@
-//! Interpolated views that may not get worse: tests/baselines/interpolate.csv, one row for each scene and acquisition.
+//! Regression test of interpolated views against tests/baselines/interpolate.csv, one row for each scene and acquisition.
 //!
-//! `cargo test --test suite interpolate_quality::write_baselines -- --ignored` writes the file anew, for a change that means to.
+//! `cargo test --test suite interpolate_quality::write_baselines -- --ignored` rewrites the file after an intended change.
 
 use std::fmt::Write as _;
 
@@ -22,7 +22,7 @@ use lightfold::scene::{DemoKind, Play, Scene};
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/interpolate.csv");
 const HEAD: &str = "scene,acquisition,psnr_db,hole_pixels,source_pixels,lines,traced_pixels";
-/// Logarithms and roots of other processors may move an edge: in dB, and as a part of counts.
+/// Tolerance in dB, and as a factor of counts: logarithms and square roots of other processors may move an edge.
 const SLACK_DB: f64 = 0.05;
 const SLACK: f64 = 1.02;
 
@@ -32,20 +32,20 @@ struct Row {
     counts: [u64; 4],
 }
 
-/// A name, the places of sources, their layers, and what fills holes.
+/// Name, acquisition of sources, maximum number of layers, and hole filling.
 type Way = (&'static str, Acquisition, usize, HoleFilling);
 
 const WAYS: [Way; 4] = [
     ("center", Acquisition::Center, MAX_LAYERS, HoleFilling::Blank),
     ("dual", Acquisition::Dual, MAX_LAYERS, HoleFilling::Blank),
     ("hierarchical", Acquisition::Hierarchical, MAX_LAYERS, HoleFilling::Blank),
-    // Without what is behind surfaces there are holes to fill.
+    // One layer has no surfaces behind the nearest, so there are holes to fill.
     ("center of one layer and filled", Acquisition::Center, 1, HoleFilling::Trace),
 ];
 
 fn row(kind: DemoKind, (name, acquisition, layers, holes): Way) -> Row {
     let scene = Scene::open(kind.name(), Play::First).unwrap().0.at(0.0);
-    // The courtyard has nothing there, and its fence here.
+    // The camera of the other scenes would see nothing of the courtyard; its camera looks at the fence.
     let [eye, target] = match kind {
         DemoKind::Courtyard => [[-1.5, 1.4, -1.5], [-1.3, 1.2, 4.0]],
         _ => [[0.0, 1.5, 0.2], [2.0, 1.3, 0.0]],

@@ -1,4 +1,4 @@
-//! Encodes that end before their time, as processes: signals, full disks, two at once, and what they say.
+//! Interrupted encodes, run as processes: signals, full disks, two encodes of one output, and their messages.
 
 use std::fs;
 use std::io::Read;
@@ -14,7 +14,7 @@ use crate::commands::fine;
 
 const FRAMES: u32 = 40;
 
-/// A dataset, a folder to write to, and an encode of many small chunks.
+/// Folder with a dataset and an output folder, and an encode of many small chunks.
 struct Place {
     folder: TempDir,
 }
@@ -52,8 +52,8 @@ impl Place {
         names
     }
 
-    /// An encode that has completed chunks and has more to do. It stands still, with its locks, until it is told to go on
-    /// or killed.
+    /// Starts an encode and stops it with SIGSTOP after it has completed chunks, but before it ends. The process holds its locks
+    /// until it is continued or killed.
     #[cfg(unix)]
     fn at_work(&self, more: &[&str]) -> Child {
         assert_eq!(self.chunks_in_journal(), 0);
@@ -64,7 +64,7 @@ impl Place {
         child
     }
 
-    /// Whether the journal comes to so many chunks before the encode ends.
+    /// Waits until the journal has `count` chunks. Returns false if the encode ends first.
     fn waits_for_chunks(&self, child: &mut Child, count: usize) -> bool {
         let start = Instant::now();
         while self.chunks_in_journal() < count {
@@ -77,7 +77,7 @@ impl Place {
         true
     }
 
-    /// Complete records of chunks; ARCHITECTURE.md, "Interrupted work", has their layout.
+    /// Counts the complete chunk records of the journal; src/codec/container/journal.rs has their layout.
     fn chunks_in_journal(&self) -> usize {
         let bytes = fs::read(self.out().join(".a.lfold.journal")).unwrap_or_default();
         let (mut rest, mut count) = (bytes.get(8..).unwrap_or_default(), 0);
@@ -99,7 +99,7 @@ impl Place {
         bytes
     }
 
-    /// Goes on to the end, which is the same as in one go.
+    /// Resumes the encode and checks that the file equals `whole`, that of an uninterrupted encode. Returns the messages.
     #[track_caller]
     fn finishes(&self, whole: &[u8]) -> String {
         let done = self.run(&["--resume"]);
@@ -123,13 +123,13 @@ fn end(mut child: Child) -> (Option<i32>, String) {
     (child.wait().unwrap().code(), words)
 }
 
-/// The number of chunks that the words speak of.
+/// Parses the number of chunks from a message.
 fn chunks(words: &str) -> u64 {
     let before = words.split(" chunk").next().unwrap();
     before.rsplit(|c: char| !c.is_ascii_digit()).next().unwrap().parse().unwrap_or_else(|_| panic!("{words}"))
 }
 
-/// The number of chunks that an earlier run had completed.
+/// Parses the number of resumed chunks, which an earlier run completed, from the messages.
 fn taken_over(words: &str) -> u64 {
     let told =
         words.split([',', '\n']).find_map(|part| part.trim().trim_end_matches('s').strip_suffix(" resumed chunk"));
@@ -200,7 +200,7 @@ fn an_encode_is_killed_and_gone_on_with_many_times() {
     let (mut kills, mut before) = (Vec::new(), 0);
     for round in 0..30 {
         let mut child = place.encode(&["--resume", "--quiet"]).spawn().unwrap();
-        // As soon as there are more chunks than before, or a moment later; sometimes before there are any.
+        // Kill the encode 0 to 6 ms after it has more chunks than before; in every fifth round, without waiting for chunks.
         let at_work = round % 5 == 0 || place.waits_for_chunks(&mut child, before + 1 + round % 3 * 20);
         std::thread::sleep(Duration::from_millis((round * 37 % 7) as u64));
         let over = !at_work || child.try_wait().unwrap().is_some();
@@ -211,7 +211,7 @@ fn an_encode_is_killed_and_gone_on_with_many_times() {
         assert!(code == Some(0) || !over, "{words}");
         let file = place.out().join("a.lfold");
         if file.exists() {
-            // Done, and perhaps killed before it could remove its journal.
+            // The encode is done, but may have been killed before it removed its journal.
             assert!(fs::read(&file).unwrap() == whole, "round {round}: other bytes");
             fs::remove_file(&file).unwrap();
             let _ = fs::remove_file(place.out().join(STATE[0]));
@@ -244,7 +244,7 @@ fn two_encodes_of_one_output_refuse_each_other() {
                         another file\n";
         assert_eq!(said(&second), expected);
     }
-    // Neither does another command write there.
+    // Another command cannot write the file either.
     let mut pack = Command::new(env!("CARGO_BIN_EXE_lightfold"));
     fs::write(place.folder.path().join("whole.lfold"), &whole).unwrap();
     let pack =
@@ -273,10 +273,10 @@ fn an_old_state_is_replaced_where_nobody_asks_for_it() {
     assert!(!words.contains("resumed"), "{words}");
     assert_eq!(place.names(), ["a.lfold"]);
     assert!(fs::read(place.out().join("a.lfold")).unwrap() == whole, "other bytes");
-    // Of a finished file nothing is left to resume: it is made again.
+    // A finished file has no state to resume, so it is encoded again.
     let again = place.finishes(&whole);
     assert!(again.contains("nothing to resume; starting anew"), "{again}");
-    // A state that another encode left is not gone on with, and stays.
+    // The state of an encode with other settings is neither resumed nor removed.
     killed(&["--color-cell", "16"]);
     let before: Vec<_> = STATE.map(|name| fs::read(place.out().join(name)).unwrap()).into();
     let refused = place.run(&["--resume"]);
@@ -287,7 +287,7 @@ fn an_old_state_is_replaced_where_nobody_asks_for_it() {
     let after: Vec<_> = STATE.map(|name| fs::read(place.out().join(name)).unwrap()).into();
     let sound = |bytes: &[u8], of: &[u8]| of.starts_with(bytes) && !bytes.is_empty();
     assert!(sound(&after[0], &before[0]) && sound(&after[1], &before[1]), "the state was touched");
-    // Another command that writes there removes it.
+    // Another command that writes the same output removes the state.
     let mut pack = Command::new(env!("CARGO_BIN_EXE_lightfold"));
     fs::write(place.folder.path().join("whole.lfold"), &whole).unwrap();
     let pack =
@@ -311,7 +311,7 @@ fn a_broken_frame_late_in_the_work_keeps_what_came_before_it() {
     assert_eq!(place.names(), STATE);
     fs::write(&frame, &pixels).unwrap();
     place.finishes(&whole);
-    // With nothing complete, nothing stays, and the words do not speak of it.
+    // Without a complete chunk no state is kept, and the message does not mention any.
     let first = find(&place.folder.path().join("scene"), "face_px/color", "0000.exr");
     fs::write(&first, "").unwrap();
     let stopped = place.run(&["--quiet"]);
@@ -319,7 +319,7 @@ fn a_broken_frame_late_in_the_work_keeps_what_came_before_it() {
     assert_eq!(place.names(), [""; 0]);
 }
 
-/// The last file by path, or for frame 0 the first, whose path has both words.
+/// Returns the last file in path order whose path contains `kind` and ends with `end`; for frame 0, the first.
 fn find(root: &Path, kind: &str, end: &str) -> PathBuf {
     let (mut found, mut folders) = (Vec::new(), vec![root.to_path_buf()]);
     while let Some(folder) = folders.pop() {
@@ -350,7 +350,7 @@ fn resume_needs_a_file_that_can_be_gone_on_with() {
         command.current_dir(place.folder.path()).args(["encode", "scene", "--clip", "--resume", "-o", "/dev/null"]);
     let null = null.output().unwrap();
     assert!(null.status.success() && said(&null).contains("nothing to resume"), "{}", said(&null));
-    // What lies in the way is not written through.
+    // A symbolic link at the path of the partial file is not followed.
     let (theirs, link) = (place.folder.path().join("theirs"), place.out().join(".a.lfold.partial"));
     fs::write(&theirs, "theirs").unwrap();
     std::os::unix::fs::symlink(&theirs, &link).unwrap();
@@ -359,7 +359,7 @@ fn resume_needs_a_file_that_can_be_gone_on_with() {
     assert_eq!(fs::read(&theirs).unwrap(), b"theirs");
 }
 
-/// Runs a line of shell in the folder of a place.
+/// Runs an encode with `sh` in the folder of `place`, after the shell commands `before`.
 #[cfg(unix)]
 fn shell(place: &Place, before: &str, more: &str) -> Output {
     let line = format!(
@@ -375,7 +375,7 @@ fn a_file_that_may_not_grow_is_told_with_what_is_safe() {
     let place = Place::new();
     let whole = place.whole();
     for share in [3, 2] {
-        // In blocks of 512 bytes.
+        // `ulimit -f` counts blocks of 512 bytes.
         let limit = whole.len() / share / 512;
         let stopped = shell(&place, &format!("trap '' XFSZ; ulimit -f {limit};"), "");
         let words = said(&stopped);
@@ -383,14 +383,14 @@ fn a_file_that_may_not_grow_is_told_with_what_is_safe() {
         assert!(words.starts_with("lightfold: out/a.lfold: File too large (os error 27); safe in "), "{words}");
         assert!(chunks(&words) > 0, "{words}");
         assert_eq!(place.names(), STATE);
-        // The same limit, and no step further.
+        // Under the same limit, the resumed encode stops as well.
         let again = shell(&place, &format!("trap '' XFSZ; ulimit -f {limit};"), "--resume --quiet");
         assert!(said(&again).contains("File too large"), "{}", said(&again));
         place.finishes(&whole);
     }
 }
 
-/// Where the system lets a user have a disk of their own, `scripts/test` runs it.
+/// `scripts/test` runs this test where the system lets a user mount a file system.
 #[test]
 #[ignore = "mounts a disk (unshare -rm)"]
 #[cfg(unix)]
@@ -399,7 +399,7 @@ fn a_full_disk_is_told_with_what_is_safe() {
     let whole = place.whole();
     let kilobytes = whole.len() * 2 / 3 / 1024;
     let binary = env!("CARGO_BIN_EXE_lightfold");
-    // What is safe is carried to a disk with more room, which is what a user would do.
+    // The state is copied to a disk with more free space, as a user would do.
     let script = format!(
         "mount -t tmpfs -o size={kilobytes}k none out && \
          {binary} encode scene --clip -o out/a.lfold --keyframe-interval 2 --threads 1; code=$?; \

@@ -1,4 +1,4 @@
-//! `decode --keep-going`: of a damaged container every image that is intact is written, and the others are listed.
+//! `decode --keep-going` writes every intact image of a damaged container and lists the others.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -14,10 +14,11 @@ use tempfile::TempDir;
 
 use crate::samples::{self, Shape};
 
-/// Of [`container`].
+/// Number of images in [`container`].
 const IMAGES: usize = 81;
 
-/// Every kind of stream, two units each, three chunks or so a unit.
+/// Returns a container of depth, colour and material by several codecs, with two units per stream and about three chunks per
+/// unit.
 fn container() -> Vec<u8> {
     let shape = |face| Shape { face, size: [9, 9], unit: [8, 12], first_frame: 3, frame_count: 9 };
     let settings = TemporalSettings { window: 2, epsilon: 90, max_aabbs: 4, keyframe_interval: 3 };
@@ -31,7 +32,7 @@ fn container() -> Vec<u8> {
         samples::color8_in_blocks(shape(1), ColorBlocks::Bc7, &bytes, search, 35.0),
         samples::color8_transform(shape(2), &bytes, search, 4),
         samples::material(shape(0), &samples::patched_materials(size, 9), settings),
-        // All faces have all kinds, as those of a manifest.
+        // Every face has all kinds, as in a dataset with a manifest.
         samples::depth(shape(2), [0.5, 8.0], &codes, settings),
         samples::material(shape(1), &samples::patched_materials(size, 9), settings),
         samples::material(shape(2), &samples::patched_materials(size, 9), settings),
@@ -39,7 +40,7 @@ fn container() -> Vec<u8> {
     samples::container(0, samples::probe("00", 11), &streams, Compression::None)
 }
 
-/// Runs a command line in a folder; answers exit code, standard output and standard error.
+/// Runs a command line in a folder. Returns exit code, standard output and standard error.
 fn run(line: &str, folder: &Path) -> (i32, String, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
     let output = command.args(line.split(' ')).current_dir(folder).output().unwrap();
@@ -63,7 +64,7 @@ fn files_below(folder: &Path) -> BTreeSet<String> {
     found
 }
 
-/// (kind, face, frame) of every image that decodes when asked for alone.
+/// Returns (kind, face, frame) of every image that can be decoded on its own.
 fn intact(file: Vec<u8>) -> BTreeSet<(String, String, u32)> {
     let decoder = Decoder::new(Reader::from_memory(file).unwrap()).unwrap();
     let mut found = BTreeSet::new();
@@ -104,7 +105,7 @@ fn one_damaged_chunk_costs_the_images_that_need_it_and_no_other() {
     for (at, chunk) in chunks.iter().enumerate() {
         let mut damaged = file.clone();
         damaged[chunk.offset as usize + chunk.stored_bytes as usize / 2] ^= 0x10;
-        // Chunks of the same bytes are stored once.
+        // Chunks with equal bytes are stored once, so they are all damaged.
         let hit: Vec<_> = chunks.iter().filter(|other| other.offset == chunk.offset).collect();
         let expected = intact(damaged.clone());
         std::fs::write(folder.path().join("bad.lfold"), &damaged).unwrap();
@@ -126,13 +127,14 @@ fn one_damaged_chunk_costs_the_images_that_need_it_and_no_other() {
             assert_eq!(row["frames"][0], chunk.key.first_frame);
             assert!(row["reason"].as_str().unwrap().contains("CRC-32"), "{row}");
         }
-        // Of one chunk alone: frames before it are lost only where a cell of colour leads into it.
+        // If only one chunk is damaged, earlier frames are lost only in colour cells that interpolate to the next chunk's first
+        // keyframe.
         if rows.len() == 1 {
             let first = missing.iter().map(|(_, _, frame)| *frame).min().unwrap();
             assert!(first == chunk.key.first_frame || leads_into(chunk.key.stream) && first < chunk.key.first_frame);
             lost_before += u32::from(first < chunk.key.first_frame);
         }
-        // What is written is what a sound file shows, and the manifest says what is not there.
+        // The written images equal those of the intact file, and the manifest lists the missing images.
         let written = files_below(&folder.path().join(&out));
         assert_eq!(written.len(), expected.len() + 1);
         for name in written.iter().filter(|name| *name != "lightfield.json") {
@@ -143,7 +145,7 @@ fn one_damaged_chunk_costs_the_images_that_need_it_and_no_other() {
         let manifest = std::fs::read_to_string(folder.path().join(&out).join("lightfield.json")).unwrap();
         let manifest: Value = serde_json::from_str(&manifest).unwrap();
         assert_eq!(listed(&manifest["extra"]["missing"]), missing);
-        // Without files the same is found.
+        // `--null` reports the same damage.
         let (code, report, _) = run("decode bad.lfold --null --keep-going --json", folder.path());
         let report: Value = serde_json::from_str(&report).unwrap();
         assert_eq!((code, &report["frames"]), (2, &expected.len().into()));
@@ -172,7 +174,7 @@ fn all_damaged_units_of_an_image_are_listed_and_people_can_read_it() {
     std::fs::write(folder.path().join("bad.lfold"), &file).unwrap();
     let (code, _, said) = run("decode bad.lfold -o out --keep-going", folder.path());
     assert_eq!(code, 2);
-    // Chunks of the same bytes share a line.
+    // Chunks with equal bytes share a line.
     let chunks_of = |line: &str| match line.split_once(" and ").and_then(|(_, rest)| rest.split_once(" chunk")) {
         Some((more, _)) => 1 + more.parse::<usize>().unwrap(),
         None => 1,
@@ -181,19 +183,19 @@ fn all_damaged_units_of_an_image_are_listed_and_people_can_read_it() {
     assert_eq!(listed, expected.len(), "{said}");
     assert!(expected.len() >= 6, "{expected:?}");
     assert!(said.contains("  stream 0 (depth of probe 00 face px), unit 1, frames 3-"), "{said}");
-    // Damage is no progress: --quiet names it, too.
+    // Damage is not progress, so `--quiet` lists it as well.
     let (_, _, quiet) = run("decode bad.lfold --null --keep-going --quiet", folder.path());
     assert!(quiet.contains("  stream 0 (depth of probe 00 face px), unit 1, frames 3-"), "{quiet}");
-    // Of the damaged stream alone nothing is left, and so nothing is made.
+    // No image of the damaged stream is intact, so no folder is created.
     let (code, _, said) = run("decode bad.lfold --stream depth --face px --keep-going -o none", folder.path());
     assert_eq!(code, 2);
     assert!(said.contains("none of the 9 images is intact"), "{said}");
     assert!(!folder.path().join("none").exists());
-    // A pattern and chosen frames.
+    // Output to a pattern, for selected frames.
     let pattern = "decode bad.lfold --stream color --face px --frames 4-6 --keep-going -o color.%04d.exr";
     assert_eq!(run(pattern, folder.path()).0, 0);
     assert!(folder.path().join("color.0006.exr").is_file());
-    // Without the option the first is an error, and nothing is written.
+    // Without the option, the first damaged chunk is an error, and nothing is written.
     let (code, _, said) = run("decode bad.lfold -o strict", folder.path());
     assert_eq!((code, said.lines().count()), (2, 1), "{said}");
     assert!(!folder.path().join("strict").exists());

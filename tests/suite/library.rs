@@ -1,4 +1,4 @@
-//! The library as a program uses it: frames from memory in, pixels in slices out.
+//! The public API: frames are encoded from memory and decoded to pixels in slices.
 
 use codec::color::Target;
 use codec::image::Plane;
@@ -38,12 +38,12 @@ fn alpha(_: Face, frame: u32) -> Plane<f32> {
     )
 }
 
-/// All kinds of streams, encoded from memory under the name and the frame rate of a source.
+/// Encodes streams of all kinds from memory, with the name and frame rate of a source.
 fn from_memory(name: &str, fps: f64, settings: &EncodeSettings) -> Vec<u8> {
     let mut encoder = Encoder::new(name, fps).with_settings(settings.clone());
     let pose = ProbePose { position: [0.0, 1.0, 2.0], ..ProbePose::default() };
     let probe = encoder.add_probe("00", pose).unwrap();
-    // In another order than that of the file.
+    // Faces and kinds are added in another order than that of the file.
     for face in FACES.into_iter().rev() {
         let streams = (
             encoder.add_material(probe, face, SIZE).unwrap(),
@@ -159,7 +159,7 @@ fn pixels_are_written_into_slices_whole_and_by_unit() {
 fn codes_of_srgb_are_encoded_as_they_are() {
     let codes: Vec<[u8; 3]> = (0..=255).map(|code| [code, 255 - code, 7]).collect();
     let mut settings = EncodeSettings::default();
-    // No loss is as much.
+    // A target of 200 dB makes the encode lossless.
     settings.search.target = Target::Psnr(200.0);
     let mut encoder = Encoder::new("film", 24.0).with_settings(settings);
     let probe = encoder.add_probe("00", ProbePose::default()).unwrap();

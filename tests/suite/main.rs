@@ -1,4 +1,4 @@
-//! One test binary for everything that is tested from outside the crate.
+//! The single test binary of all integration tests.
 
 #![allow(clippy::disallowed_methods)]
 
@@ -29,7 +29,6 @@ mod exr_searches;
 mod extreme_light;
 mod footage;
 mod hard_cases;
-mod house;
 mod imports;
 mod init;
 mod input;
@@ -57,6 +56,7 @@ mod quilt;
 mod render;
 mod render_decode;
 mod render_quality;
+mod repository_rules;
 mod resume;
 mod resume_footage;
 mod roundtrip;

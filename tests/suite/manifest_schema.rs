@@ -1,4 +1,4 @@
-//! formats/schemas/manifest.json accepts what the parser accepts, and names every key.
+//! formats/schemas/manifest.json accepts every manifest that the parser accepts, and defines every key.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,7 +12,7 @@ use lightfold::image_files::ColorSpace;
 use serde_json::{Value, json};
 
 use crate::commands::fine;
-use crate::house::{blocks, read, root};
+use crate::repository_rules::{blocks, read, root};
 
 const SCHEMA: &str = "formats/schemas/manifest.json";
 
@@ -26,20 +26,20 @@ fn validator() -> Validator {
     jsonschema::draft202012::new(&schema).unwrap()
 }
 
-/// A valid cube map.
+/// Returns a valid manifest of a cube map.
 fn cube() -> Value {
     json!({ "lightfield": 1, "name": "t", "fps": 24, "frames": [0, 1], "projection": "cubemap", "size": [4, 4],
         "depth": { "kind": "distance", "unit": "m", "background": "inf", "near": 0.5, "far": 9 },
         "files": { "depth": "{probe}/{face}.%04d.exr" }, "probes": [{ "name": "a", "position": [0, 0, 0] }] })
 }
 
-/// A valid perspective camera.
+/// Returns a valid manifest of a perspective camera.
 fn view() -> Value {
     json!({ "lightfield": 1, "name": "t", "fps": 24, "frames": [0, 1], "projection": "perspective", "size": [4, 3],
         "files": { "color": "{probe}.%04d.exr" }, "probes": [{ "name": "a", "position": [0, 0, 0], "fov_y_deg": 60 }] })
 }
 
-/// A manifest with another value at a place such as `/depth/kind`; without the key where the value is null.
+/// Returns the manifest with another value at a JSON pointer such as `/depth/kind`; null removes the key.
 fn with(mut manifest: Value, place: &str, value: Value) -> Value {
     let (parent, key) = place.rsplit_once('/').unwrap();
     let parent = manifest.pointer_mut(parent).unwrap_or_else(|| panic!("{place}")).as_object_mut().unwrap();
@@ -189,7 +189,7 @@ fn what_the_schema_refuses_is_refused() {
     }
 }
 
-/// What formats/manifest.md 2.6 lists.
+/// Manifests that the schema accepts and the parser refuses, as listed in formats/manifest.md 2.6.
 #[test]
 fn what_a_schema_cannot_say_is_left_to_the_parser() {
     let validator = validator();
@@ -213,7 +213,7 @@ fn what_a_schema_cannot_say_is_left_to_the_parser() {
     }
 }
 
-/// A value in each field of the types.
+/// Returns a manifest with a value in each field of the types.
 fn whole() -> Manifest {
     let text = |text: &str| Some(text.to_owned());
     let pose = Pose { frame: 0, position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0] };
@@ -258,7 +258,7 @@ fn whole() -> Manifest {
     }
 }
 
-/// Keys of objects, as `depth.kind`; `face_names` has keys of its own.
+/// Collects the keys of objects as paths such as `depth.kind`. Keys inside `face_names` are data and are left out.
 fn keys_of(value: &Value, place: &str, keys: &mut BTreeSet<String>) {
     match value {
         Value::Object(map) if place != "face_names." => {
@@ -272,7 +272,7 @@ fn keys_of(value: &Value, place: &str, keys: &mut BTreeSet<String>) {
     }
 }
 
-/// Keys that a schema names.
+/// Collects the keys that a schema defines, as the same paths.
 fn keys_of_schema(whole: &Value, part: &Value, place: &str, keys: &mut BTreeSet<String>) {
     let part = match part.get("$ref").and_then(Value::as_str) {
         Some(name) => whole.pointer(name.trim_start_matches('#')).unwrap(),

@@ -1,6 +1,6 @@
-//! What commands take of memory: `--memory` is kept, long sequences stream, and nothing grows.
+//! Memory of commands: `--memory` is respected, long sequences are streamed, and repeated runs do not leak.
 //!
-//! A process's peak is what `--json` reports as `peak_memory_bytes`, so every command runs as a child.
+//! The peak of a process is the `peak_memory_bytes` that `--json` reports, so every command runs as a child process.
 
 use std::path::Path;
 use std::process::Command;
@@ -22,7 +22,8 @@ use tempfile::TempDir;
 use crate::footage::Footage;
 use crate::samples::{self, Shape};
 
-/// Writes a dataset of one face whose frames from `distinct` on are links to the earlier ones, in turns.
+/// Writes a dataset of one face with `frames` frames. Those from `distinct` on are hard links to the first `distinct`, in
+/// rotation.
 fn footage(folder: &Path, size: u32, distinct: u32, frames: u32, depth_keys: &str) {
     let depth = |_: Face, frame: u32| {
         Plane::from_fn(size, size, |x, y| {
@@ -61,7 +62,7 @@ fn footage(folder: &Path, size: u32, distinct: u32, frames: u32, depth_keys: &st
     std::fs::write(path, text.replace(&old, &new)).unwrap();
 }
 
-/// Writes a dataset of four faces of PNG files that have alpha.
+/// Writes a dataset of four faces as PNG files with alpha.
 fn transparent(folder: &Path, size: u32) {
     std::fs::create_dir(folder).unwrap();
     for (at, face) in Face::CUBE.into_iter().take(4).enumerate() {
@@ -77,7 +78,7 @@ fn transparent(folder: &Path, size: u32) {
     std::fs::write(folder.join("lightfield.json"), manifest.to_string()).unwrap();
 }
 
-/// What a command line came to.
+/// Exit code, JSON report and standard error of a command line.
 struct Ran {
     code: i32,
     report: Value,
@@ -93,7 +94,7 @@ fn run(line: &str, folder: &Path) -> Ran {
     Ran { code: output.status.code().unwrap(), report, said }
 }
 
-/// The peak of a command that must do; `diff` may find differences.
+/// Runs a command that must succeed and returns its peak in bytes. `diff` may find differences.
 #[track_caller]
 fn peak(line: &str, folder: &Path) -> u64 {
     let ran = run(line, folder);
@@ -101,15 +102,15 @@ fn peak(line: &str, folder: &Path) -> u64 {
     ran.report["peak_memory_bytes"].as_u64().unwrap()
 }
 
-/// MB that a refused command asks for.
+/// Parses the MB that a refused command asks for.
 #[cfg(target_os = "linux")]
 fn asked_mb(said: &str) -> u64 {
     let (_, after) = said.split_once("needs up to ").unwrap_or_else(|| panic!("{said}"));
     after.split_once(" MB").unwrap().0.parse().unwrap()
 }
 
-/// Runs a command line under budgets: each is refused before anything is written, or kept, with the same result. The budget that it
-/// asks for suffices.
+/// Runs a command line with budgets of 1 to 384 MiB. Each run is either refused before it writes anything, or stays within the
+/// budget and gives the same result. The budget that a refusal asks for suffices.
 #[cfg(target_os = "linux")]
 fn check_budgets(line: &str, output: Option<&str>, folder: &Path) {
     let result = |name: &str| std::fs::read(folder.join(name)).ok();
@@ -140,18 +141,18 @@ fn check_budgets(line: &str, output: Option<&str>, folder: &Path) {
     Least::of(&format!("{line} --threads 4"), asked, folder);
 }
 
-/// A command within the least budget that it states.
+/// Run of a command with the smallest budget that it asks for.
 #[cfg(target_os = "linux")]
 struct Least {
     asked_mb: u64,
     peak_bytes: u64,
-    /// Times that it was refused.
+    /// Number of refusals before the run.
     refusals: u32,
 }
 
 #[cfg(target_os = "linux")]
 impl Least {
-    /// Tries a budget of `mb` MB first. Several stages may ask, one after the other.
+    /// Tries a budget of `mb` MB first, then those that refusals ask for: several stages may ask one after the other.
     fn of(line: &str, mb: u64, folder: &Path) -> Least {
         let within = |mb: u64| run(&format!("{line} --memory {mb}M"), folder);
         let (mut asked, mut refusals, mut ran) = (mb, 0, within(mb));
@@ -166,7 +167,7 @@ impl Least {
         Least { asked_mb: asked, peak_bytes: peak, refusals }
     }
 
-    /// Whether no more than twice as much was asked for as was taken.
+    /// True if the budget is at most twice the peak.
     fn is_near(&self) -> bool {
         2 * self.peak_bytes >= self.asked_mb * 1_000_000
     }
@@ -183,10 +184,10 @@ fn budgets_of_simplifying_and_rendering_are_at_most_twice_what_is_taken() {
     assert_eq!(run("encode views --clip -o film.lfold", at).code, 0);
     let eye = "--eye 0.05,1.5,0.3 --look-at 0,1.2,-3 --fov 60";
     for (line, most_refusals, is_known) in [
-        // What textures take is known once the tiles are selected.
+        // The memory of textures is known only after the tiles are selected.
         ("simplify views --effort fast -o scene.glb".to_owned(), 3, true),
         (format!("render film.lfold {eye} --size 512 --steps 64 --effects none -o picture.png"), 1, true),
-        // Maps of sixteen spheres of glass are reserved, of which there are none.
+        // Memory for maps of sixteen glass spheres is reserved, although there are none.
         (format!("render film.lfold {eye} --size 512 --steps 64 -o picture.png"), 1, false),
     ] {
         for threads in [1, 4] {
@@ -197,7 +198,7 @@ fn budgets_of_simplifying_and_rendering_are_at_most_twice_what_is_taken() {
             assert!(refusals <= most_refusals, "{line}: {refusals} refusals");
         }
     }
-    // A budget that suffices for the tiles alone leaves nothing behind.
+    // A run whose budget suffices for the tiles only leaves no file.
     let line = "simplify views --effort fast -o other.glb --threads 1";
     let early = asked_mb(&run(&format!("{line} --memory 1M"), at).said);
     if run(&format!("{line} --memory {early}M"), at).code == 2 {
@@ -233,7 +234,7 @@ fn a_budget_is_kept_or_refused_by_every_command() {
     transparent(&at.join("rgba"), 512);
     check_budgets("encode rgba -o rgba.lfold", Some("rgba.lfold"), at);
     check_budgets("decode rgba.lfold -o back", None, at);
-    // Rendering counts all chunks that views may come to hold, so that these are of few frames.
+    // The estimate for rendering counts all chunks that views may load, so this container has few frames.
     run("encode . -o r.lfold --frames 0-3 --depth-codec aabb", at);
     let eye = "--eye 0.1,1,2 --look-at 1,1,2 --fov 60 --steps 8";
     for (line, output) in [
@@ -248,7 +249,7 @@ fn a_budget_is_kept_or_refused_by_every_command() {
                 .to_owned(),
             "again.png",
         ),
-        // A row has two million rays.
+        // One row has two million rays.
         (format!("render r.lfold {eye} --frames 1 --size 8192x4 --samples 16 --effects none -o wide.png"), "wide.png"),
     ] {
         check_budgets(&line, Some(output), at);
@@ -264,7 +265,7 @@ fn a_budget_is_kept_or_refused_by_every_command() {
     assert_eq!(run("encode . -o a.lfold --memory lots", at).code, 2);
 }
 
-/// A million frames of one pixel, each with another weight.
+/// Inspects a chunk of one pixel and a million frames that have a weight.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_chunk_of_many_weights_is_inspected_within_its_budget() {
@@ -284,12 +285,12 @@ fn a_chunk_of_many_weights_is_inspected_within_its_budget() {
     }
 }
 
-/// Writes a dataset of one face that shows a grid of balls of glass before a wall.
+/// Writes a dataset of one face that shows a grid of glass balls in front of a wall.
 fn beads(folder: &Path, size: u32, grid: u32) {
     const AWAY_M: f64 = 2.0;
     const WALL_M: f64 = 5.0;
     let radius_m = 0.6 * AWAY_M / f64::from(grid);
-    // The distance at which a pixel shows a ball.
+    // Returns the distance in metres of the nearest ball in a pixel, if there is one.
     let bead_m = |face: Face, x: u32, y: u32| {
         let to = face.direction(x, y, size).normalize();
         let [forward, right, down] = face.axes();
@@ -340,7 +341,7 @@ fn a_budget_is_kept_where_there_is_glass() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_thousand_frames_take_no_more_memory_than_a_hundred() {
-    // A hundred frames fill everything that is bounded: reach, keyframe interval, batches.
+    // A hundred frames fill everything that is bounded: lookahead, keyframe interval and batches.
     let [short, long] = [100u32, 1000].map(|frames| {
         let folder = TempDir::new().unwrap();
         footage(folder.path(), 64, 5, frames, ", \"near\": 1, \"far\": 12");
@@ -363,12 +364,12 @@ fn a_thousand_frames_take_no_more_memory_than_a_hundred() {
     ];
     for line in lines {
         let [few, many] = [&short, &long].map(|folder| peak(&line, folder.path()));
-        // All images of one kind are 15 to 40 MB in memory; allocators and rows of the index may differ by a little.
+        // All images of one kind take 15 to 40 MB; allocators and rows of the index may differ by a few MB.
         assert!(many <= few + (6 << 20), "{line}: {few} bytes for 100 frames, {many} for 1000");
     }
 }
 
-/// A container of so many probes of six faces, each with one image of depth.
+/// Returns a container of `count` probes of six faces, each with one depth image.
 fn many_probes(count: u16) -> Vec<u8> {
     let settings = TemporalSettings::default();
     let shape = Shape { face: 0, size: [8, 8], unit: [8, 8], first_frame: 0, frame_count: 1 };
@@ -401,7 +402,7 @@ fn one_probe_of_720_costs_what_it_holds() {
     assert_eq!(all.report["frames"], 720 * 6);
     let bytes = |ran: &Ran| ran.report["bytes_read"].as_u64().unwrap();
     assert_eq!(bytes(&one) * 720, bytes(&all));
-    // A dataset of as many probes is opened without a look into its images, which are no images.
+    // A dataset of as many probes is opened without reading its images: most of these files are empty.
     assert_eq!(run("decode many.lfold --probe p700 -o frames", folder.path()).code, 0);
     let at = folder.path().join("frames");
     let manifest = std::fs::read_to_string(at.join("lightfield.json")).unwrap();
@@ -422,7 +423,7 @@ fn one_probe_of_720_costs_what_it_holds() {
     assert_eq!(compared.code, 0, "{}", compared.said);
 }
 
-/// Writes a dataset of so many probes, of which the first moves and the others are static.
+/// Writes a dataset of `count` probes: the first has four frames, the others are static.
 fn static_probes(folder: &Path, count: u32) {
     footage(folder, 16, 4, 4, ", \"near\": 1, \"far\": 12");
     let path = folder.join("lightfield.json");
@@ -448,9 +449,9 @@ fn static_probes(folder: &Path, count: u32) {
 
 #[test]
 fn memory_of_720_probes_is_in_proportion_to_them() {
-    // For each probe: three streams with their rows of tables, a chunk each, and file names.
+    // Bytes per probe: three streams with their rows of tables, one chunk each, and file names.
     const PROBE_BYTES: u64 = 16 << 10;
-    // Where each stream is reported: its figures, and twice as JSON, of some fifty keys with 100 bytes each.
+    // Bytes per probe if each stream is reported: its figures, and two copies as JSON with about fifty keys of 100 bytes.
     const REPORTED_BYTES: u64 = PROBE_BYTES + 3 * (16 << 10);
     let lines = [
         ("encode . -o all.lfold", PROBE_BYTES),
@@ -470,7 +471,7 @@ fn memory_of_720_probes_is_in_proportion_to_them() {
         let start = std::time::Instant::now();
         let decoder = Decoder::open(folder.path().join("all.lfold")).unwrap();
         assert_eq!(decoder.streams().len(), 3 * count as usize);
-        // A figure for the README; no test reads it.
+        // Printed for the README; no test reads it.
         eprintln!(
             "{count} probes: dataset opened in {opened:.1?}, container in {:.1?}, peaks {peaks:?}",
             start.elapsed()
@@ -482,7 +483,7 @@ fn memory_of_720_probes_is_in_proportion_to_them() {
     }
 }
 
-/// Resident memory of this process.
+/// Returns the resident memory of this process in bytes.
 fn resident_bytes() -> u64 {
     let text = std::fs::read_to_string("/proc/self/status").unwrap();
     let line = text.lines().find(|line| line.starts_with("VmRSS:")).unwrap();
@@ -492,7 +493,7 @@ fn resident_bytes() -> u64 {
 const SOAK_CYCLES: usize = 400;
 const SOAK_SLACK_BYTES: u64 = 3 << 20;
 
-/// Runs alone in a process that `encoding_and_decoding_again_and_again_does_not_grow` starts.
+/// Run by `encoding_and_decoding_again_and_again_does_not_grow` in a process of its own.
 #[test]
 #[ignore = "run by another test, in a process of its own"]
 fn soak_child() {

@@ -1,17 +1,17 @@
-//! Small glTF, GLB and OBJ files, made in code.
+//! Small glTF, GLB, OBJ and MTL files, built in code.
 
 use serde_json::{Value, json};
 
-/// A glTF document and its one buffer in the making.
+/// Builder of a glTF document with one buffer.
 pub struct Gltf {
-    /// The JSON, but for buffers, which [`Self::glb`] and [`Self::text`] add.
+    /// The JSON document without `buffers`, which [`Self::glb`] and [`Self::text`] add.
     pub root: Value,
-    /// The buffer.
+    /// Bytes of the buffer.
     pub buffer: Vec<u8>,
 }
 
 impl Gltf {
-    /// A document that shows nothing.
+    /// Creates a document with an empty scene.
     pub fn new() -> Gltf {
         let root = json!({
             "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [] }], "nodes": [], "meshes": [],
@@ -20,7 +20,7 @@ impl Gltf {
         Gltf { root, buffer: Vec::new() }
     }
 
-    /// Adds an element to a list of the document; answers its number.
+    /// Appends an element to a list of the document and returns its index.
     pub fn push(&mut self, list: &str, value: Value) -> usize {
         let list = &mut self.root[list];
         if list.is_null() {
@@ -31,7 +31,7 @@ impl Gltf {
         list.len() - 1
     }
 
-    /// Adds a view of bytes.
+    /// Appends bytes to the buffer and adds a buffer view of them.
     pub fn view(&mut self, bytes: &[u8]) -> usize {
         let offset = self.buffer.len();
         self.buffer.extend_from_slice(bytes);
@@ -39,7 +39,7 @@ impl Gltf {
         self.push("bufferViews", json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len() }))
     }
 
-    /// Adds an accessor of floats, of a type such as `VEC3`.
+    /// Adds an accessor of 32-bit floats of a type such as `VEC3`.
     pub fn floats(&mut self, kind: &str, values: &[f32]) -> usize {
         let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         let width = match kind {
@@ -54,7 +54,7 @@ impl Gltf {
         self.push("accessors", json!({ "bufferView": view, "componentType": 5126, "count": count, "type": kind }))
     }
 
-    /// Adds an accessor of 16-bit numbers.
+    /// Adds an accessor of unsigned 16-bit integers.
     pub fn shorts(&mut self, kind: &str, values: &[u16]) -> usize {
         let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         let view = self.view(&bytes);
@@ -74,7 +74,7 @@ impl Gltf {
         number
     }
 
-    /// Adds a mesh of one triangle with the corners (0, 0, 0), (1, 0, 0), (0, 1, 0), whose outside is +Z.
+    /// Adds a mesh of one triangle with the corners (0, 0, 0), (1, 0, 0), (0, 1, 0), which faces +Z.
     pub fn triangle(&mut self) -> usize {
         let positions = self.floats("VEC3", &TRIANGLE);
         self.mesh(json!({ "attributes": { "POSITION": positions } }))
@@ -98,7 +98,7 @@ impl Gltf {
         root
     }
 
-    /// As a GLB file.
+    /// Returns the document as a GLB file.
     pub fn glb(&self) -> Vec<u8> {
         let mut text = self.finished(None).to_string().into_bytes();
         text.resize(text.len().next_multiple_of(4), b' ');
@@ -115,21 +115,21 @@ impl Gltf {
         file
     }
 
-    /// As a glTF file whose buffer is at a URI.
+    /// Returns the document as a glTF file whose buffer is at a URI.
     pub fn text_with(&self, uri: &str) -> Vec<u8> {
         self.finished(Some(uri.to_string())).to_string().into_bytes()
     }
 
-    /// As a glTF file with its buffer inside.
+    /// Returns the document as a glTF file with an embedded buffer.
     pub fn text(&self) -> Vec<u8> {
         self.text_with(&format!("data:application/octet-stream;base64,{}", base64(&self.buffer)))
     }
 }
 
-/// The corners of [`Gltf::triangle`].
+/// Corners of [`Gltf::triangle`].
 pub const TRIANGLE: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
-/// Bytes as the letters of RFC 4648, section 4.
+/// Encodes bytes as base64 (RFC 4648, section 4).
 pub fn base64(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::new();
@@ -143,7 +143,7 @@ pub fn base64(bytes: &[u8]) -> String {
     text
 }
 
-/// A PNG file of 8-bit colours with alpha.
+/// Returns a PNG file of 8-bit RGBA pixels.
 pub fn png(width: u32, height: u32, pixels: &[[u8; 4]]) -> Vec<u8> {
     let image = image::RgbaImage::from_raw(width, height, pixels.as_flattened().to_vec()).unwrap();
     let mut file = std::io::Cursor::new(Vec::new());
@@ -151,7 +151,7 @@ pub fn png(width: u32, height: u32, pixels: &[[u8; 4]]) -> Vec<u8> {
     file.into_inner()
 }
 
-/// A document with something of everything: a textured quad that turns, a bar that bends over two joints and morphs,
+/// Returns a document that uses many features: a textured quad that rotates, a bar with a skin of two joints and a morph target,
 /// and a lamp.
 pub fn rich() -> Gltf {
     let mut file = Gltf::new();
@@ -214,10 +214,10 @@ pub fn rich() -> Gltf {
     file
 }
 
-/// An OBJ file with what such files have.
+/// OBJ file with the statements that are usual in such files.
 pub const OBJ: &str = "# a comment\nmtllib none.mtl\no one\nv 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0 1\nv 0 1 0.5\nvt 0 0\nvt 1 0\n\
     vt 1 1\nvt 0 1\nvn 0 0 1\nusemtl red\nf 1/1/1 2/2/1 3/3/1 \\\n4/4/1\ng two\nf -4//1 -2//1 -1//1\nf 1 2 3\nl 1 2 3\np 1\ns off\n";
 
-/// An MTL file with what such files have.
+/// MTL file with the statements that are usual in such files.
 pub const MTL: &str = "newmtl a\nKa 1 1 1\nKd 0.5 0.25 1\nKs 0.5 0.5 0.5\nKe 1 0 0\nNs 20\nNi 1.5\nd 0.75\nillum 2\nTf 1 1 1\n\
     map_Kd -clamp on -s 1 1 1 none.png\nmap_d ../none.png\nnewmtl b\nKd 0.5\nillum 7\nTr 0.25\nmap_Ke none.png\n";

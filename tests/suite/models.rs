@@ -1,4 +1,4 @@
-//! Scenes from mesh files: what is in them, where it is at which time, and what is said about files that are broken.
+//! Scenes from mesh files: geometry, animation, and notes about content that is ignored or damaged.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::model_files::{Gltf, MTL, OBJ, TRIANGLE, rich};
 
 pub const HALF: f32 = std::f32::consts::FRAC_1_SQRT_2;
 
-/// Opens a file of these bytes beside some others.
+/// Opens a file of these bytes in a folder with some others. Returns the model and its notes.
 pub fn open_beside(name: &str, bytes: &[u8], others: &[(&str, &[u8])]) -> codec::error::Result<(Model, Vec<String>)> {
     let folder = tempfile::tempdir().unwrap();
     for (name, bytes) in others {
@@ -31,13 +31,13 @@ fn refusal(file: &Gltf) -> String {
     open_beside("a.glb", &file.glb(), &[]).unwrap_err().to_string()
 }
 
-/// The only mesh of a scene.
+/// Returns the only mesh of a scene.
 fn only(scene: &SceneAtTime) -> &Mesh {
     assert_eq!(scene.meshes.len(), 1);
     &scene.meshes[0].mesh
 }
 
-/// A mesh and its materials.
+/// Mesh with its materials.
 pub struct Painted {
     pub mesh: Mesh,
     pub materials: Arc<[MeshMaterial]>,
@@ -51,7 +51,7 @@ impl std::ops::Deref for Painted {
     }
 }
 
-/// The only mesh at the beginning.
+/// Returns the only mesh at time 0.
 pub fn first(model: &Model) -> Painted {
     let scene = model.at(0.0);
     Painted { mesh: only(&scene).clone(), materials: scene.meshes[0].materials.clone() }
@@ -72,7 +72,7 @@ fn assert_corners(mesh: &Mesh, expected: &[[f64; 3]]) {
 
 const CORNERS: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
-/// A document of the triangle on one node.
+/// Returns a document of one node with the triangle.
 pub fn on_node(node: &Value) -> Gltf {
     let mut file = Gltf::new();
     let mut node = node.clone();
@@ -81,7 +81,7 @@ pub fn on_node(node: &Value) -> Gltf {
     file
 }
 
-/// A name, its bytes, and files beside it.
+/// File name, bytes, and other files in the same folder.
 type Files<'a> = (&'a str, Vec<u8>, Vec<(&'a str, &'a [u8])>);
 
 #[test]
@@ -113,10 +113,10 @@ fn nodes_move_turn_scale_and_mirror() {
     let parts = json!({ "translation": [5, 6, 7], "rotation": [0.0, HALF, 0.0, HALF], "scale": [2, 2, 2] });
     assert_corners(&first(&open(&on_node(&json!({ "matrix": matrix }))).0), &moved);
     assert_corners(&first(&open(&on_node(&parts)).0), &moved);
-    // Mirrored, the corners run the other way, so that the outside stays outside.
+    // Mirroring reverses the order of the corners, so that the front of a triangle stays its front.
     let mirrored = first(&open(&on_node(&json!({ "scale": [-1, 1, 1] }))).0);
     assert_corners(&mirrored, &[[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]);
-    // A child of a child: the parent's turn moves it.
+    // The rotation of a node moves its child.
     let mut file = Gltf::new();
     let mesh = file.triangle();
     let leaf = file.push("nodes", json!({ "mesh": mesh, "translation": [1, 0, 0] }));
@@ -166,7 +166,7 @@ fn parts_without_normals_are_flat_beside_parts_with_some() {
     }
 }
 
-/// Property, interpolation, type and values of a curve, and where a corner is at 1, 1.5 and 3 seconds.
+/// Property, interpolation, accessor type and values of an animation curve, and the position of a corner at 1, 1.5 and 3 seconds.
 type Moved<'a> = (&'a str, &'a str, &'a str, &'a [f32], [[f64; 3]; 3]);
 
 #[test]
@@ -191,10 +191,10 @@ fn a_node_turns_steps_and_eases_and_stays_at_the_ends() {
             "CUBICSPLINE",
             "VEC3",
             &[[0.0; 3], [0.0; 3], [0.0; 3], [0.0; 3], [64.0, 0.0, 0.0], [0.0; 3]].concat(),
-            // At a quarter 3/16 − 2/64 of the way.
+            // At a quarter of the interval the curve is 3/16 − 2/64 of the way.
             [[0.0; 3], [10.0, 0.0, 0.0], [64.0, 0.0, 0.0]],
         ),
-        // Corner (0, 0, 0) does not turn; the others are looked at below.
+        // Rotation does not move corner (0, 0, 0); another corner is checked below.
         ("rotation", "LINEAR", "VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, HALF, HALF], [[0.0; 3]; 3]),
     ];
     for (path, how, kind, values, expected) in cases {
@@ -235,7 +235,7 @@ fn what_stays_is_shared_by_all_times_and_what_moves_is_not() {
     let sampler = |output: usize| json!({ "input": times, "output": output });
     let channel =
         |sampler: usize, node: usize| json!({ "sampler": sampler, "target": { "node": node, "path": "translation" } });
-    // The first node is kept at one place by its channel, and does not move.
+    // The channel of the first node has two equal values, so the node is static.
     file.push(
         "animations",
         json!({ "name": "go", "samplers": [sampler(output), sampler(still)],
@@ -267,14 +267,14 @@ fn what_stays_is_shared_by_all_times_and_what_moves_is_not() {
 
 #[test]
 fn a_skin_bends_corners_as_its_joints_turn() {
-    // An arm along Y: the elbow at y = 1 turns by 90° around Z. The corner at y = 2 goes with it to x = −1, the corner in
-    // the elbow's middle stays between.
+    // An arm along Y: its elbow at y = 1 rotates by 90° around Z. The corner at y = 2 moves with the elbow to x = −1 relative to
+    // the shoulder; the corner beside the elbow is blended between both joints.
     let mut file = Gltf::new();
     let positions = file.floats("VEC3", &[0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 2.0, 0.0, 0.5, 1.0, 0.0]);
     let normals = file.floats("VEC3", &[0.0, 0.0, 1.0].repeat(4));
     let joints = file.shorts("VEC4", &[[0, 9, 9, 9], [0, 0, 0, 0], [1, 0, 0, 0], [0, 1, 0, 0]].concat());
     let one = [1.0, 0.0, 0.0, 0.0];
-    // The last corner's weights come to 2, and count as a half each.
+    // The weights of the last corner add up to 2 and are normalised to a half each.
     let weights = file.floats("VEC4", &[one, one, one, [1.0, 1.0, 0.0, 0.0]].concat());
     let order = file.shorts("SCALAR", &[0, 1, 3, 0, 3, 2]);
     let mesh = file.mesh(json!({ "indices": order, "attributes":
@@ -290,7 +290,7 @@ fn a_skin_bends_corners_as_its_joints_turn() {
     }
     let bind = file.floats("MAT4", &bind);
     let skin = file.push("skins", json!({ "joints": [shoulder, elbow], "inverseBindMatrices": bind }));
-    // Where the node is does not count for what hangs on joints.
+    // The transform of the node does not affect a skinned mesh.
     file.root_node(json!({ "mesh": mesh, "skin": skin, "translation": [77, 77, 77] }));
     let times = file.floats("SCALAR", &[0.0, 1.0]);
     let turn = file.floats("VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, HALF, HALF]);
@@ -300,7 +300,7 @@ fn a_skin_bends_corners_as_its_joints_turn() {
     let straight =
         [[10.0, 0.0, 0.0], [10.5, 0.0, 0.0], [10.5, 1.0, 0.0], [10.0, 0.0, 0.0], [10.5, 1.0, 0.0], [10.0, 2.0, 0.0]];
     assert_corners(&at(0.0), &straight);
-    // The corner beside the elbow, half on each joint: the mean of (10.5, 1) and (10, 1.5).
+    // The corner beside the elbow is half on each joint, at the mean of (10.5, 1) and (10, 1.5).
     let bent =
         [[10.0, 0.0, 0.0], [10.5, 0.0, 0.0], [10.25, 1.25, 0.0], [10.0, 0.0, 0.0], [10.25, 1.25, 0.0], [9.0, 1.0, 0.0]];
     assert_corners(&at(1.0), &bent);
@@ -314,7 +314,7 @@ fn morph_targets_add_what_their_weights_say() {
     let up = file.floats("VEC3", &[0.0, 0.0, 2.0].repeat(3));
     let normals = file.floats("VEC3", &[0.0, 0.0, 1.0].repeat(3));
     let tilt = file.floats("VEC3", &[1.0, 0.0, 0.0].repeat(3));
-    // The second target is sparse: only corner 1 moves.
+    // The second target is sparse: it moves only corner 1.
     let indices = file.view(&[1, 0, 0, 0]);
     let values = file.view(&[0.0f32, 4.0, 0.0].map(f32::to_le_bytes).concat());
     let sparse = json!({ "count": 1, "indices": { "bufferView": indices, "componentType": 5121 }, "values": { "bufferView": values } });
@@ -337,7 +337,7 @@ fn morph_targets_add_what_their_weights_say() {
         let corners = [[0.0, 0.0, 2.0 * weight], [1.0, 4.0 * weight, 2.0 * weight], [0.0, 1.0, 2.0 * weight]];
         assert_corners(only(&model.at(time)), &corners);
     }
-    // A node's own weights go before those of its mesh.
+    // The weights of a node override those of its mesh.
     file.root["nodes"][node]["weights"] = json!([1.0, 0.0]);
     file.root["animations"] = json!([]);
     assert_corners(&first(&open(&file).0), &[[0.0, 0.0, 2.0], [1.0, 0.0, 2.0], [0.0, 1.0, 2.0]]);
@@ -346,7 +346,7 @@ fn morph_targets_add_what_their_weights_say() {
 #[test]
 fn integers_become_what_their_type_says() {
     let mut file = Gltf::new();
-    // Bytes four apart, of which three count; the fourth would be out of place.
+    // Three of every four bytes are a position; the fourth is padding.
     let view = file.view(&[0, 0, 0, 99, 127, 0, 0, 99, 0, 0x81, 0, 99]);
     file.root["bufferViews"][view]["byteStride"] = json!(4);
     let accessor = json!({ "bufferView": view, "componentType": 5120, "normalized": true, "count": 3, "type": "VEC3" });
@@ -386,7 +386,7 @@ fn triangles_that_cannot_be_met_are_counted() {
     assert_eq!(first(&model).positions.len(), 3, "corners of what is left out go with it");
     assert_eq!(notes.len(), 2);
     assert!(notes[0].contains(": 2 triangles") && notes[1].contains(": 3 triangles"), "{notes:?}");
-    // Nothing else: a scene of nothing.
+    // Without any triangle that has an area, the scene is refused as empty.
     file.root["nodes"][0]["scale"] = json!([0, 0, 0]);
     assert!(refusal(&file).contains("no triangles"));
 }
@@ -455,7 +455,7 @@ fn obj_files_without_their_materials_are_grey() {
 #[test]
 fn the_meshes_beside_the_footage_are_whole() {
     let data = option_env!("LIGHTFOLD_DATA").unwrap_or_default();
-    // Triangles, and how many of them have no area.
+    // Name, number of triangles, and number of those without area.
     for (name, triangles, no_area) in [("sponza.glb", 262_267, 1), ("dragon.glb", 202_520, 0), ("bunny.obj", 69_451, 0)]
     {
         let (model, notes) = Model::open(&Path::new(data).join("meshes").join(name), Play::First).unwrap();

@@ -1,4 +1,4 @@
-//! Mesh files that are broken or hostile: one sentence, no panic, and memory within bounds.
+//! Broken or hostile mesh files: an error of one line, no panic, and bounded memory.
 
 use lightfold::scene::{Model, Play};
 use serde_json::{Value, json};
@@ -12,7 +12,7 @@ fn open(name: &str, bytes: &[u8]) -> Result<(), String> {
     Model::open(&path, Play::First).map(|_| ()).map_err(|error| error.to_string())
 }
 
-/// The rich document, changed.
+/// Opens the rich document after a change of its JSON.
 fn changed(change: impl FnOnce(&mut Value)) -> Result<(), String> {
     let mut file = rich();
     change(&mut file.root);
@@ -41,7 +41,7 @@ fn extras_may_be_anything_and_accessors_without_data_are_zeros() {
         };
         assert_eq!(changed(everywhere), Ok(()), "{extras}");
     }
-    // Normals of zeros are those of the triangles.
+    // Normals that are zero are replaced by those of the triangles.
     let zeros = |root: &mut Value| {
         root["accessors"][1].as_object_mut().unwrap().remove("bufferView");
         root["accessors"][1].as_object_mut().unwrap().remove("byteOffset");
@@ -51,7 +51,7 @@ fn extras_may_be_anything_and_accessors_without_data_are_zeros() {
     assert_eq!(changed(positions), Ok(()), "what it moves may be without area");
 }
 
-/// A change of a document, and words of what is said about it.
+/// Words of the error message, and the change of the document that causes it.
 type Case = (&'static str, fn(&mut Value));
 
 #[test]
@@ -141,7 +141,7 @@ fn each_broken_file_has_its_sentence() {
     refused(open("a.obj", b"v 1 2 3\nvt 0 0\nf 1/-9 1 1\n"), "line 3");
     refused(open("a.obj", b"v 1 2 3\nvt 0 0\n\nf 1/9223372036854775807 1 1\n"), "line 4");
     refused(open("a.obj", &[0xff; 3000]), "no triangles");
-    // A file that ends early is refused wherever it ends, and never with a panic.
+    // A truncated file is refused at any length, without a panic.
     for end in (0..good.len()).step_by(7) {
         assert!(open("a.glb", &good[..end]).is_err(), "{end}");
     }
@@ -167,7 +167,7 @@ fn external_buffers_stay_in_the_folder() {
 fn counts_that_no_file_can_mean_are_refused() {
     refused(changed(|root| root["nodes"] = json!(vec![json!({}); 300_000])), "300000 nodes");
     refused(changed(|root| root["materials"] = json!(vec![json!({}); 300_000])), "300000 materials");
-    // A mesh of 30,000 triangles, shown by 200,000 nodes.
+    // 200,000 nodes that show one mesh of 30,000 triangles.
     let mut file = Gltf::new();
     let positions = file.floats("VEC3", &[0.5; 9]);
     let order = file.shorts("SCALAR", &[0, 1, 2].repeat(30_000));
@@ -175,7 +175,7 @@ fn counts_that_no_file_can_mean_are_refused() {
     file.root["nodes"] = json!(vec![json!({ "mesh": 0 }); 200_000]);
     file.root.as_object_mut().unwrap().retain(|key, _| !key.starts_with("scene"));
     refused(open("a.glb", &file.glb()), "memory");
-    // 65 suns.
+    // 64 directional lights are allowed, 65 are not.
     let sun = json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } } });
     let suns = |count: usize| {
         changed(|root| {

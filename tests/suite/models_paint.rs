@@ -1,4 +1,4 @@
-//! What triangles of mesh files are painted with, and what shines on them.
+//! Materials, textures and lights of mesh files.
 
 use glam::{DVec2, DVec3};
 use lightfold::mesh::Wrap;
@@ -22,7 +22,7 @@ fn material(value: &Value) -> (MeshMaterial, Vec<String>) {
 #[test]
 fn materials_become_what_rays_are_shaded_with() {
     let rough = |base: f64, metallic: f64, roughness: f64| json!({ "pbrMetallicRoughness": { "baseColorFactor": [base, base, base, 1.0], "metallicFactor": metallic, "roughnessFactor": roughness } });
-    // Plastic: 4% at right angles, exponent (2/α² − 2)/4 with α = 0.25.
+    // Plastic: reflectance of 4% at normal incidence, exponent (2/α² − 2)/4 with α = 0.25.
     let (plastic, _) = material(&rough(0.5, 0.0, 0.5));
     assert_eq!((plastic.plain.base_color, plastic.optics), (DVec3::splat(0.5), Optics::Opaque));
     assert!(
@@ -72,13 +72,14 @@ fn materials_become_what_rays_are_shaded_with() {
 fn highlights_are_about_as_wide_as_those_of_microfacets() {
     for roughness in [0.3_f64, 0.6] {
         let (metal, _) = material(&json!({ "pbrMetallicRoughness": { "roughnessFactor": roughness } }));
-        // Of a lobe cosⁿ about the mirror direction, the angle at which half of it is left.
+        // Angle at which a lobe cosⁿ about the mirror direction falls to half of its peak.
         let phong = 0.5_f64.powf(metal.phong.exponent.recip()).acos();
-        // GGX is half of its peak where (cos²h (α² − 1) + 1)² = 2 α⁴, and the mirror direction is 2 h away.
+        // GGX is half of its peak at an angle h of the half vector where (cos²h (α² − 1) + 1)² = 2 α⁴; the ray is then 2 h from
+        // the mirror direction.
         let squared = roughness.powi(4);
         let half = ((1.0 - 2.0_f64.sqrt() * squared) / (1.0 - squared)).sqrt().acos();
         let ratio = phong / (2.0 * half);
-        // The exponent about the half vector, four times as large, would make it 0.65 as wide.
+        // The exponent about the half vector, four times as large, would give a ratio of 0.65.
         assert!((0.85..1.35).contains(&ratio), "roughness {roughness}: {ratio}");
     }
 }
@@ -121,7 +122,7 @@ fn textures_are_where_their_coordinates_say() {
         uvs(json!({ "extensions": { "KHR_texture_transform": moved } })),
         [[0.25, 0.5], [2.25, 0.5], [0.25, 4.5]]
     );
-    // A quarter turn counter-clockwise, v down: right becomes up.
+    // A rotation by 90° counter-clockwise with v pointing down: right becomes up.
     let turned = uvs(json!({ "extensions": { "KHR_texture_transform": { "rotation": std::f32::consts::FRAC_PI_2 } } }));
     for (uv, expected) in turned.iter().zip([[0.0, 0.0], [0.0, -1.0], [1.0, 0.0]]) {
         assert!((uv[0] - expected[0]).abs() < 1e-6 && (uv[1] - expected[1]).abs() < 1e-6, "{turned:?}");
@@ -133,7 +134,7 @@ fn textures_are_where_their_coordinates_say() {
 #[test]
 fn a_texture_that_is_missing_broken_or_too_large_is_a_note() {
     let mut bomb = png(1, 1, &[[0; 4]]);
-    // The header claims 60,000 × 60,000 pixels, with a right CRC-32.
+    // The header claims 60,000 × 60,000 pixels and has a valid CRC-32.
     bomb[16..24].copy_from_slice(&[0, 0, 0xea, 0x60, 0, 0, 0xea, 0x60]);
     let crc = crc32fast::hash(&bomb[12..29]).to_be_bytes();
     bomb[29..33].copy_from_slice(&crc);
@@ -180,7 +181,7 @@ fn lights_become_suns_and_lamps() {
         { "type": "point", "intensity": 2.0 * std::f32::consts::PI },
         { "type": "spot", "range": 7.0, "spot": { "innerConeAngle": 0.0, "outerConeAngle": std::f32::consts::FRAC_PI_3 } }] } });
     let on = |light: usize| json!({ "KHR_lights_punctual": { "light": light } });
-    // −Z turned by −90° around X is down: the sun stands above.
+    // −Z rotated by −90° around X points down, so the sun is above.
     file.root_node(json!({ "rotation": [-HALF, 0.0, 0.0, HALF], "extensions": on(0) }));
     file.root_node(json!({ "translation": [1, 2, 3], "extensions": on(1) }));
     let spot = file.root_node(json!({ "extensions": on(2), "scale": [5, 5, 5] }));
@@ -193,7 +194,7 @@ fn lights_become_suns_and_lamps() {
     let cone = spot_lamp.cone.unwrap();
     assert!((cone.axis + DVec3::Z).length() < 1e-12 && cone.cos_inner == 1.0 && (cone.cos_outer - 0.5).abs() < 1e-6);
     assert_eq!((spot_lamp.reach, spot_lamp.window), (7.0, Window::Punctual));
-    // A lamp that moves, above a triangle that does not.
+    // A moving lamp above a static triangle.
     let times = file.floats("SCALAR", &[0.0, 1.0]);
     let output = file.floats("VEC3", &[0.0, 0.0, 0.0, 8.0, 0.0, 0.0]);
     file.animate(spot, "translation", json!({ "input": times, "output": output }));
@@ -202,13 +203,14 @@ fn lights_become_suns_and_lamps() {
     assert_eq!(model.at(0.5).meshes.len(), 1);
 }
 
-/// The colour that is seen straight from above the triangle at (x, y), which are its weights of the other two corners.
+/// Returns the colour of a ray straight down to the triangle at (x, y), if it hits. x and y are the barycentric weights of the
+/// second and third corners.
 fn above(model: &Model, x: f64, y: f64) -> Option<DVec3> {
     let hit = trace(&model.at(0.0), DVec3::new(x, y, 1.0), DVec3::NEG_Z);
     hit.distance.is_finite().then_some(hit.color)
 }
 
-/// A triangle with these colours at its corners, in one of the ways that files have them.
+/// Opens a triangle with these colours at its corners, stored as the given kind of accessor.
 fn colored(kind: &str, colors: [[f32; 4]; 3], material: &Value) -> (Model, Vec<String>) {
     let mut file = Gltf::new();
     let positions = file.floats("VEC3", &TRIANGLE);
@@ -246,7 +248,7 @@ fn colours_of_corners_are_multiplied_into_the_base_colour() {
         let seen = above(&model, 0.2, 0.3).unwrap();
         assert!((seen - DVec3::new(0.25, 0.2, 0.3)).length() < 1e-6, "{kind}: {seen}");
     }
-    // A file that says nothing of a material's kind has a metal, whose colour is that of its highlight.
+    // A glTF material is a metal by default, and the base colour of a metal is the colour of its highlight.
     let red = [[1.0, 0.0, 0.0, 1.0]; 3];
     let metal =
         above(&colored("bytes", red, &json!({ "pbrMetallicRoughness": { "roughnessFactor": 0.5 } })).0, 0.2, 0.3);
@@ -254,7 +256,7 @@ fn colours_of_corners_are_multiplied_into_the_base_colour() {
     let mirror = json!({ "pbrMetallicRoughness": { "roughnessFactor": 0.0 } });
     let mirror = above(&colored("bytes", red, &mirror).0, 0.2, 0.3);
     assert!(mirror.is_some_and(|seen| seen.x > 0.01 && seen.y.abs() < 1e-12), "{mirror:?}");
-    // Their alpha makes holes where the material has any.
+    // Alpha at corners makes holes only if the material has a mask.
     let fading = [[1.0; 4], [1.0, 1.0, 1.0, 0.0], [1.0; 4]];
     let masked = colored("bytes", fading, &json!({ "alphaMode": "MASK" })).0;
     assert!(above(&masked, 0.4, 0.1).is_some() && above(&masked, 0.6, 0.1).is_none());
@@ -304,7 +306,7 @@ fn obj_files_have_parts_materials_and_their_textures() {
     assert_eq!((red.plain.base_color, red.phong.exponent, red.phong.weight), (DVec3::X, 98.0, DVec3::splat(0.01)));
     let texture = red.plain.base_texture.as_ref().unwrap();
     assert_eq!(texture.wrap, [Wrap::Clamp; 2]);
-    // v grows upwards in the file.
+    // In the file v points up.
     assert_eq!(mesh.uvs[mesh.triangles[0][2] as usize].to_array(), [0.0, 0.0]);
     assert_eq!(of(1).optics, Optics::Mirror { tint: DVec3::splat(f64::from(0.9f32)) });
     assert_eq!(of(3).optics, Optics::Glass { ior: f64::from(1.4f32), tint: DVec3::new(0.5, 1.0, 1.0) });

@@ -1,4 +1,4 @@
-//! Outputs that cannot be written, and what killed commands leave.
+//! Outputs that cannot be written, and temporary files of killed commands.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -9,7 +9,8 @@ use tempfile::TempDir;
 
 use crate::commands::{fine, lightfold, refused};
 
-/// Command lines whose last word is an output. Their inputs are not there: outputs are looked at before.
+/// Command lines to which the path of an output file is appended. Their inputs do not exist, because outputs are checked before
+/// inputs.
 const FILES: &[&str] = &[
     "encode none -o",
     "encode-color none.%04d.exr -o",
@@ -80,7 +81,7 @@ fn refuses_standard_output_that_is_closed() {
         let says = said.starts_with("lightfold: standard output is closed") && said.lines().count() == 1;
         assert!(output.status.code() == Some(2) && says, "{line}: {said}");
     }
-    // One that discards a result means to.
+    // Writing to /dev/null is allowed: the user discards the result on purpose.
     FootagePlan { kind: DemoKind::Courtyard, frames: 1, face_size: 8, probes: 1 }
         .write(&folder.path().join("scene"), &Silent)
         .unwrap();
@@ -123,7 +124,7 @@ fn the_next_run_removes_what_a_killed_one_left() {
     assert_eq!(names(folder.path()), ["a.lfold", "out", "scene", "there"]);
 }
 
-/// Where the system lets a user have a disk of their own, `scripts/test` runs it.
+/// `scripts/test` runs this test where the system lets a user mount a file system.
 #[test]
 #[ignore = "mounts a disk (unshare -rm)"]
 #[cfg(unix)]

@@ -1,4 +1,4 @@
-//! `render --projection`: panoramas and cube maps, one eye or two.
+//! `render --projection`: panoramas and cube maps for one eye or two.
 
 use std::path::Path;
 
@@ -36,7 +36,7 @@ fn panoramas_show_what_a_camera_sees_in_the_same_direction() {
     let [all, half, view] = ["all.exr", "half.exr", "view.exr"].map(|name| distances(at, name));
     let size = |plane: &Plane<f32>| (plane.width(), plane.height());
     assert_eq!([size(&all), size(&half), size(&view)], [(192, 96), (96, 96), (96, 96)]);
-    // The half is the middle of the whole.
+    // The VR180 picture is the middle of the whole panorama.
     let apart = |a: f32, b: f32| (a / b).ln().abs();
     assert!((0..96).all(|y| (0..96).all(|x| half.get(x, y) == all.get(x + 48, y))));
     let mut errors = Vec::new();
@@ -74,7 +74,8 @@ fn two_eyes_are_over_or_beside_each_other_or_in_files_of_their_own() {
     for (x, y, pixel) in right.enumerate_pixels() {
         assert!(over.get_pixel(x, y + 32) == pixel && beside.get_pixel(x + 64, y) == pixel);
     }
-    // Where the panorama looks ahead, its eye is that of a camera which moved to the left; behind, to the right.
+    // Straight ahead, the left eye of the panorama has the position of a camera moved to the left; behind, of one moved to the
+    // right.
     fine(&format!("{line} --stereo side-by-side --aov depth -o %V.exr"), at);
     let [left, right] = ["left.exr", "right.exr"].map(|name| distances(at, name));
     let ahead = |to: &str, eye: &str, name: &str| {
@@ -87,7 +88,7 @@ fn two_eyes_are_over_or_beside_each_other_or_in_files_of_their_own() {
     let level = "--eye 0,1.5,0 --look-at -1,1.5,0 --projection equirect --size 33x33 --eye-distance 0.2";
     fine(&format!("render a.lfold {level} --stereo side-by-side --steps 256 --aov depth -o level.%V.exr"), at);
     let near = |a: f32, b: f32| (a / b).ln().abs() < 0.03;
-    // Looking along −X the left eye is at +Z, and the middle of 33 columns and rows is straight ahead.
+    // Looking along −X, the left eye is at +Z. The middle of 33 columns and rows is straight ahead.
     let [left_level, right_level] = ["level.left.exr", "level.right.exr"].map(|name| distances(at, name).get(16, 16));
     assert!(near(left_level, ahead("-9,1.5,0.1", "0,1.5,0.1", "l.exr")), "{left_level}");
     assert!(near(right_level, ahead("-9,1.5,-0.1", "0,1.5,-0.1", "r.exr")), "{right_level}");
@@ -108,7 +109,7 @@ fn cube_maps_have_six_faces_in_two_rows() {
     assert!((0..24).all(|y| (0..24).all(|x| cube.get(24 + x, 24 + y) == front.get(x, y))));
 }
 
-/// ffmpeg's filter v360 turns the cube map into the panorama.
+/// ffmpeg's filter v360 converts the cube map to the panorama.
 #[test]
 #[cfg_attr(not(ffmpeg_at_hand), ignore = "no ffmpeg at hand")]
 fn cube_maps_are_laid_out_as_ffmpeg_reads_them() {

@@ -1,4 +1,4 @@
-//! `place` as a user meets it: files, words, and that what it writes is what comes next.
+//! `lightfold place` on the command line: files, reports and messages, and camera files as input for the next run.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 use crate::commands::{fine, refused};
 
-/// A region in the courtyard, few candidates and few points: seconds become tenths.
+/// Region of the courtyard with few candidates and surface points, so that a run takes tenths of a second.
 const SMALL: &str =
     "place courtyard --region=-0.6,1.1,-0.6,0.6,1.9,0.6 --candidates 40 --surface-samples 400 --frames 0-3";
 
@@ -52,10 +52,10 @@ fn cameras_are_written_and_what_they_cover_is_told() {
         assert!(report[key].is_number(), "{key}");
     }
     assert_eq!(set.extra.unwrap()["placed_for"]["scene"], "courtyard");
-    // The table has the same cameras, and standard output the same file.
+    // The table lists the same cameras, and standard output has the same file.
     let text = String::from_utf8(fine(&format!("{SMALL} --cameras 3 -o again.json"), folder.path()).stdout).unwrap();
     assert!(text.contains("Coverage") && text.contains("again.json"), "{text}");
-    // In percent of what is reachable.
+    // The column is in percent of the reachable coverage.
     let of_reachable = format!("{:.2}", 100.0 * report["coverage_of_reachable"].as_f64().unwrap());
     let last = text.lines().find(|line| line.trim_start().starts_with("02 ")).unwrap();
     assert_eq!(last.split_whitespace().nth(5), Some(of_reachable.as_str()), "{text}");
@@ -89,7 +89,7 @@ fn a_set_is_gone_on_with_and_measured() {
     assert_eq!(given, [true, true, false, false, false]);
     fine(&format!("{SMALL} --cameras 0 --start some.json -o same.json"), folder.path());
     assert_eq!(read(at("same.json")).cameras, read(at("some.json")).cameras);
-    // Names of those that there are stay, and new ones are none of them.
+    // Existing cameras keep their names, and new names differ from them.
     let named = r#"{"lightfold_cameras": 1, "cameras": [
         {"name": "01", "position": [0, 1.5, 0]}, {"name": "left", "position": [-0.3, 1.5, 0]}]}"#;
     fs::write(at("named.json"), named).unwrap();
@@ -97,7 +97,7 @@ fn a_set_is_gone_on_with_and_measured() {
     let set = read(at("more.json"));
     let names: Vec<String> = (0..5).map(|at| set.name_of(at)).collect();
     assert_eq!(names, ["01", "left", "02", "03", "04"]);
-    // Nor do they change where numbers have three digits.
+    // Existing names also stay when numbers need three digits.
     let many = CameraSet::new(vec![PlacedCamera::at([0.0, 1.5, 0.0]); 99]);
     fs::write(at("many.json"), many.to_json().unwrap()).unwrap();
     fine(&format!("{SMALL} --cameras 3 --start many.json -q -o more.json"), folder.path());
@@ -148,7 +148,7 @@ fn what_makes_no_sense_is_said_in_a_sentence() {
     assert!(said(&format!("{region} --lighting specular --theta 0")).contains("--cameras"));
     assert!(said(&format!("{region} --lighting specular --theta 0 --cameras 2 --until 0.1")).contains("--cameras"));
     assert!(said(&format!("{region} --lighting specular --theta 181")).contains("0 to 180"));
-    // A search of so small an angle would not end; with a number of cameras it does.
+    // The search does not end for so small an angle, so a number of cameras is required.
     assert!(said(&format!("{region} --lighting specular --theta 0.9")).contains("--cameras"));
     fine(&format!("place courtyard {region} --lighting specular --theta 0.9 --cameras 2"), folder.path());
     fs::remove_file(folder.path().join("c.json")).unwrap();
@@ -186,10 +186,10 @@ fn cameras_are_spread_without_a_search_and_measured() {
         assert!(camera.coverage.unwrap() > 0.0);
     }
     assert_eq!(report["objective_calls"], 0);
-    // What they cover is what they cover where they are given.
+    // Their coverage equals that of the same cameras given with `--start`.
     let measured = json(&format!("{SMALL} --cameras 0 --start even.json -o same.json --json"), folder.path());
     assert_eq!(measured["coverage"], report["coverage"]);
-    // Behind cameras that there are.
+    // New cameras follow those of `--start`.
     json(&format!("{SMALL} --uniform 2 --start even.json -o more.json --json"), folder.path());
     assert_eq!(read(folder.path().join("more.json")).cameras[..6], set.cameras[..]);
 }
@@ -206,7 +206,7 @@ fn each_k_has_its_rows_and_its_lines() {
     assert!(last(&curves[0], "weighted") > last(&curves[1], "weighted"));
     let rows = fs::read_to_string(folder.path().join("rows.csv")).unwrap();
     assert_eq!(rows.lines().filter(|row| row.ends_with(",4.0")).count(), 3, "{rows}");
-    // The cameras that are written are those of the usual k.
+    // The written cameras are those of the default k.
     fine(&format!("{SMALL} --cameras 3 -o alone.json"), folder.path());
     assert!(read(folder.path().join("alone.json")) == read(folder.path().join("cameras.json")));
 }
@@ -223,7 +223,8 @@ fn the_table_says_what_is_compared_and_a_lost_region_is_told() {
     assert!(
         first < second && compared[second..].contains("not written") && !compared[..second].contains("not written")
     );
-    // Parts of directions and parts of surface do not share a table, but for what is seen.
+    // Specular coverage counts directions and diffuse coverage counts area, so the columns of area, except `Seen`, are only in
+    // the diffuse table.
     assert!(!compared[..second].contains("Weighted") && compared[second..].contains("Weighted"), "{compared}");
     assert!(!text("--threads 1").contains("check --region"));
     let far = "place cornell --region=500,1,500,501,2,501 --candidates 1 --surface-samples 64 --cameras 1 -o far.json";
@@ -233,15 +234,16 @@ fn the_table_says_what_is_compared_and_a_lost_region_is_told() {
     assert!(String::from_utf8(said.stdout).unwrap().contains("1 candidate, 64 points"));
 }
 
-/// Cameras until a curve has come to 90% of what is reachable; more than there are where it has not.
+/// Returns the number of cameras with which a curve reaches 90% of the reachable coverage; the length of the curve plus 1 if it
+/// does not.
 fn converged(curve: &Value) -> usize {
     let enough = 0.9 * curve["reachable"]["coverage"].as_f64().unwrap();
     let coverage = curve["coverage"].as_array().unwrap();
     coverage.iter().position(|share| share.as_f64().unwrap() >= enough).unwrap_or(coverage.len()) + 1
 }
 
-/// CALF's figure 4 says: diffuse surfaces are covered by fewer cameras than specular ones, and what is hidden from everywhere
-/// stays uncovered.
+/// Checks CALF, figure 4: diffuse surfaces need fewer cameras than specular ones, and surfaces that are hidden from everywhere,
+/// at least the fraction `hidden`, stay uncovered.
 fn has_the_order_of_figure_4(scene: &str, region: &str, hidden: f64, few: u64) {
     let folder = TempDir::new().unwrap();
     let line = format!(
@@ -255,21 +257,21 @@ fn has_the_order_of_figure_4(scene: &str, region: &str, hidden: f64, few: u64) {
     assert!(pairs.clone().count() > 8 && pairs.clone().all(|(a, b)| a.as_f64() > b.as_f64()), "{scene}: {report}");
     let seen = diffuse["reachable"]["seen"].as_f64().unwrap();
     assert!(seen <= 1.0 - hidden && report["coverage"].as_f64().unwrap() <= seen, "{scene}: {seen}");
-    // Also in so few rounds, and where each camera sees nearly everything, most gains are not computed.
+    // Most gains are not computed, even in so few rounds and if each camera sees nearly everything.
     for curve in curves {
         asks_a_part(curve, few, scene);
     }
 }
 
-/// What the search computes is at most one in `few` of what the plain one computes.
+/// Checks that the search calls the objective at most once for every `few` calls of the plain search.
 fn asks_a_part(report: &Value, few: u64, scene: &str) {
     let [lazy, plain] = ["objective_calls", "plain_objective_calls"].map(|key| report[key].as_u64().unwrap());
     assert!(few * lazy <= plain, "{scene}: {lazy} of {plain}");
     assert!(report["bound_calls"].as_u64().unwrap() > 0);
 }
 
-/// A closed box with a slit in one side around a smaller one, as an OBJ file: the inner one is hidden but for what is seen
-/// through the slit.
+/// Writes an OBJ file of a closed box around a smaller one and returns its path. The outer box has a slit in one side, and the
+/// inner box is visible only through it.
 fn box_in_a_box(folder: &Path) -> String {
     let mut text = String::new();
     let mut corners = 0;
@@ -307,15 +309,15 @@ fn box_in_a_box(folder: &Path) -> String {
 #[test]
 fn a_box_in_a_box_stays_hidden_and_has_the_order_of_figure_4() {
     let folder = TempDir::new().unwrap();
-    // 8.64 of 32.2 square metres are the inner box, and hardly more than one of its sides is seen.
+    // The inner box has 8.64 of 32.2 square metres, and little more than one of its sides is visible.
     has_the_order_of_figure_4(&box_in_a_box(folder.path()), "-3,-3,-3,3,3,3", 0.1, 4);
 }
 
 #[test]
 fn a_box_with_blocks_has_the_order_of_figure_4() {
-    // Where blocks stand on the floor, and the other side of the lamp, nobody looks.
+    // The floor under the blocks and the back of the lamp are hidden.
     has_the_order_of_figure_4("cornell", "-0.9,0.1,-0.9,0.9,1.9,0.9", 0.01, 4);
-    // Until gains are small, a tenth is enough.
+    // If the search runs until gains are small, a tenth of the calls is enough.
     let folder = TempDir::new().unwrap();
     let line = "place cornell --region=-0.9,0.1,-0.9,0.9,1.9,0.9 --effort fast -o cameras.json --json --quiet";
     asks_a_part(&json(line, folder.path()), 10, "cornell");

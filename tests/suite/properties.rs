@@ -1,4 +1,4 @@
-//! What goes in comes out, whatever it is: containers, payloads of every codec, manifests, cameras, patterns, codes.
+//! Property tests of round trips: containers, payloads of every codec, manifests, cameras, patterns and codes.
 
 use codec::color::quality::{EightBit, Quality};
 use codec::color::{SearchSettings, Target};
@@ -22,7 +22,7 @@ use proptest::prelude::*;
 
 use crate::samples::{self, Shape, Stream};
 
-/// Images of a few frames, most pixels of which are those of the frame before.
+/// Strategy for a size and images of a few frames, in which most pixels equal those of the frame before.
 fn images<T: Clone + std::fmt::Debug + 'static>(
     pixel: impl Strategy<Value = T> + Clone + 'static,
     multiple: u32,
@@ -60,7 +60,7 @@ fn shape(size: [u32; 2], unit: [u32; 2], frames: usize) -> Shape {
     Shape { face: 0, size, unit, first_frame: 2, frame_count: frames as u32 }
 }
 
-/// The images of the only stream of a container, as bytes.
+/// Encodes a stream to a container and returns its decoded images as bytes.
 fn decoded(stream: Stream, compression: Compression) -> Vec<Vec<u8>> {
     let file = samples::container(0, samples::probe("00", 9), &[stream], compression);
     samples::decode_all(file).unwrap().remove(0)
@@ -71,7 +71,7 @@ fn decoded_codes(stream: Stream) -> Vec<Vec<u16>> {
     decoded(stream, Compression::None).iter().map(|image| image.as_chunks().0.iter().map(code).collect()).collect()
 }
 
-/// The largest error of surfaces; backgrounds must be the same.
+/// Returns the maximum error of surfaces in codes; background must be exact.
 fn largest_error(shown: &[Vec<u16>], sources: &[Vec<u16>]) -> u16 {
     assert_eq!(shown.len(), sources.len());
     let pairs = shown.iter().flatten().zip(sources.iter().flatten());
@@ -312,8 +312,8 @@ proptest! {
         let light = |bits: &[u8; 2]| f16::from_le_bytes(*bits);
         for (shown, source) in shown.iter().zip(&halves) {
             let shown: Vec<f16> = shown.as_chunks().0.iter().map(light).collect();
-            // Codes of PU21 decide what is different: the dark and what is below it are one, and so is all from 10,000
-            // cd/m² on, which here is light of 100 (formats/color.md 5).
+            // Values are compared within the range of PU21: negative values count as 0, and values from 10,000 cd/m² on, which is
+            // 100 at this white, count as equal (formats/color.md 5).
             let seen = |value: f16| value.to_f32().clamp(0.0, 100.0);
             let close = |(a, b): (&f16, &f16)| (seen(*a) - seen(*b)).abs() <= 1e-3 * seen(*b) + 1e-4;
             prop_assert!(shown.iter().zip(source.as_flattened()).all(close));
@@ -330,7 +330,7 @@ proptest! {
         prop_assert!(code < u16::MAX);
         let back = f64::from(range.metres(code));
         let error = (back / f64::from(depth_m)).ln().abs();
-        // Half a step, and the rounding of single precision.
+        // The bound is half a step, plus the rounding of single precision.
         prop_assert!(error <= range.step_ratio().ln_1p() / 2.0 + 2e-6, "{} becomes {}", depth_m, back);
     }
 

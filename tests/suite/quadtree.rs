@@ -1,4 +1,4 @@
-//! The quadtree's commands one after the other: trees, what is packed of them at any bound, and plain blocks.
+//! Commands of the quadtree codec in sequence: intermediate trees, containers packed from them at any bound, and plain blocks.
 
 use std::path::Path;
 
@@ -13,10 +13,10 @@ use crate::commands::{fine, refused};
 use crate::footage::Footage;
 
 const SEQUENCE: &str = "probe_00/face_px/depth.%04d.exr";
-/// Not divisible by 8, so that blocks reach beyond the image.
+/// Not divisible by 8, so that blocks extend beyond the image.
 const SIZE: [u32; 2] = [90, 90];
 
-/// A floor, a wall behind it, a hole to the background, noise in a corner, and a box that moves.
+/// Writes a dataset of a floor, a wall behind it, a hole to the background, noise in a corner, and a box that moves.
 fn scene(folder: &Path) {
     let depth = |_: Face, frame: u32| {
         Plane::from_fn(SIZE[0], SIZE[1], |x, y| {
@@ -40,7 +40,7 @@ fn scene(folder: &Path) {
     Footage { faces: &[Face::Px], frames: [5, 10], depth: Some(&depth), ..size }.write(folder);
 }
 
-/// All depth images of a container as codes.
+/// Returns all depth images of a container as codes.
 fn codes(path: &Path) -> Vec<Vec<u16>> {
     let decoder = Decoder::open(path).unwrap();
     let stream = &decoder.streams()[0];
@@ -94,7 +94,7 @@ fn trees_are_lossless_and_packed_at_any_bound_within_it() {
                 }
             }
         }
-        // The closest function is taken, not the smallest: from 0 to 1 a file may grow.
+        // The search takes the closest function, not the smallest one, so a file may grow from bound 0 to 1.
         assert!(sizes[5] < sizes[3] && sizes[3] < sizes[0], "larger bounds take fewer bytes: {sizes:?}");
     }
 }

@@ -1,6 +1,6 @@
-//! Bytes and quality that may not get worse: tests/baselines/footage.csv, one row for each set and kind of stream.
+//! Regression test of encoded bytes and quality against tests/baselines/footage.csv, one row for each dataset and kind of stream.
 //!
-//! `cargo test --test suite quality::write_baselines -- --ignored` writes the file anew, for a change that means to.
+//! `cargo test --test suite quality::write_baselines -- --ignored` rewrites the file after an intended change.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ use lightfold::scene::{DemoKind, FootagePlan};
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/footage.csv");
 const HEAD: &str = "set,kind,lzma2,bytes,max_error_codes,min_psnr_db";
 
-/// What one kind of streams of one set costs, and how far it is from its source.
+/// Bytes and errors of the streams of one kind in one dataset.
 #[derive(Debug, PartialEq)]
 struct Row {
     name: String,
@@ -32,7 +32,7 @@ struct Row {
     lzma2: bool,
     bytes: u64,
     max_error_codes: u16,
-    /// Of any frame; for colour.
+    /// Minimum over all frames of colour; infinite for other kinds.
     min_psnr_db: f64,
 }
 
@@ -43,10 +43,10 @@ impl Row {
     }
 }
 
-/// Kinds of streams and how they are coded, by the word in the file.
+/// Returns the settings of each kind of row, by its name in the file.
 fn coded() -> Vec<(&'static str, EncodeSettings)> {
     let of = |kind, codec| {
-        // The fast search is a little larger, and done while one waits.
+        // Fast effort is short enough for a test; its files are slightly larger.
         let depth = DepthSettings { codec, effort: Effort::Fast, ..DepthSettings::default() };
         EncodeSettings { kinds: vec![kind], depth, ..EncodeSettings::default() }
     };
@@ -88,7 +88,7 @@ fn measure(name: &str, folder: &Path) -> Vec<Row> {
         if source.groups().iter().all(|group| group.kind != kind) {
             continue;
         }
-        // LZMA2 takes most of the time, does the same to all blocks, and nothing to transform coefficients.
+        // LZMA2 takes most of the time. It has the same effect on all texture blocks, and none on transform coefficients.
         let levels = if label.contains("-bc") || label.contains("-transform") { &[None][..] } else { &[None, Some(6)] };
         for &lzma2 in levels {
             let settings =
@@ -108,7 +108,7 @@ fn measure(name: &str, folder: &Path) -> Vec<Row> {
     rows
 }
 
-/// The largest error of any depth or material pixel in codes, and the lowest PSNR of any colour image.
+/// Returns the maximum error in codes of any depth or material pixel, and the minimum PSNR in dB of any colour image.
 fn distance(source: &Source, container: &[u8]) -> (u16, f64) {
     let decoder = Decoder::new(Reader::from_memory(container.to_vec()).unwrap()).unwrap();
     let table = EncodeTable::new(&ToneMap::default());
@@ -173,12 +173,12 @@ fn check(rows: &[Row]) {
         let key = format!("{},{},{},", row.name, row.kind, row.lzma2);
         let line = text.lines().find(|line| line.starts_with(&key)).unwrap_or_else(|| panic!("{key} has no baseline"));
         let numbers: Vec<f64> = line[key.len()..].split(',').map(|number| number.parse().unwrap()).collect();
-        // Encoders of these blocks depend on the processor's instruction set a little (formats/blocks.md 9).
+        // The encoders of these blocks depend slightly on the processor's instruction set (formats/blocks.md 9).
         let varies = row.kind.ends_with("-bc1") || row.kind.ends_with("-bc7");
         let slack = if varies { 1.01 } else { 1.0 };
         assert!(row.bytes as f64 <= numbers[0] * slack, "{key} {} bytes are more than {}", row.bytes, numbers[0]);
         assert!(f64::from(row.max_error_codes) <= numbers[1], "{key} an error of {} codes", row.max_error_codes);
-        // The file holds three decimals.
+        // The file has three decimals.
         let slack = if varies { 0.5 } else { 0.0005 };
         assert!(row.min_psnr_db >= numbers[2] - slack, "{key} {} dB are less than {}", row.min_psnr_db, numbers[2]);
     }

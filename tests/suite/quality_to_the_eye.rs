@@ -1,4 +1,4 @@
-//! The quality to the eye that colour keeps: measured anew here, by color.md 5.2 alone.
+//! Quality to the eye of encoded colour, measured by a second implementation of color.md 5.2.
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ use crate::roundtrip::{decoder, encoded};
 const HALF: ColorFormat = ColorFormat::Half { white_cd_m2: 100.0 };
 const WEIGHTS: [[f64; 4]; 3] = [[0.5, 0.5, 8.0, 1.0], [0.03125, 0.04, 0.09, 0.125], [0.00625, 0.008, 0.018, 0.025]];
 
-/// Quality of pixels of red, green and blue codes.
+/// Returns the quality of pixels of red, green and blue codes.
 fn quality([width, height]: [usize; 2], shown: &[[f64; 3]], source: &[[f64; 3]]) -> f64 {
     let (mut sum, mut squares) = (0.0, 0.0);
     for (top, left) in (0..height).step_by(8).flat_map(|top| (0..width).step_by(8).map(move |left| (top, left))) {
@@ -71,10 +71,10 @@ fn cut<T: Copy>(plane: &Plane<T>, [left, top, width, height]: [u32; 4]) -> Vec<T
     (top..top + height).flat_map(|y| (left..left + width).map(move |x| (x, y))).map(|(x, y)| plane.get(x, y)).collect()
 }
 
-/// Pictures by face and frame.
+/// Returns the image of a face and a frame.
 type Pictures<'a> = &'a dyn Fn(Face, u32) -> ColorPlane;
 
-/// Quality of each frame of each cell.
+/// Encodes images and returns the quality of each frame of each cell.
 fn qualities(color: Pictures<'_>, size: [u32; 2], settings: &EncodeSettings) -> Vec<f64> {
     let folder = TempDir::new().unwrap();
     let source = Footage { color: Some(color), frames: [0, 6], ..Footage::new(size[0], size[1]) }.open(folder.path());
@@ -99,7 +99,7 @@ fn qualities(color: Pictures<'_>, size: [u32; 2], settings: &EncodeSettings) -> 
                     let code = |value: f16| f64::from(metric.steps(value)) / 64.0;
                     let [shown, source] = [cut(shown, rect), cut(&wanted, rect)];
                     for (shown, source) in shown.as_flattened().iter().zip(source.as_flattened()) {
-                        // 0.005 and 10000 cd/m², which here is light of 0.00005 and 100.
+                        // 0.005 and 10000 cd/m² are 0.00005 and 100 in linear RGB at this white.
                         let is_outside = |value: &f16| !(0.00005..=100.0).contains(&value.to_f64());
                         let error = (code(*shown) - code(*source)).abs();
                         assert!(
@@ -127,7 +127,7 @@ fn noise(_: Face, frame: u32) -> ColorPlane {
     Plane::from_fn(40, 40, |_, _| [(); 3].map(|()| f16::from_f32(random.below(256) as f32 / 255.0)))
 }
 
-/// A dark ramp with a lamp that moves, and negative light.
+/// Returns a dark ramp with a lamp that moves and a corner of negative values.
 fn lamp(_: Face, frame: u32) -> ColorPlane {
     Plane::from_fn(40, 40, |x, y| {
         let light = match (x / 3, y / 3) {
@@ -183,29 +183,29 @@ fn diff_measures_what_encode_keeps() {
     assert!(said.contains("--min-quality 99.90 does not hold"), "{said}");
 }
 
-/// Grids that borders of cells, regions and blocks lie on, in pixels, and what is on none of them.
+/// Grids of borders of cells, regions and blocks, in pixels, from coarse to fine; the last stands for pixels on no border.
 const GRIDS: [u32; 6] = [64, 32, 16, 8, 4, 1];
 
-/// What is seen where the source is smooth or still, in codes of luma above the source.
+/// Visible artefacts where the source is smooth or static, in luma codes above the source.
 #[derive(Debug)]
 struct Seen {
-    /// Mean steps between neighbours across lines of each grid, above those of the last.
+    /// Mean steps between neighbours across the lines of each grid, less those of the last grid.
     borders: [f64; 5],
-    /// Mean difference of two neighbouring frames, of those that differ most.
+    /// Maximum over consecutive frames of the mean difference between them.
     flicker: f64,
 }
 
-/// Values up to `reach` pixels away.
+/// Returns the values up to `reach` pixels away, the pixel itself included.
 fn around(plane: &Plane<i32>, [x, y]: [u32; 2], reach: u32) -> impl Iterator<Item = i32> + '_ {
     let [columns, rows] = [(x, plane.width()), (y, plane.height())]
         .map(|(at, side)| at.saturating_sub(reach)..(at + reach + 1).min(side));
     rows.flat_map(move |y| columns.clone().map(move |x| plane.get(x, y)))
 }
 
-/// Luma of a face in all frames, in quarters of a code, of what is shown and of the source.
+/// Luma of a face in all frames, in quarters of a code: decoded, and of the source.
 type Film = [Vec<Plane<i32>>; 2];
 
-/// Films of all faces of the footage in a folder, coded with some options.
+/// Encodes the footage of a folder with options and returns the films of all faces.
 fn films(folder: &Path, options: &str) -> Vec<Film> {
     fine(&format!("encode . --clip --stream color -o film.lfold -q {options}"), folder);
     let source = Source::open(folder, &SourceOptions::default()).unwrap();
@@ -228,7 +228,7 @@ fn films(folder: &Path, options: &str) -> Vec<Film> {
 }
 
 fn seen(films: &[Film]) -> Seen {
-    // Sums above the source, and how many.
+    // Sums of the excess over the source, and their counts.
     let (mut steps, mut changes) = ([[0.0; 2]; GRIDS.len()], vec![[0.0; 2]; films[0][0].len() - 1]);
     for [shown, source] in films {
         let [width, height] = [source[0].width(), source[0].height()];
@@ -262,7 +262,7 @@ fn seen(films: &[Film]) -> Seen {
             }
         }
     }
-    // Fewer would say nothing.
+    // With fewer samples the means would not be significant.
     assert!(steps.iter().chain(&changes).all(|[_, count]| *count >= 5000.0), "{steps:?} {changes:?}");
     let mean = |[sum, count]: [f64; 2]| sum / count;
     let inside = mean(steps[GRIDS.len() - 1]);
@@ -272,20 +272,20 @@ fn seen(films: &[Film]) -> Seen {
     }
 }
 
-/// Most flicker where a chunk ends.
+/// Maximum flicker at the end of a chunk.
 const MAX_FLICKER_OF_CHUNKS: f64 = 0.2;
 
-/// Most that may be seen of a scene.
+/// Maximum artefacts in a scene.
 struct Bounds {
     kind: DemoKind,
-    /// Lines of cells, regions, and blocks of 16, 8 and 4 pixels.
+    /// Maximum excess at borders of cells, regions, and blocks of 16, 8 and 4 pixels.
     borders: [f64; 5],
     flicker: f64,
 }
 
 #[test]
 fn no_edges_of_blocks_and_no_flicker_are_seen_at_the_default() {
-    // A little above what was measured.
+    // The bounds are slightly above the measured values.
     let [interior, courtyard] = [[0.26, 0.28, 0.07, 0.035, 0.01], [0.11, 0.105, 0.015, 0.01, 0.01]];
     for Bounds { kind, borders, flicker } in [
         Bounds { kind: DemoKind::Interior, borders: interior, flicker: 0.006 },
@@ -300,7 +300,7 @@ fn no_edges_of_blocks_and_no_flicker_are_seen_at_the_default() {
             assert!(*excess <= most, "{kind:?}: {usual:?} of {borders:?}");
         }
         assert!(usual.flicker <= flicker && cut.flicker <= MAX_FLICKER_OF_CHUNKS, "{kind:?}: {usual:?}, {cut:?}");
-        // The bounds tell a coarser setting from it.
+        // A coarser setting exceeds the bounds.
         assert!(coarse.borders[0] > 1.5 * borders[0] && coarse.borders[1] > 1.5 * borders[1], "{kind:?}: {coarse:?}");
         assert!(coarse.flicker > flicker, "{kind:?}: {coarse:?}");
     }

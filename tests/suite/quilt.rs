@@ -1,4 +1,4 @@
-//! `lightfold quilt`: which tile a view comes to, names of files, and what is refused.
+//! `lightfold quilt`: tile of each view, file names, and refusals.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 use crate::commands::{fine, lightfold, refused};
 
-/// Colour of a pixel of a view, different in each.
+/// Returns the colour of a pixel of a view, which differs between views.
 fn code(view: u32, x: u32, y: u32) -> [u8; 4] {
     [view as u8, x as u8, y as u8, 255 - view as u8]
 }
@@ -21,7 +21,7 @@ fn write_view(folder: &Path, name: &str, view: u32, [width, height]: [u32; 2]) {
     png::write_rgba8(&path, &Plane::from_fn(width, height, |x, y| code(view, x, y))).unwrap();
 }
 
-/// Views `first..first + count` of 3x4 pixels in the folder `v`.
+/// Writes views `first..first + count` of 3x4 pixels to the folder `v`.
 fn views(first: u32, count: u32) -> TempDir {
     let folder = TempDir::new().unwrap();
     for view in 0..count {
@@ -34,7 +34,7 @@ fn picture(path: &Path) -> Plane<[u8; 4]> {
     png::read_rgba8(path, &ReadLimits::default()).unwrap()
 }
 
-/// The picture that columns and rows of 3x4 pixels have, view 0 at the bottom left.
+/// Returns the expected quilt of columns and rows of 3x4 pixels, view 0 at the bottom left.
 fn expected(columns: u32, rows: u32, views: u32) -> Plane<[u8; 4]> {
     Plane::from_fn(3 * columns, 4 * rows, |x, y| match (rows - 1 - y / 4) * columns + x / 3 {
         view if view < views => code(view, x % 3, y % 4),
@@ -68,7 +68,7 @@ fn views_go_right_and_then_up() {
         "path": "q_qs8x6a0.75.png", "bytes": bytes, "device": null, "notes": [],
     });
     assert_eq!(said, all);
-    // A folder, a name that says the layout, and standard output make the same bytes on any number of threads.
+    // A folder as input, a file name with the layout, and standard output give the same bytes, on any number of threads.
     let whole = std::fs::read(&path).unwrap();
     for threads in [1, 3] {
         fine(&format!("quilt v --threads {threads} --quilt 8x6 -o r_qs8x6a0.75.png"), folder.path());
@@ -86,7 +86,7 @@ fn views_are_counted_from_the_lowest_number() {
     assert_eq!(picture(&folder.path().join("a_qs3x2a0.75.png")), expected(3, 2, 6));
     fine("quilt v/%04d.png --views 7-10 --quilt 2x2 -o b.png", folder.path());
     assert_eq!(picture(&folder.path().join("b_qs2x2a0.75.png")), expected(2, 2, 4));
-    // Written by a later run.
+    // One more view, as from a later run.
     write_view(folder.path(), "v/0013.png", 6, [3, 4]);
     let blank = fine("quilt v --quilt 4x2 -o c.png", folder.path());
     assert_eq!(picture(&folder.path().join("c_qs4x2a0.75.png")), expected(4, 2, 7));

@@ -1,4 +1,4 @@
-//! `render` as a shell script calls it: pictures, names of files, figures, refusals.
+//! `lightfold render` on the command line: pictures, file names, figures and refusals.
 
 use std::path::Path;
 
@@ -9,12 +9,12 @@ use tempfile::TempDir;
 
 use crate::commands::{fine, refused};
 
-/// Four probes in the built-in courtyard and one between them, three frames.
+/// Options for four probes and one between them.
 const PROBES: &str =
     "--position=-0.3,1.5,0 --position=0.3,1.5,0 --position=0,1.8,0.2 --position=0,1.3,-0.2 --position=0,1.5,0";
 const EYE: &str = "--eye 0.05,1.52,0 --look-at -2,1.2,0.8 --fov 80 --size 40";
 
-/// A container of a built-in scene, `a.lfold`, beside the dataset that it was made of, `captured`.
+/// Captures three frames of a built-in scene to the dataset `captured` and encodes them to `a.lfold`.
 fn encoded(scene: &str, folder: &Path) {
     fine(&format!("capture {scene} {PROBES} --frames 0-2 --size 48 --samples 4 -o captured"), folder);
     fine("encode captured --clip -o a.lfold", folder);
@@ -67,7 +67,7 @@ fn shards_render_the_pictures_of_one_run() {
     let line = format!("render a.lfold {EYE} --frames 0-2");
     for (output, name) in [("%04d.png", "pattern"), ("", "folder")] {
         fine(&format!("{line} -o {name}/one/{output}"), at);
-        // One of them twice.
+        // One shard runs twice.
         let frames = [2, 1, 2].map(|shard| {
             let told = report(&format!("{line} --shard {shard}/2 -o {name}/parts/{output} --stats --json"), at);
             number(&told, "/frames")
@@ -120,7 +120,7 @@ fn figures_are_told() {
     }
 }
 
-/// Words go to standard output, as those of `decode`; a quiet command still tells what was asked for.
+/// Messages go to standard output, as those of `decode` do; a quiet command still prints requested figures.
 #[test]
 fn words_go_where_nothing_else_goes() {
     let folder = TempDir::new().unwrap();
@@ -155,7 +155,7 @@ fn planes_beside_a_picture_say_what_its_pixels_are() {
         exr::read_channels(&at.join("a.exr"), ["Z", "N.X", "N.Y", "N.Z", "holes", "views", "A"], &limits).unwrap();
     let mut known = 0;
     for &[z, x, y, normal_z, hole, views, alpha] in read.data() {
-        // A closed room of a few metres, which five probes see; holes are filled.
+        // A closed room of a few metres, seen by five probes; holes are filled.
         assert!(z > 0.1 && z < 20.0 && (0.0..=5.0).contains(&views) && views.fract() == 0.0, "{z} m, {views} views");
         assert!((hole == 0.0 || hole == 1.0) && alpha == 1.0, "hole {hole}, alpha {alpha}");
         let length = (x * x + y * y + normal_z * normal_z).sqrt();
@@ -163,7 +163,7 @@ fn planes_beside_a_picture_say_what_its_pixels_are() {
         known += u32::from(length > 0.0 && views > 0.0);
     }
     assert!(known > 1400, "{known} of 1600 pixels have a normal and a view");
-    // The mask is what blank holes are.
+    // The mask equals the transparent pixels of blank holes.
     fine(&format!("render a.lfold {EYE} --aov holes --holes blank -o blank.exr"), at);
     let blank = exr::read_channels(&at.join("blank.exr"), ["holes", "A"], &limits).unwrap();
     assert!(blank.data().iter().all(|&[hole, alpha]| hole == 1.0 - alpha));
@@ -174,8 +174,8 @@ fn planes_beside_a_picture_say_what_its_pixels_are() {
     }
 }
 
-/// Where no surface is, a transparent background leaves nothing; at edges it leaves the colour of surfaces. PNG holds it straight, EXR
-/// premultiplied.
+/// With a transparent background, pixels without a surface are empty, and pixels at edges have the colour of the surface. PNG
+/// stores straight alpha, EXR premultiplied alpha.
 #[test]
 fn a_transparent_background_leaves_the_colour_of_surfaces() {
     let folder = TempDir::new().unwrap();
@@ -321,7 +321,7 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence() {
     assert!(said.contains("both colour and depth"), "{said}");
 }
 
-/// What is named and not shown is told, also without an `--output`.
+/// Frames and options that are given but not used are reported, also without `--output`.
 #[test]
 fn frames_that_are_passed_over_are_told() {
     let folder = TempDir::new().unwrap();
@@ -359,12 +359,12 @@ fn without_a_camera_the_first_probe_s_own_view_is_shown() {
     assert!(read("default.png") == read("sixty.png"));
     std::fs::write(at.join("cameras.json"), r#"{"lightfold_cameras": 1, "cameras": [{"position": [0, 1, 0]}]}"#)
         .unwrap();
-    // Probes to capture without a field of view are cube maps of six cameras.
+    // In a camera file for `capture`, a probe without a field of view is a cube map of six cameras.
     fine("render a.lfold --camera cameras.json --frames 0 --size 8 -o cube.%d.png", at);
     assert!(at.join("cube.5.png").is_file() && !at.join("cube.6.png").exists());
 }
 
-/// Near and far of a camera of a file are planes that cut surfaces off, by every method.
+/// Near and far of a camera file are clipping planes for every method.
 #[test]
 fn near_and_far_of_a_camera_are_honoured() {
     let folder = TempDir::new().unwrap();
@@ -381,7 +381,7 @@ fn near_and_far_of_a_camera_are_honoured() {
         let (holes, all) = shown("all", "", more);
         assert!(holes < 400.0, "{more}: {holes}");
         assert_eq!(shown("wide", r#", "near_m": 0.01, "far_m": 1000"#, more), (holes, all), "{more}");
-        // The walls of the room are farther than the one, and nearer than the other.
+        // The walls of the room are farther than 0.2 m and nearer than 900 m.
         assert_eq!(shown("near", r#", "far_m": 0.2"#, more).0, 1600.0, "{more}");
         assert_eq!(shown("far", r#", "near_m": 900"#, more).0, 1600.0, "{more}");
         let (half, _) = shown("half", r#", "far_m": 2.5"#, more);
@@ -392,7 +392,7 @@ fn near_and_far_of_a_camera_are_honoured() {
     assert!(words.contains("are clipped by near and far"), "{words}");
 }
 
-/// The trace names the probes of each frame, each in a slot of its own.
+/// The trace lists the probes of each frame, each active one in a slot of its own.
 #[test]
 fn a_trace_tells_who_took_part() {
     let folder = TempDir::new().unwrap();

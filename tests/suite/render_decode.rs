@@ -1,4 +1,4 @@
-//! What is decoded of a light field that is rendered: never less than pictures need, and little more (CALF 6.2).
+//! Units that are decoded for rendering: all that pictures need, and few others (CALF 6.2).
 
 use std::fs;
 use std::path::Path;
@@ -29,7 +29,7 @@ use tempfile::TempDir;
 
 use crate::commands::fine;
 
-/// Gives captured images alpha, in files beside those of colour: a disc that moves, left of what is opaque.
+/// Adds alpha files to a captured dataset: a transparent disc that moves in the left 20 columns; the others are opaque.
 fn add_alpha(dataset: &Path) {
     let source = Source::open(dataset, &SourceOptions::default()).unwrap();
     let path = dataset.join("lightfield.json");
@@ -51,12 +51,12 @@ fn add_alpha(dataset: &Path) {
     }
 }
 
-/// Three probes of the courtyard, in which things move.
+/// Captures the courtyard, in which objects move, from three probes, and encodes it.
 fn courtyard(folder: &Path, options: &str) -> Decoder {
     courtyard_of(folder, options, |_| {})
 }
 
-/// The same with images that are changed before they are encoded.
+/// As [`courtyard`], with a change of the dataset before it is encoded.
 fn courtyard_of(folder: &Path, options: &str, change: impl Fn(&Path)) -> Decoder {
     let cameras = r#"{ "lightfold_cameras": 1, "cameras": [ { "position": [0, 1.5, 0] }, { "position": [0.4, 1.4, 0.2] },
         { "position": [-0.3, 1.7, -0.5], "orientation": [0, 0.2588190451025207, 0, 0.9659258262890683] } ] }"#;
@@ -75,12 +75,12 @@ fn request(frame: u32, camera: Camera) -> FrameRequest {
     FrameRequest { frame, cameras: vec![camera] }
 }
 
-/// Renders pictures of few pixels, where pictures do not matter.
+/// Returns a renderer of 4x4 pixels, for tests that do not compare pictures.
 fn little(specular: SpecularMode) -> CpuRenderer {
     CpuRenderer::new(PictureOptions { size: [4, 4], steps: 8, specular, ..PictureOptions::default() })
 }
 
-/// Wants what a hash of stream, unit and frame says.
+/// Filter that wants about 4 of 7 units, by a hash of stream, unit and frame.
 struct Some4Of7;
 
 impl UnitFilter for Some4Of7 {
@@ -94,7 +94,7 @@ fn faces(field: &LightField) -> impl Iterator<Item = &FaceTexels> {
     field.views.iter().flat_map(|view| view.faces.iter().flatten())
 }
 
-/// Compares texels that are known with those of everything; answers how many are known, and how many there are.
+/// Checks that known texels equal those of a complete decode. Returns the number of known texels and of all texels.
 fn compare(field: &LightField, all: &LightField) -> [usize; 2] {
     let mut known = [0, 0];
     for (some, all) in faces(field).zip(faces(all)) {
@@ -112,7 +112,7 @@ fn compare(field: &LightField, all: &LightField) -> [usize; 2] {
     known
 }
 
-/// Copies what changed, as a device would.
+/// Copies the texels that changed, as a device would.
 fn copy(changes: &[Change], from: &LightField, to: &mut LightField) {
     for change in changes {
         let source = from.views[change.view].faces[change.face].as_ref().unwrap();
@@ -194,7 +194,7 @@ fn texels_that_are_known_are_those_of_decoding_everything_and_changes_tell_all()
     }
 }
 
-/// Pictures of some places with all units and with those in sight are the same; answers the bytes that they took.
+/// Checks that pictures are the same with visible units and with all units decoded. Returns the bytes read in both cases.
 fn both(decoder: &Decoder, requests: &[FrameRequest], acceleration: Acceleration) -> [u64; 2] {
     let options = PictureOptions { size: [21, 16], steps: 48, refine: 4, acceleration, ..PictureOptions::default() };
     let show = |decode| -> (Vec<Shown>, u64) {
@@ -222,7 +222,8 @@ fn pictures_do_not_depend_on_what_is_decoded_beyond_what_is_seen() {
     let folder = TempDir::new().unwrap();
     let decoder = courtyard(folder.path(), "");
     let mut requests = Vec::new();
-    // Between the probes, at one, in the ground, outside, far off; narrow and wide; along axes of the faces and not.
+    // Eyes between the probes, at a probe, below the ground, outside and far away; narrow and wide fields of view; along face
+    // axes and oblique.
     let eyes = [[0.1, 1.5, 0.1], [0.0, 1.5, 0.0], [0.3, -0.5, 0.3], [4.0, 2.0, -3.0], [-30.0, 9.0, 40.0]];
     let ways = [[1.0, 0.0, 0.0], [0.7, -0.7, 0.1], [-0.3, 0.1, -1.0], [0.01, -1.0, 0.0]];
     for (at, eye) in eyes.into_iter().enumerate() {
@@ -234,11 +235,11 @@ fn pictures_do_not_depend_on_what_is_decoded_beyond_what_is_seen() {
     }
     both(&decoder, &requests, Acceleration::None);
     both(&decoder, &requests, Acceleration::Pyramid);
-    // A narrow look takes few bytes.
+    // A narrow field of view reads few bytes.
     let narrow = request(0, camera([0.1, 1.5, 0.1], [2.0, 1.5, 0.3], 30.0));
     let [seen, all] = both(&decoder, &[narrow], Acceleration::None);
     assert!(2 * seen < all, "{seen} of {all} bytes");
-    // Two eyes.
+    // Two cameras, as for stereo.
     let eyes = [-0.03, 0.03].map(|x| camera([x, 1.5, 0.1], [x + 0.5, 1.5, 2.0], 50.0)).to_vec();
     both(&decoder, &[FrameRequest { frame: 0, cameras: eyes }], Acceleration::None);
 }
@@ -274,11 +275,11 @@ fn what_did_not_change_is_not_done_again() {
     let again = playback.show(&request(0, looking), &mut renderer, &Silent).unwrap().counts;
     assert_eq!((again.cells_decoded, again.texels_updated, again.bytes_read, again.bytes_all), (0, 0, 0, 0));
     assert_eq!((again.cells_unchanged, again.cells_unseen), (first.cells_decoded, first.cells_unseen));
-    // In the next frame little moves.
+    // Few objects move in the next frame.
     let next = playback.show(&request(1, looking), &mut renderer, &Silent).unwrap().counts;
     assert!(next.cells_decoded > 0 && next.cells_unchanged > next.cells_decoded, "{next:?}");
     assert_eq!(next.cells_decoded + next.cells_unchanged, first.cells_decoded);
-    // Looking elsewhere in the same frame keeps what is behind.
+    // Looking in another direction in the same frame keeps the decoded cells of the first direction.
     let behind = camera([0.1, 1.5, 0.1], [-2.0, 1.5, 0.3], 60.0);
     playback.show(&request(1, behind), &mut renderer, &Silent).unwrap();
     let back = playback.show(&request(1, looking), &mut renderer, &Silent).unwrap().counts;
@@ -306,7 +307,7 @@ fn with_effects_all_units_of_a_light_field_with_materials_are_decoded() {
     assert!(unseen(SpecularMode::None) > 0);
 }
 
-/// A scene without mirrors and glass whose materials were captured all the same.
+/// A scene with material images but without mirrors and glass.
 #[test]
 fn materials_that_call_for_nothing_do_not_decode_everything() {
     let folder = TempDir::new().unwrap();
@@ -327,7 +328,7 @@ fn materials_that_call_for_nothing_do_not_decode_everything() {
     let all = shown(DecodeScope::All, SpecularMode::Auto);
     for specular in [SpecularMode::Auto, SpecularMode::Force] {
         let seen = shown(DecodeScope::Seen, specular);
-        // At most all materials more, which are a third of all units where cells and tiles are alike.
+        // At most all material units are decoded in addition, a third of all units if cells and tiles have one size.
         assert!(
             seen.counts.cells_unseen > 0 && none.counts.cells_unseen >= seen.counts.cells_unseen,
             "{:?}",
@@ -374,7 +375,7 @@ fn a_damaged_chunk_is_an_error_and_leaves_nothing_that_could_be_taken_for_the_fr
     let folder = TempDir::new().unwrap();
     let whole = courtyard(folder.path(), "--depth-codec aabb --keyframe-interval 2");
     let index = whole.reader().index();
-    // Chunks of the same bytes are stored once: one that no other shares.
+    // Chunks with equal bytes are stored once, so the test takes one that is not shared.
     let chunks = index.chunks.iter().filter(|chunk| chunk.key.first_frame > 0);
     let chunk = *chunks.max_by_key(|chunk| chunk.stored_bytes).unwrap();
     assert_eq!(index.chunks.iter().filter(|other| other.offset == chunk.offset).count(), 1);
@@ -420,17 +421,17 @@ fn views_that_do_not_fit_are_given_up_and_too_many_at_once_refused() {
     assert_eq!(shown(&player), [true, true, false]);
     let counts = player.show(0, &[2], &AllUnits).unwrap();
     assert!(counts.bytes_read > 0);
-    // The one that was used least lately has gone.
+    // The least recently used view is unloaded.
     assert_eq!(shown(&player), [false, true, true]);
     assert_eq!(player.show(0, &[1], &AllUnits).unwrap().bytes_read, 0);
     let again = player.show(0, &[0], &AllUnits).unwrap();
     assert!(again.bytes_read > 0);
     assert!(player.take_changes().iter().any(|change| change.view == 0));
-    // Pixels take less than what decoders know, but not nothing.
+    // Decoder state can be dropped, texels cannot: three views do not fit into the bytes of one view's texels.
     let little = 6 * 32 * 32 * 8;
     let said = limited(little).show(0, &[0, 1, 2], &AllUnits).unwrap_err().to_string();
     assert!(said.contains("`memory`") && said.contains("`views`"), "{said}");
-    // What others take is not there for views.
+    // Memory that others use is not available for views.
     assert!(limited_beside(2 * one, one / 2).show(0, &[0], &AllUnits).is_ok());
     assert!(limited_beside(2 * one, 2 * one - little).show(0, &[0], &AllUnits).is_err());
 }
@@ -451,13 +452,13 @@ fn views_whose_decoders_do_not_fit_show_the_same() {
             tight.show(frame, &[0, 1, 2], &AllUnits).unwrap();
             assert_eq!(tight.field, roomy.field);
         }
-        // Nothing is known from the frame before.
+        // No decoder state is left from the frame before.
         assert!(tight.show(0, &[0, 1, 2], &AllUnits).unwrap().bytes_read > 0);
         assert_eq!(roomy.show(0, &[0, 1, 2], &AllUnits).unwrap().bytes_read, 0);
     });
 }
 
-/// A backend with room for so many probes, each of so many bytes, that decodes nothing.
+/// Backend that holds at most `most` probes of `each_bytes` bytes each, and decodes nothing.
 struct SmallBackend {
     most: usize,
     each_bytes: u64,
@@ -518,7 +519,7 @@ fn idle_views_make_room_on_a_device() {
     assert_eq!(device.loaded, [2]);
     assert!(show(&mut device, &[0, 1, 2]).unwrap_err().to_string().contains("full"));
     assert!(device.loaded.is_empty());
-    // What the device says of a probe counts where it is more than the CPU would take.
+    // The bytes that the device reports for a probe count if they are more than the CPU would need.
     device.each_bytes = 3 << 30;
     show(&mut device, &[0]).unwrap();
     show(&mut device, &[1]).unwrap();
@@ -543,7 +544,7 @@ fn only_chosen_probes_take_part_and_unknown_names_are_refused() {
     assert!(Player::new(&decoder, &choice(&["00"], &["00"])).is_err());
     let said = Player::new(&decoder, &choice(&[], &["7"])).unwrap_err().to_string();
     assert!(said.contains("'7'") && said.contains("00, 01, 02"), "{said}");
-    // A limit of views is kept, and told.
+    // A limit on views is respected and reported.
     let selection = SelectionSettings { most: Some(2), ..SelectionSettings::default() };
     let mut playback = Playback::new(&decoder, PlaybackOptions { selection, ..PlaybackOptions::default() }).unwrap();
     let mut renderer = little(SpecularMode::Auto);
@@ -583,7 +584,7 @@ fn alpha_of_a_container_is_that_of_its_dataset() {
         let decoder = courtyard_of(folder.path(), options, add_alpha);
         let source = Source::open(&folder.path().join("cap"), &SourceOptions::default()).unwrap();
         let mut player = Player::new(&decoder, &ProbeChoice::default()).unwrap();
-        // Forwards and back, so that alpha changes where colour does not.
+        // Frames go forwards and backwards, so that alpha changes where colour does not.
         for frame in [0, 1, 5, 2] {
             player.show(frame, &[0, 1, 2], &AllUnits).unwrap();
             let loaded = from_dataset(&source, frame, player.field.coding).unwrap();

@@ -1,7 +1,7 @@
-//! Quality of rendered pictures that may not get worse: tests/baselines/render.csv, one row for each set and method.
+//! Regression test of rendered pictures against tests/baselines/render.csv, one row for each dataset and method.
 //!
-//! A probe of each set is left out and rendered from the others. `cargo test --test suite render_quality::write_baselines --
-//! --ignored` writes the file anew, for a change that means to.
+//! A probe of each dataset is excluded and rendered from the others.
+//! `cargo test --test suite render_quality::write_baselines -- --ignored` rewrites the file after an intended change.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -34,10 +34,10 @@ use lightfold::views::light_field::{ColorCoding, ColorTexels};
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/render.csv");
 const HEAD: &str = "set,probe,method,psnr_db,ssim,hole_percent";
-/// Logarithms of other processors may turn a ray or two; in dB, and in parts of a hundred of holes.
+/// Tolerance in dB, and in percentage points of holes: logarithms of other processors may change a few rays.
 const SLACK: f64 = 0.02;
 
-/// Ways to a picture.
+/// Rendering methods under test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Method {
     March,
@@ -49,13 +49,13 @@ enum Method {
 const METHODS: [(&str, Method); 4] =
     [("march", Method::March), ("calf", Method::Calf), ("splat", Method::Splat), ("reproject", Method::Reproject)];
 
-/// What makes pictures by a method; reprojection takes a true distance for each pixel.
+/// Returns the renderer of a method; reprojection uses a true distance for each pixel.
 fn renderer(method: Method, size: [u32; 2], distance_m: Option<DepthPlane>) -> Box<dyn Renderer> {
     let options = PictureOptions { size, ..PictureOptions::default() };
     let options = match method {
         Method::March => options,
         Method::Calf => PictureOptions { refinements: Refinements::NONE, ..options },
-        // What these do not see counts as black.
+        // Pixels that these methods do not cover count as black.
         Method::Splat | Method::Reproject => PictureOptions { holes: HoleFill::Blank, ..options },
     };
     match method {
@@ -65,7 +65,7 @@ fn renderer(method: Method, size: [u32; 2], distance_m: Option<DepthPlane>) -> B
     }
 }
 
-/// How far the pictures of a method are from the images of one probe in frame 0, over all pixels.
+/// Similarity between the pictures of a method and the images of one probe in frame 0, over all pixels.
 #[derive(Debug, Clone, PartialEq)]
 struct Row {
     set: String,
@@ -83,13 +83,13 @@ impl Row {
     }
 }
 
-/// A container of frame 0 with usual settings.
+/// Encodes frame 0 with default settings and returns its decoder.
 fn encoded(folder: &Path) -> Decoder {
     encoded_with(folder, &EncodeSettings::default())
 }
 
-/// Colour that is nearly the source's, and the depth codec that the baselines were made with, so that they judge reconstruction
-/// alone.
+/// Returns settings with colour close to the source and the depth codec of the baselines, so that rows measure reconstruction
+/// only.
 fn of_baselines() -> EncodeSettings {
     EncodeSettings {
         color_codec: ColorCodec::Cells,
@@ -141,7 +141,7 @@ fn measure(set: &str, folder: &Path, probe: &str) -> Vec<Row> {
     rows
 }
 
-/// A probe in the middle of what a scene keeps free, and eight in its corners.
+/// Captures one frame of a scene from nine probes: one in the middle of the scene's probe region, and eight at its corners.
 fn capture(kind: DemoKind, face_size: u32, folder: &Path) {
     let mut plan = FootagePlan { kind, frames: 1, face_size, probes: 1 }.capture().unwrap();
     let (middle, reach) = DemoScene::new(kind).probe_region();
@@ -166,7 +166,7 @@ fn scenes() -> Vec<Row> {
     SCENES.into_iter().flat_map(of_scene).collect()
 }
 
-/// A set of the footage.
+/// Returns the folder of a dataset of the footage.
 fn footage(set: &str) -> PathBuf {
     Path::new(option_env!("LIGHTFOLD_DATA").unwrap_or("no data")).join(set)
 }
@@ -195,7 +195,7 @@ fn check(rows: &[Row]) {
     }
 }
 
-/// PSNR of a method in a set.
+/// Returns the PSNR in dB of a method for a dataset.
 fn psnr(rows: &[Row], set: &str, method: &str) -> f64 {
     rows.iter().find(|row| row.set == set && row.method == method).unwrap().psnr_db
 }
@@ -207,12 +207,12 @@ fn pictures_of_scenes_are_no_worse_and_better_than_points_and_true_distances() {
     for kind in SCENES {
         let [march, splat, best] = ["march", "splat", "reproject"].map(|method| psnr(&rows, kind.name(), method));
         assert!(march >= splat + 2.5, "{}: {march} dB by marching, {splat} dB by points", kind.name());
-        // A true distance is that of one point of a pixel, and there are no layers behind it.
+        // Reprojection has the true distance of one point per pixel and no layers behind it.
         assert!(march >= best, "{}: {march} dB by marching, {best} dB by true distances", kind.name());
     }
 }
 
-/// Pictures of the six faces of probe 00 of `mirrors`, from `right_m` metres beside it, with all probes.
+/// Renders the six faces of probe 00 of `mirrors` with all probes, from an eye `right_m` metres along +X of the probe.
 fn beside_a_probe(decoder: &Decoder, reference: &Reference, specular: SpecularMode, right_m: f64) -> Vec<Rendered> {
     let mut playback = Playback::new(decoder, PlaybackOptions::default()).unwrap();
     let images = reference.images.iter().filter(|image| image.probe == "00");
@@ -242,9 +242,9 @@ fn pictures_become_what_a_probe_recorded_as_the_eye_comes_to_it() {
     };
     let [with, without] = [SpecularMode::Auto, SpecularMode::None].map(&mut psnr_of);
     println!("{with} dB with effects, {without} dB without");
-    // At silhouettes the nearest texel may be of another surface.
+    // At silhouettes the nearest texel may belong to another surface.
     assert!(with >= 45.0 && with >= without - 3.0, "{with} dB with effects, {without} dB without");
-    // Towards the probe and beyond it, no picture differs much more from the last one than others do.
+    // As the eye moves to the probe and past it, consecutive pictures differ by at most twice the median difference.
     let at = |step: i32| beside_a_probe(&decoder, &reference, SpecularMode::Auto, 0.01 * f64::from(step));
     let pictures: Vec<Vec<Rendered>> = (-6..=6).map(at).collect();
     let difference = |pair: &[Vec<Rendered>]| -> f64 {
@@ -270,7 +270,7 @@ fn pictures_of_real_footage_are_no_worse_and_good_enough() {
     assert!(march >= 31.5 && march >= splat + 4.0, "{march} dB by marching, {splat} dB by points");
 }
 
-/// What effects gain in mirrors and in glass of the set that has them, in dB: a probe is rendered from the others.
+/// Renders a probe of the set `glass` from the others. Returns the gain in dB from effects in mirrors and in glass.
 fn gains_of_effects(decoder: &Decoder, probe: &str) -> [f64; 2] {
     let mut reference = Reference::open(&footage("glass")).unwrap();
     let images = reference.images.to_vec();
@@ -303,7 +303,7 @@ fn effects_gain_3_db_in_mirrors_and_in_glass_of_half_floats() {
     }
 }
 
-/// Of lamps that 8 bits cut off, glass reflects too little. Depth in quadtrees, which keep normals of surfaces better: with
+/// Glass reflects too little, because 8 bits clip lamps. Depth is coded in quadtrees, which preserve surface normals better: with
 /// predictive depth, whose errors are larger within the same bound, mirrors gain 2.8 dB.
 #[test]
 #[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
@@ -314,8 +314,8 @@ fn effects_gain_3_db_in_mirrors_and_1_in_glass_of_8_bits() {
     assert!(mirrors >= 3.0 && glass >= 1.0, "{mirrors} dB in mirrors, {glass} dB in glass");
 }
 
-/// Faces of 128 pixels have four cells and one tile of the usual size, so that views along an axis read more than half. With
-/// cells and tiles that are as small beside a face as those of larger sets are, no view does.
+/// Faces of 128 pixels have four cells and one tile of the default size, so views along an axis read more than half of the bytes.
+/// With cells and tiles as small relative to a face as in larger datasets, no view does.
 #[test]
 #[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
 fn a_view_of_90_degrees_of_real_footage_reads_at_most_half_of_the_bytes() {

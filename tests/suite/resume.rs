@@ -1,4 +1,4 @@
-//! Encodes that were stopped go on to the same bytes: in process, at every chunk and at random places.
+//! Resumed encodes give the bytes of uninterrupted ones: in process, stopped at every chunk and at random positions.
 
 use std::collections::HashMap;
 use std::fs;
@@ -23,7 +23,7 @@ use lightfold::image_files::exr;
 use crate::resume_footage::{Footage, all, color, dataset, depth, few_depths, transform};
 use crate::samples::Random;
 
-/// Bytes that are still there when their writer is gone.
+/// Byte buffer that outlives its writer.
 #[derive(Clone, Default)]
 pub struct Shared(Arc<Mutex<Vec<u8>>>);
 
@@ -47,7 +47,7 @@ impl Write for Shared {
     }
 }
 
-/// An encode that is done, or what is left of it.
+/// Files of a finished or interrupted encode.
 #[derive(Clone, Default)]
 struct State {
     container: Vec<u8>,
@@ -63,7 +63,7 @@ impl State {
         self.recovered().map_or(0, |recovered| recovered.chunks.len())
     }
 
-    /// Goes on from what is sound, as the command line does.
+    /// Resumes from the valid part of the files, as the command line does.
     fn go_on(&self, footage: &Footage, monitor: &dyn Monitor) -> (State, Result<EncodeSummary, Stopped>) {
         let recovered = self.recovered();
         let of = |bytes: &[u8], sound: Option<u64>| Shared::new(&bytes[..sound.unwrap_or(0) as usize]);
@@ -75,7 +75,7 @@ impl State {
         (state, done.map(|(_, summary)| summary))
     }
 
-    /// Where the records of the journal end, the head's first.
+    /// Returns the offsets at which the records of the journal end; the first record is the head.
     fn record_ends(&self) -> Vec<usize> {
         let mut ends = vec![journal::MAGIC.len()];
         while let Some(length) = self.journal.get(ends[ends.len() - 1]..).and_then(|rest| rest.get(..4)) {
@@ -86,7 +86,7 @@ impl State {
 }
 
 impl Footage {
-    /// Encoded in one go.
+    /// Encodes without interruption. Returns the files, and the summary without times.
     fn whole(&self) -> (State, EncodeSummary) {
         let (state, summary) = State::default().go_on(self, &Silent);
         let summary = summary.unwrap();
@@ -101,7 +101,7 @@ fn timeless(summary: EncodeSummary) -> EncodeSummary {
     EncodeSummary { reading, scanning, coding, resumed_chunks: 0, ..summary }
 }
 
-/// The state goes on to the whole container and the figures of an encode in one go.
+/// Checks that the resumed encode has the container and the summary of an uninterrupted one.
 #[track_caller]
 fn comes_to(left: &State, footage: &Footage, whole: &(State, EncodeSummary), what: &str) {
     let (state, summary) = left.go_on(footage, &Silent);
@@ -142,7 +142,7 @@ fn whatever_is_left_goes_on() {
         let mut known = HashMap::new();
         for round in 0..3000 {
             let mut left = whole.0.clone();
-            // As far as any byte was written, or cut off, or lost in the middle.
+            // Truncates either file or both at any byte, zeroes up to 4096 bytes of the container, or flips a bit.
             let mut at = |bytes: &[u8]| random.below(bytes.len() as u32 + 1) as usize;
             let (container, journal) = (at(&left.container), at(&left.journal));
             let mut first_lost = u64::MAX;
@@ -175,7 +175,7 @@ fn whatever_is_left_goes_on() {
                 let end = chunk.entry.offset + u64::from(chunk.entry.stored_bytes);
                 assert!(end <= left.container.len() as u64 && end <= first_lost, "{name}, round {round}");
             }
-            // What goes on is told by the sound part of the journal.
+            // The resumed encode depends only on the valid part of the journal, so one state of each length is resumed.
             let sound = recovered.as_ref().map_or(0, |found| found.journal_bytes);
             tried += 1;
             if known.insert(sound, found.len()).is_none() {
@@ -188,7 +188,7 @@ fn whatever_is_left_goes_on() {
     assert!(tried == 9000 && counts > 150, "{counts}");
 }
 
-/// Asks to stop after so many questions.
+/// Requests a stop after so many calls of `interrupted`.
 struct StopsAfter(AtomicU32);
 
 impl Monitor for StopsAfter {
@@ -232,7 +232,7 @@ fn an_encode_that_is_asked_to_stop_over_and_over_ends_in_the_same_bytes_on_any_t
     }
 }
 
-/// Takes so many bytes, then fails as a full or a broken disk does.
+/// Writes `room` bytes, then fails with an OS error, as a full or broken disk does.
 struct Failing {
     out: Shared,
     room: usize,
@@ -275,7 +275,7 @@ fn write_errors_leave_what_is_safe() {
             let log = Failing { out: journal.clone(), room: room(&whole.0.journal, !in_container, &mut random), code };
             let resumable = Resumable { out: BufWriter::new(out), journal: Some(Box::new(log)), recovered: None };
             let stopped = encode::encode_resumable(&footage.source(), &footage.settings, resumable, &Silent);
-            // What a buffer still holds is written, or not, when it goes.
+            // Dropping the buffered writer may or may not write the bytes that it holds.
             let Err(Stopped { error, kept: left }) = stopped.map(|_| ()) else { panic!("{name}: nothing failed") };
             let Error::Io { source, .. } = &error else { panic!("{name}: {error}") };
             assert_eq!(source.raw_os_error(), Some(code), "{error}");
@@ -293,7 +293,7 @@ fn write_errors_leave_what_is_safe() {
     }
 }
 
-/// What is left after so many records of the journal.
+/// Returns the state with the journal cut after a fraction `share` (0 to 1) of its records.
 fn stopped_after(whole: &State, share: f64) -> State {
     let ends = whole.record_ends();
     let end = ends[((ends.len() - 1) as f64 * share) as usize];
@@ -349,7 +349,7 @@ fn age(path: &Path) {
     file.set_modified(std::time::SystemTime::now() - Duration::from_secs(1000)).unwrap();
 }
 
-/// The last frame that had a part in a complete chunk.
+/// Returns the last frame that a complete chunk depends on.
 fn last_frame(left: &State) -> u32 {
     left.recovered().unwrap().chunks.iter().map(|chunk| chunk.last_frame).max().unwrap()
 }
@@ -371,7 +371,7 @@ fn a_frame_of_complete_chunks_may_not_change_and_a_later_one_may() {
             let file = fs::File::options().write(true).open(footage.path(frame)).unwrap();
             file.set_modified(before).unwrap();
         }
-        // A later frame becomes another one; what comes out is what an encode of the new files comes to.
+        // A later frame is replaced. The resumed encode then equals an encode of the new files.
         fs::copy(footage.path(1), footage.path(last + 1)).unwrap();
         age(&footage.path(last + 1));
         let changed = footage.whole();
@@ -380,14 +380,14 @@ fn a_frame_of_complete_chunks_may_not_change_and_a_later_one_may() {
     }
 }
 
-/// Changes a file when it is first asked whether to stop, which is before any frame is read.
+/// Changes a file at the first call of `interrupted`, which is before any frame is read.
 struct Changes(Mutex<Option<PathBuf>>);
 
 impl Monitor for Changes {
     fn advance(&self, _steps: u64) {}
 
     fn interrupted(&self) -> bool {
-        // Other threads wait until it is done.
+        // The lock makes other threads wait until the file is changed.
         let mut file = self.0.lock().unwrap();
         if let Some(path) = file.take() {
             age(&path);
@@ -401,7 +401,8 @@ fn a_frame_that_changes_while_it_is_gone_on_with_is_refused_as_one_that_had_chan
     for (name, mut footage) in [("half", color(true, None)), ("boxes", depth(DepthCodec::Boxes))] {
         (footage.settings.near_m, footage.settings.far_m) = (Some(1.0), Some(70_000.0));
         let whole = footage.whole();
-        // Units stand at different frames, or an encoder looked ahead: the last frame is read again.
+        // In one of these states the last frame is read again, because units end at different frames or an encoder used its
+        // lookahead.
         let left =
             [0.6, 0.55, 0.5, 0.45].map(|share| stopped_after(&whole.0, share)).into_iter().find(reads_last_again);
         let left = left.unwrap_or_else(|| panic!("{name}: no frame is read again"));
@@ -410,13 +411,13 @@ fn a_frame_that_changes_while_it_is_gone_on_with_is_refused_as_one_that_had_chan
         let Err(Stopped { error, kept: kind }) = done else { panic!("{name}: it went on") };
         assert!(error.to_string().contains("has changed since"), "{name}: {error}");
         assert_eq!(kind, Kept::Unchanged, "{name}: {error}");
-        // What it left is refused, too: the old stamp still stands.
+        // The resulting state is refused as well, because it still has the old modification time.
         assert!(after.chunks() >= left.chunks(), "{name}");
         assert!(refused(&after, &footage).contains("has changed since"), "{name}");
     }
 }
 
-/// Whether the last frame that had a part in a chunk is behind the first one that is to be encoded.
+/// True if the last frame that complete chunks depend on is at or after the first frame to encode.
 fn reads_last_again(left: &State) -> bool {
     let mut ends: HashMap<_, u32> = HashMap::new();
     for chunk in left.recovered().unwrap().chunks {
@@ -445,7 +446,7 @@ fn an_encode_of_other_sources_is_refused() {
     };
     let said = refused(&with_head(hash + 1, if head[hash + 1] == b'0' { b'1' } else { b'0' }), &footage);
     assert!(said.contains("begun by another version of lightfold"), "{said}");
-    // Not JSON, as in journals of earlier versions.
+    // A head that is not JSON, as in journals of earlier versions.
     let said = refused(&with_head(0, 0), &footage);
     assert!(said.contains("begun by another version of lightfold"), "{said}");
 }
@@ -458,7 +459,7 @@ fn a_later_frame_that_moves_near_or_far_is_refused() {
     exr::write_depth(&footage.path(frame), &Plane::filled(40, 24, 1e9)).unwrap();
     let said = refused(&left, &footage);
     assert!(said.contains("the farthest surface"), "{said}");
-    // Before any chunk rests on them, near and far are found again.
+    // If no complete chunk depends on them, near and far are determined again.
     let only_notes = State { container: left.container[..16].to_vec(), journal: left.journal.clone() };
     assert_eq!(only_notes.chunks(), 0);
     comes_to(&only_notes, &footage, &footage.whole(), "notes alone");
@@ -485,7 +486,7 @@ fn frames_of_complete_groups_are_not_read_again() {
     let whole = footage.whole();
     let left = stopped_after(&whole.0, 0.9);
     let stamp = |path: &Path| fs::metadata(path).unwrap().modified().unwrap();
-    // Rubbish of the same size and time: it would be noticed if it were read.
+    // Invalid bytes with the same size and modification time would cause an error if they were read.
     let path = footage.folder.path().join("a/px/c.0010.exr");
     let (time, size) = (stamp(&path), fs::metadata(&path).unwrap().len());
     fs::write(&path, vec![0; size as usize]).unwrap();

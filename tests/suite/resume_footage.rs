@@ -1,4 +1,4 @@
-//! Footage whose encodes are stopped and resumed: every codec, with chunks that end at different frames.
+//! Footage for tests of resumed encodes: every codec, with chunks that end at different frames.
 
 use std::fs;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ use crate::roundtrip::{decoder, encoded};
 use crate::samples::{self, Random};
 use crate::train::trained;
 
-/// Images on disk, and how they are encoded.
+/// Images on disk, with their encode settings.
 pub struct Footage {
     pub folder: TempDir,
     kind: StreamKind,
@@ -45,7 +45,7 @@ impl Footage {
     }
 }
 
-/// Depth of 40x24 pixels in four tiles that change often, with chunks of five frames.
+/// Returns depth footage of 40x24 pixels in four tiles that change often, in chunks of five frames.
 pub fn depth(codec: DepthCodec) -> Footage {
     let mut settings = EncodeSettings::default();
     settings.temporal.keyframe_interval = 5;
@@ -55,7 +55,7 @@ pub fn depth(codec: DepthCodec) -> Footage {
     Footage::new(StreamKind::Depth, settings, |path| write_depths(path, |code| 1.0 + f32::from(code)))
 }
 
-/// The same with 16 distances, which are not whole.
+/// Returns footage as [`depth`] does, with 16 distances that are not integers.
 pub fn few_depths(codec: DepthCodec) -> Footage {
     let settings = depth(codec).settings.clone();
     Footage::new(StreamKind::Depth, settings, |path| write_depths(path, |code| 0.7 + 0.37 * f32::from(code % 16)))
@@ -82,10 +82,10 @@ pub fn material(in_blocks: bool) -> Footage {
     })
 }
 
-/// Colour of two cells of different sizes, whose chunks close at different frames and long after they could be read:
-/// noise, every other frame between its neighbours, now and then one repeated.
+/// Returns colour footage of two cells of different sizes, whose chunks are closed at different frames and long after their first
+/// frames are read: frames of noise, some of them repeated, some followed by the mean of their neighbours.
 pub fn color(hdr: bool, blocks: Option<ColorBlocks>) -> Footage {
-    // Chunks close by their bytes, and blocks are small.
+    // Chunks are closed by size in bytes, and texture blocks have few bytes.
     let (width, height) = if blocks.is_some() { (640, 512) } else { (384, 256) };
     let mut settings = EncodeSettings { cell: height, color_codec: ColorCodec::Cells, ..EncodeSettings::default() };
     settings.search.target = Target::Psnr(38.0);
@@ -118,7 +118,8 @@ pub fn color(hdr: bool, blocks: Option<ColorBlocks>) -> Footage {
     })
 }
 
-/// Colour of four cells of the transform codec, in chunks of five frames; one cell is noise, which is stored as keyframes.
+/// Returns colour footage of four cells for the transform codec, in chunks of five frames; one cell is noise, which is stored as
+/// keyframes.
 pub fn transform(hdr: bool) -> Footage {
     let mut settings = EncodeSettings { cell: 24, color_chunk: 5, ..EncodeSettings::default() };
     if hdr {
@@ -149,11 +150,11 @@ pub fn transform_with_own_tables() -> Footage {
     footage
 }
 
-/// Two probes, one of them with fewer frames, of two faces, in all kinds.
+/// Returns a dataset of two probes, one of them with fewer frames, each with two faces of colour, depth and material.
 pub fn dataset() -> Footage {
     let mut settings = EncodeSettings { compression: Compression::Lzma2(1), cell: 8, ..EncodeSettings::default() };
     settings.temporal.keyframe_interval = 3;
-    // Several tiles of each image.
+    // The quadtree codec uses several tiles for each image.
     settings.depth.codec = DepthCodec::Quadtree;
     let manifest = r#"{
         "lightfield": 1, "name": "two", "fps": 24, "frames": [10, 20], "projection": "cubemap", "size": [16, 16],

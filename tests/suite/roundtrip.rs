@@ -1,4 +1,4 @@
-//! Footage goes in, is decoded, and is what it was: sizes, ranges and settings that are easy to get wrong.
+//! Round trips of footage through encoder and decoder: sizes, ranges and settings that are easy to get wrong.
 
 use std::path::Path;
 
@@ -34,7 +34,7 @@ pub fn decoder(bytes: &[u8]) -> Decoder {
     Decoder::new(Reader::from_memory(bytes.to_vec()).unwrap()).unwrap()
 }
 
-/// Every frame of every cell of a half-float stream reaches the PSNR asked for.
+/// Checks that every frame of every cell of a half-float stream reaches the requested PSNR.
 pub fn check_half(source: &Source, bytes: &[u8], min_psnr_db: f64) {
     let decoder = decoder(bytes);
     let (stream, metric) = (&decoder.streams()[0], Pu21::new(100.0).unwrap());
@@ -55,12 +55,12 @@ pub fn check_half(source: &Source, bytes: &[u8], min_psnr_db: f64) {
     }
 }
 
-/// Settings of depth by codec and bound.
+/// Returns depth settings of a codec with an error bound in codes.
 fn depth_settings(codec: DepthCodec, bound: u16) -> DepthSettings {
     DepthSettings { codec, error: ErrorBound::Codes(bound), ..DepthSettings::default() }
 }
 
-/// The codecs that keep a bound, each with one.
+/// Codecs that keep an error bound, with bounds in codes.
 const BOUNDED: [(DepthCodec, u16); 7] = [
     (DepthCodec::Boxes, 0),
     (DepthCodec::BoxesInBlocks, 0),
@@ -71,7 +71,7 @@ const BOUNDED: [(DepthCodec, u16); 7] = [
     (DepthCodec::Predictive, 100),
 ];
 
-/// Every depth pixel of every frame is within epsilon codes of its source, and background exactly where it was.
+/// Checks that every depth pixel of every frame is within `epsilon` codes of its source, and that background is exact.
 pub fn check_depth(source: &Source, bytes: &[u8], epsilon: u16) {
     let decoder = decoder(bytes);
     for stream in decoder.streams() {
@@ -91,7 +91,7 @@ pub fn check_depth(source: &Source, bytes: &[u8], epsilon: u16) {
     }
 }
 
-/// Every frame of every cell of an 8-bit colour stream reaches the PSNR asked for.
+/// Checks that every frame of every cell of an 8-bit colour stream reaches the requested PSNR. Returns each PSNR in dB.
 pub fn check_color8(source: &Source, bytes: &[u8], min_psnr_db: f64) -> Vec<f64> {
     let mut psnrs_db = Vec::new();
     let decoder = decoder(bytes);
@@ -194,7 +194,7 @@ fn ranges_from_a_single_depth_to_a_billion_and_denormals() {
         }
         let depth = depth_settings(DepthCodec::Quadtree, 0);
         let bytes = encoded(&source, &EncodeSettings { depth, ..EncodeSettings::default() });
-        // The values at the ends come back as the very same floats.
+        // The minimum and maximum values are decoded to exactly the same floats.
         let decoder = decoder(&bytes);
         let CodecHeader::Depth(header) = &decoder.streams()[0].header else { panic!("depth expected") };
         let surfaces = || values.iter().copied().filter(|z| z.is_finite());
@@ -237,7 +237,7 @@ fn a_creeping_pixel_stays_within_epsilon_for_600_frames_whatever_the_path() {
         let depth = depth_settings(codec, bound);
         let bytes = encoded(&source, &EncodeSettings { temporal, depth, ..EncodeSettings::default() });
         check_depth(&source, &bytes, bound + epsilon);
-        // Entered anywhere, in any order, a frame is the frame that playing from the start shows.
+        // A frame decoded in random order equals that frame decoded in sequence from the start.
         let decoder = decoder(&bytes);
         let stream = &decoder.streams()[0];
         let mut playing = decoder.face(stream);
@@ -321,14 +321,14 @@ fn static_and_empty_footage_costs_no_pixels_after_its_first_frame() {
             let first = unit_decoder.decode(0).unwrap();
             let [_, _, width, height] = stream.entry.unit_rect(unit);
             assert_eq!(first, u64::from(width * height));
-            // The first frame of a later chunk is written, although it shows what is held already.
+            // The first frame of a later chunk is written, although its pixels do not change.
             let later: u64 = (1..100).map(|frame| unit_decoder.decode(frame).unwrap()).sum();
             let later_chunks = decoder.reader().index().unit_chunks(stream.index, unit).len() as u64 - 1;
             assert_eq!(later_chunks, if matches!(stream.header, CodecHeader::Depth(_)) { 1 } else { 4 });
             assert_eq!(later, later_chunks * first);
         }
     }
-    // Pixels: one picture of colour, one of depth, one black cell; everything else is shared or one value.
+    // Stored pixels: one image of colour, one of depth, one black cell. All other units are shared or have one value.
     let pixels = 64 * 64 * 3 + 64 * 64 * 2 + 32 * 32 * 3;
     assert!(bytes.len() < pixels + 3000, "{} bytes", bytes.len());
 }
@@ -434,7 +434,7 @@ fn of_two_damaged_chunks_the_first_is_named() {
     }
 }
 
-/// Depth of a sensor: few distances, with noise among neighbours. Some pixels have a value that is no depth.
+/// Writes depth as of a sensor: few distances, with noise among neighbours. Some pixels have a value that is not a valid depth.
 fn sensor(folder: &Path, levels: u32, no_depth: f32) -> Source {
     let mut random = Random(5);
     for frame in 0..3 {
@@ -450,7 +450,7 @@ fn sensor(folder: &Path, levels: u32, no_depth: f32) -> Source {
     Source::from_sequence(StreamKind::Depth, spec.to_str().unwrap(), &layout, &options).unwrap()
 }
 
-/// Levels of a stream of predictive depth.
+/// Returns the number of levels of a predictive depth stream.
 fn levels_of(bytes: &[u8]) -> usize {
     let decoder = decoder(bytes);
     let CodecHeader::Depth(header) = &decoder.streams()[0].header else { panic!("depth expected") };
@@ -469,14 +469,14 @@ fn few_distances_become_levels_without_loss() {
     };
     let with_bound =
         |bound| EncodeSettings { depth: depth_settings(DepthCodec::Predictive, bound), ..EncodeSettings::default() };
-    // 1091 times 60 is not above 65535.
+    // Levels are used while 2 · bound + 1 times their number is at most 65535: 1091 · 60 = 65460.
     assert_eq!([0, 100, 545].map(|bound| levels(&with_bound(bound))), [60; 3]);
-    // The one bound that is not given is looked for in all images, and so are levels.
+    // If only one of near and far is given, all images are scanned for the other one and for levels.
     assert_eq!(levels(&EncodeSettings { near_m: Some(0.25), ..with_bound(0) }), 60);
     let mut slow = with_bound(0);
     slow.temporal.epsilon = 1;
     assert_eq!(levels_of(&encoded(&source, &slow)), 0);
-    // The images are not looked through.
+    // If both are given, the images are not scanned.
     let given = EncodeSettings { near_m: Some(0.5), far_m: Some(2.0), ..with_bound(0) };
     assert_eq!(levels(&given), 0);
     let bytes = encoded(&source, &with_bound(546));
@@ -493,7 +493,7 @@ fn invalid_depth_is_coded_exactly_among_levels() {
     };
     for no_depth in [0.0, f32::NAN, -1.0] {
         let source = sensor(folder.path(), 60, no_depth);
-        // Becomes near: the nearest level, or one of its own where nothing lies there.
+        // Invalid depth is set to near: the code of the nearest level, or a level of its own if there is no surface at near.
         for (near_m, count) in [(None, 60), (Some(0.25), 61)] {
             let bytes = encoded(&source, &with(near_m, 100));
             check_depth(&source, &bytes, 0);

@@ -1,4 +1,4 @@
-//! Small containers made through the library, and what they decode to. Everything here is deterministic.
+//! Small containers written through the library, and their decoded images. All of them are deterministic.
 
 use std::sync::Arc;
 
@@ -32,25 +32,25 @@ use codec::streams::{
 use half::f16;
 use lightfold::Result;
 
-// Both test binaries that include this file find it there.
+// The path is explicit because two test binaries include this file from different folders.
 #[path = "samples_of_files.rs"]
 mod files;
 
 pub use files::*;
 
-/// A seeded generator, the same on every machine.
+/// Seeded pseudo-random generator, equal on all machines.
 #[derive(Debug, Clone)]
 pub struct Random(pub u64);
 
 impl Random {
-    /// A number below `n`.
+    /// Returns a number below `n`.
     pub fn below(&mut self, n: u32) -> u32 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 33) % u64::from(n)) as u32
     }
 }
 
-/// Where a stream's images lie in space and time.
+/// Face, size, unit size and frame range of a stream.
 #[derive(Debug, Clone, Copy)]
 pub struct Shape {
     pub face: u8,
@@ -60,7 +60,7 @@ pub struct Shape {
     pub frame_count: u32,
 }
 
-/// A stream with its coded chunks: unit, and frames counted from the stream's first.
+/// A stream with its encoded chunks: unit, and chunk with frames counted from the stream's first frame.
 #[derive(Debug, Clone)]
 pub struct Stream {
     pub entry: StreamEntry,
@@ -113,12 +113,12 @@ pub fn depth_header(range: [f32; 2], settings: TemporalSettings) -> CodecHeader 
     header_of(DepthRange::new(range[0], range[1]).unwrap(), DepthCoding::Boxes(settings))
 }
 
-/// From 0.5 m to 8 m, the range of all streams of nodes here.
+/// Depth range of all depth streams of this module, except those of [`depth`]: 0.5 m to 8 m.
 fn node_range() -> DepthRange {
     DepthRange::new(0.5, 8.0).unwrap()
 }
 
-/// The domain of streams of nodes.
+/// Returns the depth domain of quadtree streams.
 pub fn node_domain(kind: DomainKind) -> Domain {
     match kind {
         DomainKind::Log => Domain::log(),
@@ -126,7 +126,7 @@ pub fn node_domain(kind: DomainKind) -> Domain {
     }
 }
 
-/// What the header of a stream of nodes says.
+/// Returns the header of a quadtree stream.
 pub fn node_header(settings: NodeSettings, domain: &Domain) -> NodeHeader {
     let NodeSettings { window, epsilon, keyframe_interval, bound, .. } = settings;
     NodeHeader { window, epsilon, keyframe_interval, bound, domain: domain.parts }
@@ -144,13 +144,13 @@ pub fn blocks_codec() -> CodecHeader {
     header_of(node_range(), DepthCoding::Blocks)
 }
 
-/// The size of a unit.
+/// Returns the size of a unit in pixels.
 pub fn grid(entry: &StreamEntry, unit: u32) -> Grid {
     let [_, _, width, height] = entry.unit_rect(unit);
     Grid { width, height }
 }
 
-/// A stream whose units are each coded by what `encoder` makes: it takes a picture, or `None` at the end.
+/// Encodes each unit of a stream with a separate encoder, which takes an image, or `None` at the end.
 fn by_unit<E: FnMut(Option<&[u16]>) -> Option<EncodedChunk>>(
     entry: StreamEntry,
     images: &[Vec<u16>],
@@ -168,7 +168,7 @@ fn by_unit<E: FnMut(Option<&[u16]>) -> Option<EncodedChunk>>(
     Stream { entry, chunks }
 }
 
-/// Depth as packed nodes.
+/// Encodes depth as packed quadtree nodes.
 pub fn nodes(shape: Shape, kind: DomainKind, images: &[Vec<u16>], settings: NodeSettings) -> Stream {
     let domain = node_domain(kind);
     by_unit(entry(shape, &nodes_codec(node_header(settings, &domain))), images, |grid| {
@@ -180,7 +180,7 @@ pub fn nodes(shape: Shape, kind: DomainKind, images: &[Vec<u16>], settings: Node
     })
 }
 
-/// Depth in the intermediate form.
+/// Encodes depth in the intermediate quadtree form.
 pub fn tree(shape: Shape, kind: DomainKind, images: &[Vec<u16>], settings: NodeSettings) -> Stream {
     let settings = NodeSettings { window: 1, ..settings };
     let domain = node_domain(kind);
@@ -193,17 +193,17 @@ pub fn tree(shape: Shape, kind: DomainKind, images: &[Vec<u16>], settings: NodeS
     })
 }
 
-/// The codec of predictive depth.
+/// Returns the codec header of predictive depth.
 pub fn predictive_codec(header: PredictiveHeader) -> CodecHeader {
     header_of(node_range(), DepthCoding::Predictive(header))
 }
 
-/// Predictive depth.
+/// Encodes predictive depth.
 pub fn predictive(shape: Shape, images: &[Vec<u16>], header: PredictiveHeader) -> Stream {
     predicted(entry(shape, &predictive_codec(header.clone())), images, &header)
 }
 
-/// Alpha.
+/// Encodes alpha.
 pub fn alpha(shape: Shape, images: &[Vec<u16>], header: AlphaHeader) -> Stream {
     predicted(entry(shape, &CodecHeader::Alpha(header)), images, &header.predictive())
 }
@@ -220,7 +220,7 @@ fn predicted(entry: StreamEntry, images: &[Vec<u16>], header: &PredictiveHeader)
     Stream { entry, chunks }
 }
 
-/// Depth as plain blocks.
+/// Encodes depth as plain blocks.
 pub fn blocks(shape: Shape, images: &[Vec<u16>], keyframe_interval: u32) -> Stream {
     by_unit(entry(shape, &blocks_codec()), images, |grid| {
         let mut encoder = BlockEncoder::new(grid, Effort::Fast, keyframe_interval);
@@ -235,12 +235,12 @@ pub fn depth(shape: Shape, range: [f32; 2], images: &[Vec<u16>], settings: Tempo
     temporal(entry(shape, &depth_header(range, settings)), images, |[width, _]| TemporalEncoder::new(width, settings))
 }
 
-/// The codec of depth in boxes of BC5.
+/// Returns the codec header of depth in boxes with BC5 blocks.
 pub fn bc5_codec(settings: TemporalSettings) -> CodecHeader {
     header_of(node_range(), DepthCoding::BoxesInBlocks(settings))
 }
 
-/// Depth in boxes, pieces of them in BC5.
+/// Encodes depth in boxes, with pieces in BC5.
 pub fn depth_in_blocks(shape: Shape, images: &[Vec<u16>], settings: TemporalSettings) -> Stream {
     let encoder = |size| TemporalEncoder::in_blocks(size, settings, Effort::Fast);
     temporal(entry(shape, &bc5_codec(settings)), images, encoder)
@@ -251,12 +251,12 @@ pub fn material(shape: Shape, images: &[Vec<[u8; 3]>], settings: TemporalSetting
     temporal(entry(shape, &header), images, |[width, _]| TemporalEncoder::new(width, settings))
 }
 
-/// The codec of material in boxes of BC1.
+/// Returns the codec header of material in boxes with BC1 blocks.
 pub fn bc1_codec(settings: TemporalSettings) -> CodecHeader {
     CodecHeader::Material(MaterialHeader { temporal: settings, in_blocks: true })
 }
 
-/// Material in boxes, pieces of them in BC1.
+/// Encodes material in boxes, with pieces in BC1.
 pub fn material_in_blocks(shape: Shape, images: &[Vec<[u8; 3]>], settings: TemporalSettings) -> Stream {
     let encoder = |size| TemporalEncoder::in_blocks(size, settings, Effort::Fast);
     temporal(entry(shape, &bc1_codec(settings)), images, encoder)
@@ -280,7 +280,7 @@ pub fn half_header(search: &SearchSettings) -> CodecHeader {
     })
 }
 
-/// A stream whose cells are each coded by what `encoder` makes for a size.
+/// Encodes each cell of a stream with a separate encoder, created for the cell's size.
 fn cells<S: Sample, Q: Quality<S>>(
     entry: StreamEntry,
     images: &[Vec<[S; 3]>],
@@ -305,7 +305,7 @@ fn half_keys(images: &[Vec<[f16; 3]>]) -> Vec<Vec<[HalfKey; 3]>> {
     images.iter().map(|image| image.iter().map(|pixel| pixel.map(key)).collect()).collect()
 }
 
-/// An encoder of a cell of a format; with blocks, frames reach `db` after them.
+/// Returns an encoder for cells of a format. With texture blocks, frames have at least `db` dB after block compression.
 fn cell_encoder<S: Sample>(
     search: SearchSettings,
     CellFormat { size, blocks }: CellFormat<S>,
@@ -324,7 +324,7 @@ pub fn color8(shape: Shape, images: &[Vec<[u8; 3]>], search: SearchSettings) -> 
     cells(entry, images, &EightBit, |size| cell_encoder(search, format(size), 0.0))
 }
 
-/// 8-bit colour whose chunks are closed at the first keyframe after so many bytes.
+/// Encodes 8-bit colour; a chunk is closed at the first keyframe after `close_at_bytes` bytes.
 pub fn color8_in_chunks(
     shape: Shape,
     images: &[Vec<[u8; 3]>],
@@ -342,7 +342,7 @@ pub fn color_half(shape: Shape, images: &[Vec<[f16; 3]>], search: SearchSettings
     cells(entry, &half_keys(images), &quality, |size| cell_encoder(search, format(size), 0.0))
 }
 
-/// The header of colour of the transform codec, with the tables of the format.
+/// Returns the header of colour in the transform codec with the built-in tables.
 pub fn transform_header(format: ColorFormat, search: &SearchSettings) -> ColorHeader {
     ColorHeader {
         format,
@@ -352,13 +352,13 @@ pub fn transform_header(format: ColorFormat, search: &SearchSettings) -> ColorHe
     }
 }
 
-/// 8-bit colour of the transform codec, in chunks of so many frames.
+/// Encodes 8-bit colour with the transform codec, in chunks of `chunk_frames` frames.
 pub fn color8_transform(shape: Shape, images: &[Vec<[u8; 3]>], search: SearchSettings, chunk_frames: u32) -> Stream {
     let header = transform_header(ColorFormat::EightBit(ToneMap::default()), &search);
     transform(entry(shape, &CodecHeader::Color(header)), images, &EightBit, (search, chunk_frames))
 }
 
-/// Half-float colour of the transform codec, in chunks of so many frames.
+/// Encodes half-float colour with the transform codec, in chunks of `chunk_frames` frames.
 pub fn color_half_transform(
     shape: Shape,
     images: &[Vec<[f16; 3]>],
@@ -391,7 +391,7 @@ fn transform<S: Keyed, Q: Quality<S>>(
     Stream { entry, chunks }
 }
 
-/// The header of colour whose keyframes are in blocks, and reach `db`.
+/// Returns the header of colour with keyframes in texture blocks and at least `db` dB.
 pub fn color_blocks_header(blocks: ColorBlocks, db: f64) -> ColorHeader {
     let format = match blocks {
         ColorBlocks::Bc6h => ColorFormat::Half { white_cd_m2: 100.0 },
@@ -400,7 +400,7 @@ pub fn color_blocks_header(blocks: ColorBlocks, db: f64) -> ColorHeader {
     ColorHeader { format, coding: ColorCoding::Cells(Some(blocks)), min_psnr_db: db, min_quality: 0.0 }
 }
 
-/// 8-bit colour whose keyframes are in blocks.
+/// Encodes 8-bit colour with keyframes in texture blocks.
 pub fn color8_in_blocks(
     shape: Shape,
     blocks: ColorBlocks,
@@ -413,7 +413,7 @@ pub fn color8_in_blocks(
     cells(entry, images, &EightBit, |size| cell_encoder(search, header.cell_of_bytes(size), db))
 }
 
-/// Half-float colour whose keyframes are in BC6H.
+/// Encodes half-float colour with keyframes in BC6H.
 pub fn color_half_in_blocks(shape: Shape, images: &[Vec<[f16; 3]>], search: SearchSettings, db: f64) -> Stream {
     let header = color_blocks_header(ColorBlocks::Bc6h, db);
     let entry = entry(shape, &CodecHeader::Color(header.clone()));
@@ -421,7 +421,7 @@ pub fn color_half_in_blocks(shape: Shape, images: &[Vec<[f16; 3]>], search: Sear
     cells(entry, &half_keys(images), &quality, |size| cell_encoder(search, header.cell_of_halves(size), db))
 }
 
-/// A stream of one unit whose cell payloads are made by hand.
+/// Returns a stream of one unit with cell payloads built by hand.
 pub fn cells_by_hand(shape: Shape, header: &CodecHeader, cells: Vec<CellBuilder>) -> Stream {
     let mut first_frame = 0;
     let chunks = cells.into_iter().map(|cell| {
@@ -443,7 +443,7 @@ pub fn probe(name: &str, last_frame: u32) -> ProbeEntry {
     }
 }
 
-/// The container of some streams of one probe.
+/// Returns a container with some streams of one probe.
 pub fn container(projection: u8, probe: ProbeEntry, streams: &[Stream], compression: Compression) -> Vec<u8> {
     let mut writer = Writer::new(Vec::new(), "sample", 24.0, projection).unwrap();
     writer.add_probe(probe).unwrap();
@@ -460,7 +460,7 @@ pub fn container(projection: u8, probe: ProbeEntry, streams: &[Stream], compress
     writer.finish().unwrap().0
 }
 
-/// A container of one static stream of 2x2 depths, whose index may be changed.
+/// Returns a container of one static stream of 2x2 depths; `change` may change its index.
 pub fn static_depth(change: impl FnOnce(&mut Index)) -> Vec<u8> {
     let shape = Shape { face: 0, size: [2, 2], unit: [2, 2], first_frame: 0, frame_count: 1 };
     let settings = TemporalSettings { window: 1, ..TemporalSettings::default() };
@@ -470,7 +470,7 @@ pub fn static_depth(change: impl FnOnce(&mut Index)) -> Vec<u8> {
     assemble(&index, &stored, |_| ())
 }
 
-/// The same, which shows its picture for so many frames.
+/// Returns the container of [`static_depth`] with `frames` frames that all show its image.
 pub fn static_for(frames: u32) -> Vec<u8> {
     static_depth(|index| {
         index.streams[0].frame_count = frames;
@@ -478,7 +478,7 @@ pub fn static_for(frames: u32) -> Vec<u8> {
     })
 }
 
-/// 16 MiB of zeros in some kilobytes, which each of so many units has as its payload.
+/// Returns a container with `units` units that share one payload: 16 MiB of zeros, compressed to some kilobytes.
 pub fn shared_chunk(units: u32) -> Vec<u8> {
     let stored = compression::lzma2(&vec![0; 16 << 20], 6, PayloadKind::Mixed).unwrap();
     let (mut index, _) = take_apart(&static_depth(|_| ()));
@@ -496,7 +496,7 @@ pub fn shared_chunk(units: u32) -> Vec<u8> {
     assemble(&index, &stored, |_| ())
 }
 
-/// An image as arithmetic.md 1 writes it down.
+/// Returns the bytes of an image as arithmetic.md 1 defines them.
 pub fn image_bytes(picture: &Picture) -> Vec<u8> {
     match picture {
         Picture::Depth(plane) => plane.data().iter().flat_map(|code| code.to_le_bytes()).collect(),
@@ -508,10 +508,10 @@ pub fn image_bytes(picture: &Picture) -> Vec<u8> {
     }
 }
 
-/// The images of all streams as bytes: by stream, then by frame.
+/// Images of all streams as bytes, by stream and frame.
 pub type Images = Vec<Vec<Vec<u8>>>;
 
-/// All images of all streams, in order.
+/// Decodes all images of all streams, in order.
 pub fn decode_all(file: Vec<u8>) -> Result<Images> {
     let decoder = Decoder::new(Reader::from_memory(file)?)?;
     let streams = decoder.streams().iter().map(|stream| {
@@ -521,7 +521,7 @@ pub fn decode_all(file: Vec<u8>) -> Result<Images> {
     streams.collect()
 }
 
-/// Depth codes in which a few pixels jump, creep, vanish and come back.
+/// Returns depth codes in which a few pixels jump, drift by one or two codes, become background and return.
 pub fn moving_codes(size: [u32; 2], frame_count: u32, seed: u64) -> Vec<Vec<u16>> {
     let mut random = Random(seed);
     let pixels = size[0] * size[1];
@@ -542,7 +542,7 @@ pub fn moving_codes(size: [u32; 2], frame_count: u32, seed: u64) -> Vec<Vec<u16>
         .collect()
 }
 
-/// Depth codes of a slope, a bowl, a moving edge, patches of noise, and background.
+/// Returns depth codes of a slope, a bowl, a moving edge, patches of noise, and background.
 pub fn scene_codes([width, height]: [u32; 2], frame_count: u32) -> Vec<Vec<u16>> {
     let code = |x: u32, y: u32, t: u32| -> u16 {
         let (slope, bowl) = (9000 + 310 * x + 170 * y, 20_000 + 9 * x * x + 7 * y * y + 3 * x * y);
@@ -559,7 +559,7 @@ pub fn scene_codes([width, height]: [u32; 2], frame_count: u32) -> Vec<Vec<u16>>
     (0..frame_count).map(image).collect()
 }
 
-/// Materials that are the same over patches, with a few that change.
+/// Returns materials that are constant over patches, with a few pixels that change.
 pub fn patched_materials(size: [u32; 2], frame_count: u32) -> Vec<Vec<[u8; 3]>> {
     let pixel = |at: u32, t: u32| {
         let (x, y) = (at % size[0], at / size[0]);
@@ -573,7 +573,7 @@ pub fn patched_materials(size: [u32; 2], frame_count: u32) -> Vec<Vec<[u8; 3]>> 
     (0..frame_count).map(|t| (0..size[0] * size[1]).map(|at| pixel(at, t)).collect()).collect()
 }
 
-/// Bytes that drift at different speeds, hold for a while, and are cut once.
+/// Returns bytes that drift at different speeds, are constant for a while, and have one scene cut.
 pub fn drifting_bytes(size: [u32; 2], frame_count: u32) -> Vec<Vec<[u8; 3]>> {
     (0..frame_count)
         .map(|t| {

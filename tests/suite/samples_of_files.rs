@@ -1,9 +1,9 @@
-//! Containers taken apart and put together again, with right CRC-32s around what a test changes.
+//! Splits containers into parts and reassembles them, with correct CRC-32s around what a test changes.
 
 use codec::container::{Index, Reader, Storage};
 
-/// Puts a container of version 1.0 together around an index, with right CRC-32s: `stored` is what lies between head and
-/// index, `patch` may spoil the index's bytes.
+/// Assembles a container of version 1.0 from an index, with correct CRC-32s: `stored` are the bytes between header and index,
+/// `patch` may corrupt the bytes of the index.
 pub fn assemble(index: &Index, stored: &[u8], patch: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
     let mut index = index.write_rows().unwrap();
     patch(&mut index);
@@ -11,7 +11,7 @@ pub fn assemble(index: &Index, stored: &[u8], patch: impl FnOnce(&mut Vec<u8>)) 
     with_foot([head, stored].concat(), &index, 0)
 }
 
-/// Head and chunks, completed by an index and a foot with right CRC-32s.
+/// Appends an index, and a footer with correct CRC-32s, to header and chunks.
 pub fn with_foot(mut file: Vec<u8>, index: &[u8], form: u8) -> Vec<u8> {
     let offset = file.len() as u64;
     file.extend_from_slice(index);
@@ -25,7 +25,7 @@ pub fn with_foot(mut file: Vec<u8>, index: &[u8], form: u8) -> Vec<u8> {
     file
 }
 
-/// A container whose index `patch` may spoil, in the form that it has.
+/// Returns a container whose index `patch` may corrupt; the form of the index is kept.
 pub fn with_index(file: &[u8], patch: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
     let (index, form) = index_bytes(file);
     let start = file.len() - 40 - index.len();
@@ -34,14 +34,14 @@ pub fn with_index(file: &[u8], patch: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
     with_foot(file[..start].to_vec(), &index, form)
 }
 
-/// The bytes of a container's index, and its form.
+/// Returns the bytes of a container's index, and its form.
 pub fn index_bytes(file: &[u8]) -> (&[u8], u8) {
     let foot = file.len() - 40;
     let start = u64::from_le_bytes(file[foot..foot + 8].try_into().unwrap()) as usize;
     (&file[start..foot], file[foot + 20])
 }
 
-/// A container of this version as version 1.0 wrote it; others are left alone.
+/// Rewrites a container of minor version 1 or 2 as version 1.0; others are returned unchanged.
 pub fn in_rows(file: Vec<u8>) -> Vec<u8> {
     if !matches!(file.get(10), Some(1 | 2)) {
         return file;
@@ -50,7 +50,7 @@ pub fn in_rows(file: Vec<u8>) -> Vec<u8> {
     assemble(&index, &stored, |_| ())
 }
 
-/// The first 32 bytes of a foot, completed by their CRC-32 and the magic.
+/// Appends CRC-32 and magic to the first 32 bytes of a footer.
 pub fn foot_end(mut foot: Vec<u8>) -> Vec<u8> {
     foot.truncate(32);
     foot.extend_from_slice(&crc32fast::hash(&foot).to_le_bytes());
@@ -58,14 +58,14 @@ pub fn foot_end(mut foot: Vec<u8>) -> Vec<u8> {
     foot
 }
 
-/// The index of a container, and the bytes between head and index.
+/// Returns the index of a container, and the bytes between header and index.
 pub fn take_apart(file: &[u8]) -> (Index, Vec<u8>) {
     let index = Reader::from_memory(file.to_vec()).unwrap().index().clone();
     let end = index.chunks.iter().map(|chunk| chunk.offset as usize + chunk.stored_bytes as usize).max().unwrap_or(16);
     (index, file[16..end].to_vec())
 }
 
-/// Replaces the payloads of all chunks: `change` gets a chunk's place in the table and its payload.
+/// Replaces the payloads of all chunks: `change` takes a chunk's index in the table and its payload.
 pub fn with_payloads(file: &[u8], mut change: impl FnMut(usize, &mut Vec<u8>)) -> Vec<u8> {
     let reader = Reader::from_memory(file.to_vec()).unwrap();
     let mut index = reader.index().clone();

@@ -1,4 +1,4 @@
-//! Reports of commands are what formats/schemas/ says.
+//! Reports of commands validate against their schemas in formats/schemas/.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -8,7 +8,7 @@ use std::process::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// Command lines, after which schema their reports are, in the order in which they need each other's files.
+/// Command lines with the names of their reports' schemas, in an order in which each finds its input files.
 const REPORTS: &[(&str, &str)] = &[
     ("demo", "demo -o demo --frame-count 2 --size 16 --json"),
     ("place", "place courtyard --region=-0.5,1,-0.5,0.5,2,0.5 --cameras 2 --effort fast --json -o cams.json"),
@@ -75,7 +75,7 @@ const REPORTS: &[(&str, &str)] = &[
     ("error", "pack room.lfold -o - --json"),
 ];
 
-/// Schemas of what is no report, or of input that is not at hand everywhere.
+/// Schemas that do not describe a report, or whose input is not available everywhere.
 const OTHERS: &[&str] = &["inspect-seurat", "manifest"];
 
 fn folder() -> PathBuf {
@@ -105,7 +105,7 @@ fn reports_are_as_their_schemas_say() {
         let schema = schema(name);
         assert_eq!(faults(&schema, &report), [""; 0], "{line}\n{report:#}");
         assert_eq!(*name == "error", report.get("error").is_some(), "{line}\n{said}");
-        // A schema that asks for nothing would be of no use.
+        // Each key in `required` is needed: a schema that requires nothing would accept anything.
         let required = schema["required"].as_array().unwrap_or_else(|| panic!("{name} requires no key"));
         for key in required.iter().map(|key| key.as_str().unwrap()) {
             let mut without = report.clone();

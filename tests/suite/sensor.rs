@@ -1,5 +1,5 @@
-//! Footage of a depth sensor with a known camera: few planar depths stay planar, so that streams have levels, and everything that
-//! reads such a container knows it.
+//! Footage of a depth sensor with a known camera. If it has few planar depths, they stay planar and streams have levels; all
+//! commands that read such a container support it.
 
 use std::fs;
 use std::path::Path;
@@ -19,7 +19,8 @@ const MANIFEST: &str = r#"{ "lightfield": 1, "name": "sensor", "fps": 30, "frame
     "files": { "depth": "z.%d.png", "color": "c.%d.png" },
     "probes": [{ "name": "a", "position": [0, 0, 0], "intrinsics": [60, 60, 39.5, 29.5] }] }"#;
 
-/// A wall with a box before it, in steps of the sensor; `noise` in millimetres, 0 for a sensor of few depths.
+/// Writes footage of a wall with a box in front of it, in depth steps of the sensor. `noise` is in millimetres, 0 for a sensor
+/// with few depths.
 fn footage(noise: u32) -> TempDir {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("lightfield.json"), MANIFEST).unwrap();
@@ -38,7 +39,7 @@ fn footage(noise: u32) -> TempDir {
     folder
 }
 
-/// The kind of depth of a container, and its levels.
+/// Returns a container's kind of depth and its number of levels.
 fn depth_of(path: &Path) -> (DepthKind, usize) {
     let decoder = Decoder::new(Reader::open(path).unwrap()).unwrap();
     let depth = decoder.streams().iter().find_map(|stream| match &stream.header {
@@ -55,7 +56,7 @@ fn few_planar_depths_stay_planar_and_exact() {
     let folder = footage(0);
     let root = folder.path();
     fine("encode . -o few.lfold", root);
-    // Of each frame two steps of the box, and of the wall one more than its ten.
+    // Per frame, two steps of the box, and eleven of the wall: ten by row, and one more by the random step.
     assert_eq!(depth_of(&root.join("few.lfold")), (DepthKind::Planar, 2 * (2 + 11)));
     fine("diff . few.lfold --stream depth --max-error 0", root);
     fine("diff few.lfold . --stream depth --max-error 0", root);

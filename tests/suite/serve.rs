@@ -1,4 +1,4 @@
-//! `lightfold view`: what its server answers, spoken to over sockets.
+//! `lightfold view`: responses of its server, tested over sockets.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -17,10 +17,10 @@ use crate::commands::{fine, lightfold, refused};
 use crate::footage::Footage;
 use crate::schemas;
 
-/// A wait that no answer comes near: a server that does not answer fails its test.
+/// Timeout that no response approaches: a server that does not respond fails its test.
 pub const PATIENCE: Duration = Duration::from_secs(100);
 
-/// A folder with a small container, `a.lfold`.
+/// Creates a folder with a small container, `a.lfold`.
 pub fn place() -> TempDir {
     let folder = TempDir::new().unwrap();
     let depth = |_: Face, frame: u32| Plane::from_fn(16, 16, |x, y| 1.0 + (x * y + frame) as f32 * 0.01);
@@ -29,7 +29,7 @@ pub fn place() -> TempDir {
     folder
 }
 
-/// Writes a file that has the head of binary glTF, and its length; the rest is zero.
+/// Writes a file with a binary glTF header that states `bytes` as its length; the rest is zero.
 pub fn write_glb(path: &Path, bytes: u32) {
     let mut file = File::create(path).unwrap();
     file.write_all(&[&b"glTF\x02\0\0\0"[..], &bytes.to_le_bytes()].concat()).unwrap();
@@ -37,7 +37,7 @@ pub fn write_glb(path: &Path, bytes: u32) {
     file.set_modified(UNIX_EPOCH).unwrap();
 }
 
-/// `lightfold view`, ended when it is dropped.
+/// A running `lightfold view`, killed on drop.
 pub struct Server {
     child: Child,
     port: u16,
@@ -50,7 +50,7 @@ impl Server {
         Server::spawn(command)
     }
 
-    /// Starts a command that becomes the server.
+    /// Starts a command that runs the server.
     pub fn spawn(mut command: Command) -> Server {
         let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().unwrap();
         let mut line = String::new();
@@ -66,14 +66,14 @@ impl Server {
         stream
     }
 
-    /// Sends a head as it is and reads to the end of the connection.
+    /// Sends a request header verbatim and reads until the connection is closed.
     fn raw(&self, head: &str) -> Answer {
         let mut stream = self.connect();
         stream.write_all(head.as_bytes()).unwrap();
         Answer::read(&mut BufReader::new(stream))
     }
 
-    /// Asks once, with more headers, each ended by `\r\n`.
+    /// Sends one request with additional header fields, each terminated by `\r\n`.
     pub fn ask(&self, method: &str, path: &str, headers: &str) -> Answer {
         let host = self.port;
         self.raw(&format!("{method} {path} HTTP/1.1\r\nHost: 127.0.0.1:{host}\r\nConnection: close\r\n{headers}\r\n"))
@@ -99,7 +99,7 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// Reads a head; the body is to follow.
+    /// Reads the status line and the header fields; the body is not read.
     fn read_head(stream: &mut impl BufRead) -> Answer {
         let mut lines = Vec::new();
         loop {
@@ -116,7 +116,7 @@ impl Answer {
         Answer { status, headers, body: Vec::new() }
     }
 
-    /// Reads to the end of the connection.
+    /// Reads until the connection is closed.
     fn read(stream: &mut impl BufRead) -> Answer {
         let mut answer = Answer::read_head(stream);
         stream.read_to_end(&mut answer.body).unwrap();
@@ -127,7 +127,7 @@ impl Answer {
         self.headers.get(name).map_or("", String::as_str)
     }
 
-    /// Status, `Content-Range`, `Content-Length`.
+    /// Returns the status, `Content-Range` and `Content-Length`.
     fn range(&self) -> (u16, &str, &str) {
         (self.status, self.header("content-range"), self.header("content-length"))
     }
@@ -141,14 +141,16 @@ impl Answer {
     }
 }
 
-/// Files of the player by their names on the site.
+/// Returns the files of the player by their names on the site.
 pub fn player() -> BTreeMap<String, PathBuf> {
-    let below = crate::house::files_below("viewer/dist").into_iter().map(|path| crate::house::root().join(path));
-    let folder = crate::house::root().join("viewer/dist");
+    let below = crate::repository_rules::files_below("viewer/dist")
+        .into_iter()
+        .map(|path| crate::repository_rules::root().join(path));
+    let folder = crate::repository_rules::root().join("viewer/dist");
     below.map(|path| (path.strip_prefix(&folder).unwrap().to_str().unwrap().to_owned(), path)).collect()
 }
 
-/// Bytes of all files below a folder.
+/// Returns the size of all files below a folder, in bytes.
 pub fn bytes_below(folder: &Path) -> u64 {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
     let bytes = entries.map(|entry| match entry.file_type().unwrap().is_dir() {
@@ -226,7 +228,7 @@ fn ranges_are_parts_of_the_file() {
     let film = fs::read(folder.path().join("a.lfold")).unwrap();
     let all = film.len();
     let part = |first: usize, last: usize| (206, format!("bytes {first}-{last}/{all}"), first..last + 1);
-    // Further forms of the header are tested in src/serve/range.rs.
+    // Other forms of the header are tested in src/serve/range.rs.
     let rows = [
         ("bytes=0-15".to_owned(), part(0, 15)),
         (format!("bytes=5-{}", all + 5), part(5, all - 1)),
@@ -242,7 +244,7 @@ fn ranges_are_parts_of_the_file() {
     assert_eq!((beyond.status, beyond.header("content-range")), (416, format!("bytes */{all}").as_str()));
     let twice = server.ask("GET", "/film.lfold", "Range: bytes=0-1\r\nRange: bytes=2-3\r\n");
     assert_eq!((twice.status, twice.body.len()), (200, all));
-    // The page's files are answered alike.
+    // The page's files support ranges too.
     let part = server.ask("GET", "/", "Range: bytes=0-1\r\n");
     assert_eq!((part.status, part.body.as_slice()), (206, &b"<!"[..]));
 }
@@ -353,7 +355,7 @@ fn what_is_no_request_for_this_server_is_refused() {
     let fields: String = (0..200).map(|number| format!("X-{number}: a\r\n")).collect();
     assert_eq!(of(&format!("GET / HTTP/1.1\r\nHost: localhost\r\n{fields}")), 431);
     let mut stream = server.connect();
-    // Longer than the server reads: it may end the connection while this is sent.
+    // This exceeds what the server reads, so it may close the connection during the write.
     let _ = stream.write_all(format!("GET / HTTP/1.1\r\nHost: localhost\r\nX: {}", "x".repeat(64 << 10)).as_bytes());
     let mut answer = Vec::new();
     let _ = stream.read_to_end(&mut answer);
@@ -383,7 +385,7 @@ fn a_film_that_is_replaced_gets_another_tag() {
     let server = Server::start(folder.path(), "a.lfold");
     let before = server.get("/film.lfold").header("etag").to_owned();
     let mut other = fs::read(&path).unwrap();
-    // Other bytes of the same length and time, under the same name: what an encoder leaves that writes a new file.
+    // Different bytes with the same length and time under the same name, as after an encoder replaced the file.
     let at = other.len() / 2;
     other[at] ^= 1;
     let time = fs::metadata(&path).unwrap().modified().unwrap();
@@ -408,7 +410,7 @@ fn a_film_that_is_replaced_gets_another_tag() {
     assert_eq!(server.get("/").status, 200);
 }
 
-/// More than the buffers of two sockets hold.
+/// Exceeds the buffers of two sockets.
 pub const LARGE: u32 = 64 << 20;
 
 #[test]
@@ -432,7 +434,7 @@ fn a_film_that_changes_while_it_is_sent_ends_the_connection_before_its_length() 
         assert_eq!(answer.range(), (200, "", LARGE.to_string().as_str()));
         change(&mut File::options().write(true).open(&path).unwrap());
         let mut body = Vec::new();
-        // A reset connection is an error, a closed one is not.
+        // Reading fails if the connection is reset and succeeds if it is closed; both are allowed.
         let _ = stream.read_to_end(&mut body);
         assert!(body.len() < LARGE as usize, "all of it was sent");
         assert_ne!(server.get("/film.json").status, 500);
@@ -482,7 +484,7 @@ fn signals_end_a_server_without_a_complaint() {
         let report: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(schemas::faults(&schemas::schema("view"), &report), [""; 0], "{report:#}");
         let address = report["address"].as_str().unwrap().strip_prefix("http://").unwrap().trim_end_matches('/');
-        // A connection that is open does not keep it.
+        // An open connection does not prevent the server from exiting.
         let open = TcpStream::connect(address).unwrap();
         let signal = Command::new("kill").args([name, &child.id().to_string()]).status().unwrap();
         assert!(signal.success());

@@ -1,4 +1,4 @@
-//! `lightfold view` among many clients that are idle, slow or greedy.
+//! `lightfold view` with many clients that are idle, slow, or do not read what they requested.
 
 use std::fs::File;
 use std::io::{ErrorKind, Read, Write};
@@ -14,19 +14,19 @@ use crate::serve::{LARGE, PATIENCE, Server, write_glb};
 
 const GET_FILM: &[u8] = b"GET /film.glb HTTP/1.1\r\nHost: localhost\r\n\r\n";
 
-/// A client that keeps its connection and gives the server no progress.
+/// A client that keeps its connection open without progress.
 #[derive(Debug, Clone, Copy)]
 enum Client {
     Idle,
-    /// Sends a head without an end.
+    /// Sends an incomplete request header.
     HalfHead,
-    /// Asks for the film and reads nothing of it.
+    /// Requests the film and does not read the response.
     Greedy,
-    /// Asks for the film and reads a byte of it.
+    /// Requests the film and reads one byte of the response.
     Slow,
-    /// Asks for the film many times in advance.
+    /// Sends many requests for the film without reading responses.
     Pipelined,
-    /// Has had an answer.
+    /// Has received a response.
     Served,
 }
 
@@ -34,7 +34,7 @@ const CLIENTS: [Client; 6] =
     [Client::Idle, Client::HalfHead, Client::Greedy, Client::Slow, Client::Pipelined, Client::Served];
 
 impl Client {
-    /// Connections that the server ends meanwhile are all right.
+    /// Starts the client. The server may close the connection meanwhile, so errors are ignored.
     fn begin(self, mut stream: TcpStream) -> TcpStream {
         let sent = match self {
             Client::Idle => Ok(()),
@@ -57,7 +57,7 @@ fn large_film() -> TempDir {
     folder
 }
 
-/// Lets this process open as many connections as the tests need.
+/// Raises the limit of open files to what the tests need.
 fn allow_open_files() {
     #[cfg(unix)]
     {
@@ -118,7 +118,7 @@ fn running_out_of_files_does_not_hold_up_a_request() {
     }
 }
 
-/// Serves a film by the library while `check` runs.
+/// Serves a film through the library while `check` runs.
 fn with_server(folder: &Path, limits: Limits, check: impl FnOnce(SocketAddr)) {
     let film = Film::open(&folder.join("large.glb")).unwrap();
     let server = serve::Server::bind(film, (Ipv4Addr::LOCALHOST, 0).into(), limits).unwrap();
@@ -136,11 +136,11 @@ fn connect(address: SocketAddr) -> TcpStream {
     stream
 }
 
-/// Reads to the end of a connection; fails if it does not end.
+/// Reads until a connection ends; fails if it does not end.
 fn wait_for_end(stream: &mut TcpStream) {
     match std::io::copy(stream, &mut std::io::sink()) {
         Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => panic!("open: {error}"),
-        // Closed or reset.
+        // The connection was closed or reset.
         _ => {}
     }
 }
@@ -158,7 +158,7 @@ fn a_connection_without_progress_is_closed() {
         for client in CLIENTS {
             wait_for_end(&mut client.begin(connect(address)));
         }
-        // What was sent of an answer to a client that reads nothing is no whole film.
+        // A client that does not read receives less than the whole film before the connection is closed.
         let mut greedy = Client::Greedy.begin(connect(address));
         std::thread::sleep(limits.progress_timeout * 10);
         let mut film = Vec::new();
@@ -174,7 +174,7 @@ fn a_new_connection_takes_the_place_of_the_one_without_progress() {
     with_server(folder.path(), limits, |address| {
         let mut idle: Vec<TcpStream> = (0..3).map(|_| connect(address)).collect();
         let served = Client::Served.begin(connect(address));
-        // The eldest got an answer meanwhile.
+        // The oldest connection receives a response, so it counts as having made progress.
         idle[0].write_all(b"HEAD / HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
         assert!(idle[0].read(&mut [0; 4096]).unwrap() > 100);
         let newest: Vec<TcpStream> = (0..2).map(|_| Client::Served.begin(connect(address))).collect();

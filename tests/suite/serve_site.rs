@@ -34,7 +34,7 @@ fn a_site_has_the_page_and_the_film_and_replaces_an_earlier_one() {
     let bytes = bytes_below(&site);
     assert_eq!(report["site"], json!({"path": "deep/site", "files": files.len() + 2, "bytes": bytes}));
     assert_eq!(names(&at.join("deep")), BTreeSet::from(["site".to_owned()]));
-    // Another film takes its place.
+    // Another film replaces the first.
     let before = names(&site);
     write_glb(&at.join("b.glb"), 50_000);
     fine("view b.glb --export deep/site", at);
@@ -43,7 +43,7 @@ fn a_site_has_the_page_and_the_film_and_replaces_an_earlier_one() {
     let mut after = before;
     assert!(after.remove("film.lfold") && after.insert("film.glb".to_owned()));
     assert_eq!(names(&site), after);
-    // A film can be its own source.
+    // A film of the site can be exported to the same site.
     fine("view deep/site/film.glb --export deep/site", at);
     assert_eq!(fs::read(site.join("film.glb")).unwrap(), fs::read(at.join("b.glb")).unwrap());
 }
@@ -101,7 +101,7 @@ fn a_damaged_film_is_not_exported() {
             }
             let report: Value = serde_json::from_slice(&output.stdout).unwrap();
             let code = output.status.code();
-            // Bytes that say what kind of file it is, or of which version.
+            // Damage to the first 8 bytes, which identify the file type, may have another exit code.
             assert!(code == Some(1) || place < 8, "byte {place}: {said}");
             assert!(said.contains("b.lfold: "), "byte {place}: {said}");
             assert_eq!(report["error"]["code"].as_i64(), code.map(i64::from), "byte {place}");

@@ -1,4 +1,4 @@
-//! Seurat manifests: what `inspect` says of them, and files of the release's own tests where they are at hand.
+//! Seurat manifests: what `inspect` reports for them, and the test files of Seurat's release, if they are available.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,10 +11,10 @@ use tempfile::TempDir;
 use crate::commands::{fine, refused};
 
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-/// A field of view of 90° without an end.
+/// Projection with a field of view of 90° and an infinite far plane.
 const PERSPECTIVE: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, -0.2, 0.0, 0.0, -1.0, 0.0];
 
-/// A view of `size` with a colour file, whose camera stands at x.
+/// Returns a view of `size` with a colour file and a camera at x.
 fn view(size: [u32; 2], clip_from_eye: [f64; 16], x: f64, depth_type: &str) -> Value {
     let mut pose = IDENTITY;
     pose[3] = x;
@@ -102,7 +102,7 @@ fn data() -> PathBuf {
     PathBuf::from(option_env!("LIGHTFOLD_DATA").unwrap_or("no data")).join("seurat")
 }
 
-/// A perspective view of 450² with files of the release's tests.
+/// Returns a perspective view of 450x450 pixels with test files of the release.
 fn released_view(color: &str, depth: [&str; 2]) -> Value {
     let mut view = view([450, 450], PERSPECTIVE, 0.0, "RAY_DEPTH");
     view["depth_image_file"]["color"]["path"] = json!(color);
@@ -127,7 +127,7 @@ fn the_released_manifest_is_inspected_and_the_invalid_one_refused() {
     assert_eq!(report["cameras_box_m"], json!({ "min": [0.0, 0.0, 0.0], "max": [0.0, 0.0, 0.0] }));
     assert!(report["notes"].to_string().contains("usually is an alpha"), "{report}");
     let capture = SeuratCapture::open(&data().join("manifest_v3.json")).unwrap();
-    // The depth is an alpha: 1 m, or 0 and thus infinitely far.
+    // The depth channel is an alpha channel: 1 m, or 0, which is infinitely far.
     let rays = capture.views[0].read(&ReadLimits::default()).unwrap();
     assert_eq!(rays.len(), 450 * 450);
     assert!(rays.iter().all(|ray| ray.distance_m == 1.0 || ray.distance_m == f64::INFINITY));

@@ -1,4 +1,4 @@
-//! Shards of an encode join to its bytes: every codec, in process.
+//! Joined shards have the bytes of a single encode: every codec, in process.
 
 use codec::color::Target;
 use codec::container::Reader;
@@ -11,7 +11,7 @@ use lightfold::pack::{PackSettings, pack};
 use crate::resume_footage::{Footage, all, dataset};
 use crate::samples::Random;
 
-/// A shard, encoded.
+/// Encodes a shard.
 fn encoded(footage: &Footage, part: Part<'_>) -> Vec<u8> {
     let (source, settings) = (footage.source(), &footage.settings);
     let part = part.with_footage(Content::read(&source, settings, &Silent).unwrap());
@@ -19,7 +19,7 @@ fn encoded(footage: &Footage, part: Part<'_>) -> Vec<u8> {
     encode::encode(&part, settings, Vec::new(), &Silent).unwrap().0
 }
 
-/// All shards, encoded; `None` where the footage cannot be cut so.
+/// Encodes all shards; `None` if the footage cannot be divided in this way.
 fn shards(footage: &Footage, count: u32, by: ShardBy) -> Option<Vec<Vec<u8>>> {
     let (source, settings) = (footage.source(), &footage.settings);
     let mut shards = Vec::new();
@@ -60,7 +60,7 @@ fn shards_of_every_codec_join_in_any_order_to_one_encode() {
             for at in (1..files.len()).rev() {
                 files.swap(at, random.below(at as u32 + 1) as usize);
             }
-            // One that ran twice.
+            // A shard that was encoded twice may be joined twice.
             files.push(files[0].clone());
             assert!(joined(&files).unwrap() == whole, "{name}: {count} shards by {by:?} join to other bytes");
         }
@@ -105,7 +105,7 @@ fn shards_of_chosen_probes_kinds_and_frames_join_to_one_encode() {
     assert!(joined(&[3, 1, 0, 2, 1].map(|at: usize| files[at].clone())).unwrap() == whole);
     let message = refused(&files[..3]);
     assert!(message.contains("shard 4 of 4 is missing: frame 13 of depth of probe b"), "{message}");
-    // All four numbers, and still not all frames.
+    // All four shard numbers are present, but not all frames.
     let less = shard(3, &["a"], &others, Some([19, 20])).unwrap();
     let message = refused(&[files[0].clone(), files[1].clone(), less, files[3].clone()]);
     assert!(message.contains("give one of them what is missing: frame 16 of depth of probe a"), "{message}");
@@ -161,7 +161,7 @@ fn scans_of_shards_merge_to_the_scan_of_all_and_serve_encodes() {
         scan.scan(&source, settings, shard, &Silent, &mut |_| Ok(())).unwrap();
         scan
     };
-    // More shards than there are images: some are empty.
+    // With more shards than images, some shards are empty.
     for count in [1, 3, 7, 40] {
         let mut parts = (1..=count).rev().map(|number| scan(Some(Shard { number, count })));
         let mut merged = parts.next().unwrap();

@@ -1,4 +1,4 @@
-//! `scan`, `encode --shard` and `pack` as a farm runs them.
+//! `scan`, `encode --shard` and `pack` as a render farm runs them.
 
 use std::fs;
 
@@ -50,7 +50,7 @@ fn a_farm_writes_the_bytes_of_one_machine() {
 fn scans_that_have_not_ended_may_be_merged_later() {
     let footage = dataset();
     let folder = footage.folder.path();
-    // The options of encode, of which some have no effect on it.
+    // `scan` accepts the options of `encode`, some of which do not affect it.
     fine("scan . -o scan.json --clip --depth-codec quadtree --psnr 45 --lzma2=1 --preset small", folder);
     let whole = fs::read(folder.join("scan.json")).unwrap();
     let mut scan: serde_json::Value = serde_json::from_slice(&whole).unwrap();
@@ -78,7 +78,7 @@ fn a_shard_that_is_complete_is_not_encoded_again() {
     let folder = footage.folder.path();
     let file = folder.join("a.lfold");
     let line = "encode . --clip --shard 2/3 --resume --json -o a.lfold";
-    // Whether it was complete already, and its report without times.
+    // Returns whether the shard was already complete, and its report without times.
     let run = |line: &str| {
         let done = fine(line, folder);
         let mut report: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
@@ -102,7 +102,7 @@ fn a_shard_that_is_complete_is_not_encoded_again() {
     let said = String::from_utf8(fine(&line.replace(" --json", ""), folder).stderr).unwrap();
     assert!(said.contains("a.lfold: this shard is complete; nothing was left to encode"), "{said}");
     assert_eq!(fs::metadata(&file).unwrap().modified().unwrap(), written, "it was written again");
-    // Cut short; of older images than there are; without --resume.
+    // The shard is encoded again if its file is truncated, if images are newer than the shard, or without --resume.
     fs::write(&file, &bytes[..bytes.len() - 1]).unwrap();
     assert_eq!(run(line), (false, report.clone()));
     for face in ["px", "ny"] {
@@ -113,7 +113,7 @@ fn a_shard_that_is_complete_is_not_encoded_again() {
     assert_eq!(run(line), (true, report.clone()));
     assert_eq!(run(&line.replace(" --resume", "")), (false, report));
     assert!(fs::read(&file).unwrap() == bytes, "other bytes");
-    // Another shard, other settings.
+    // Another shard and other settings are encoded again.
     for (from, to) in [("2/3", "1/3"), ("2/3", "3/3"), ("--clip", "--clip --psnr 30")] {
         assert!(!run(&line.replace(from, to)).0, "{to}");
         assert!(!run(line).0, "after {to}");
@@ -136,12 +136,12 @@ fn a_studio_says_what_a_shard_has() {
     fine("pack 2.lfold 3.lfold 1.lfold -o joined.lfold", folder);
     let read = |name: &str| fs::read(folder.join(name)).unwrap();
     assert!(read("joined.lfold") == read("one.lfold"), "other bytes");
-    // Neither the dataset nor a scan is replaced.
+    // An output may not replace the dataset or an input scan.
     for line in ["scan . -o lightfield.json", "encode . --shard 1/2 --clip --scan all.json -o all.json"] {
         fine("scan . -o all.json", folder);
         assert!(refused(line, folder).contains("an input file would be overwritten"), "{line}");
     }
-    // The same streams once more with others beside them, in any order.
+    // Shards with the same streams, in addition to others, overlap in any order.
     fine(&format!("{options} --shard 1/3 --shard-stream color,depth -o more.lfold"), folder);
     for (inputs, other) in [("1.lfold more.lfold", "1.lfold"), ("more.lfold 2.lfold", "2.lfold")] {
         let line = format!("pack {inputs} -o joined.lfold");

@@ -1,4 +1,4 @@
-//! Shards join only where all were made of footage with the same content, wherever that lies.
+//! Shards can be joined only if all were encoded from footage with the same content, in whichever folder it is.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ use crate::footage::{Footage, Random, drifting_color};
 const FRAMES: u32 = 8;
 const SIZE: [u32; 2] = [12, 8];
 
-/// A perspective probe of 12x8 pixels with depth, colour and material of eight frames; `seed` changes every pixel.
+/// Writes a perspective probe of 12x8 pixels with eight frames of depth, colour and material; `seed` changes every pixel.
 fn write(folder: &Path, seed: u32) {
     let depth = |_: Face, frame: u32| Plane::from_fn(SIZE[0], SIZE[1], |x, y| (seed + 1 + x + y * frame) as f32);
     let color = |_: Face, frame: u32| drifting_color(SIZE[0], SIZE[1], frame + seed);
@@ -49,7 +49,7 @@ fn open(folder: &Path) -> Source {
     Source::open(folder, &SourceOptions::default()).unwrap()
 }
 
-/// A shard of two, of the footage as it is now, or as a scan has it.
+/// Encodes one shard of two, from the current footage or from a scan of it.
 fn shard_of(source: &dyn FrameSource, number: u32, by: ShardBy, scan: Option<&ScanFile>) -> lightfold::Result<Vec<u8>> {
     let settings = settings();
     let part = Part::shard(source, &settings, Shard { number, count: 2 }, by)?;
@@ -78,7 +78,7 @@ fn file(folder: &Path, kind: &str, frame: u32) -> PathBuf {
     folder.join(format!("probe_00/face_view/{kind}.{frame:04}.exr"))
 }
 
-/// Renders an image again, with one pixel that differs.
+/// Rewrites an image with one pixel changed.
 fn render_again(folder: &Path, kind: &str, frame: u32, random: &mut Random) {
     let path = file(folder, kind, frame);
     let [x, y] = SIZE.map(|side| random.below(side));
@@ -134,7 +134,7 @@ fn footage_that_changed_between_shards_is_refused_a_hundred_times_of_a_hundred()
         let path = file(folder.path(), kind, frame);
         let time = fs::metadata(&path).unwrap().modified().unwrap();
         render_again(folder.path(), kind, frame, &mut random);
-        // Neither sizes nor times tell.
+        // The change is not detectable by file size or time.
         fs::File::options().write(true).open(&path).unwrap().set_modified(time).unwrap();
         let after = shard_of(&open(folder.path()), 3 - first, by, None).unwrap();
         let has = |file: &[u8]| {
@@ -171,7 +171,7 @@ fn a_changed_pose_or_another_data_set_is_refused() {
     let moved = shard_of(&open(folder.path()), 2, by, None).unwrap();
     let message = joined(&[first.clone(), moved]).unwrap_err().to_string();
     assert!(message.contains("a shard of another encode") && message.contains("other settings"), "{message}");
-    // Another seed, the same manifest.
+    // The same manifest, with all pixels changed.
     write(folder.path(), 7);
     let other = shard_of(&open(folder.path()), 2, by, None).unwrap();
     for files in [[first.clone(), other.clone()], [other, first]] {
@@ -194,7 +194,7 @@ fn frames_in_memory_have_a_digest_of_their_pixels() {
     assert!(joined(&[of(&same, 1), of(&other, 2)]).is_err());
 }
 
-/// A source whose frames are in no files.
+/// A source whose frames are not files.
 struct WithoutFiles<'a>(&'a Source);
 
 impl FrameSource for WithoutFiles<'_> {
@@ -237,7 +237,7 @@ fn a_shard_refuses_files_that_changed_since_the_scan() {
     let shards = |scan| [1, 2].map(|number| shard_of(&source, number, by, Some(scan)));
     let before = shards(&old).map(Result::unwrap);
     render_again(folder.path(), "color", 7, &mut random);
-    // One shard reads the file, the other does not.
+    // Only one of the shards reads the changed file.
     let after = shards(&old);
     let reader = after.iter().position(Result::is_err).expect("a shard that reads the file");
     let (first, number) = (before[1 - reader].clone(), reader as u32 + 1);
@@ -247,7 +247,7 @@ fn a_shard_refuses_files_that_changed_since_the_scan() {
     let second = shard_of(&source, number, by, Some(&scan(&source))).unwrap();
     let message = joined(&[second.clone(), first]).unwrap_err().to_string();
     assert!(message.contains("whose color of probe 00"), "{message}");
-    // Scanned or read: the digests are the same.
+    // The digests of a scan equal those of reading the files.
     assert!(joined(&[second, shard_of(&source, 2 - reader as u32, by, None).unwrap()]).is_ok());
 }
 
@@ -276,7 +276,7 @@ fn copies_of_footage_join_and_changed_footage_names_both_files() {
     assert!(
         Reader::open(folder.path().join("joined.lfold")).unwrap().index().attributes.get("shard.footage").is_none()
     );
-    // The depth of one data set, the colour of another.
+    // Depth and colour are from different datasets.
     write(&there, 5);
     fs::remove_file(folder.path().join("scan.json")).unwrap();
     fine(&format!("encode elsewhere/copy {options} --shard 2/2 -o 2.lfold"), folder.path());
@@ -285,7 +285,7 @@ fn copies_of_footage_join_and_changed_footage_names_both_files() {
         assert!(message.contains("1.lfold") && message.contains("2.lfold"), "{message}");
         assert!(!folder.path().join("no.lfold").exists());
     }
-    // A shard that is complete is made again where files of other shards have changed.
+    // A complete shard is encoded again if files of other shards have changed.
     let again = format!("encode here {options} --shard 1/2 --resume -o 1.lfold");
     let words = |line: &str| String::from_utf8(fine(line, folder.path()).stderr).unwrap();
     assert!(words(&again).contains("this shard is complete"));
@@ -303,7 +303,7 @@ fn a_shard_that_changed_footage_stopped_is_resumed_after_another_scan() {
         let _ = fs::remove_file(at.join("scan.json"));
         fine("scan . -o scan.json", at);
     };
-    // Many frames, so that chunks are complete before the last one is read.
+    // There are many frames so that chunks are complete before the last frame is read.
     let last = 199;
     let color = |_: Face, frame: u32| drifting_color(SIZE[0], SIZE[1], frame);
     Footage { frames: [0, last], depth: None, color: Some(&color), ..Footage::new(SIZE[0], SIZE[1]) }.write(at);
@@ -324,14 +324,14 @@ fn a_shard_that_changed_footage_stopped_is_resumed_after_another_scan() {
     assert!(said.contains("safe in") && said.contains("after a new scan, --resume starts this shard anew"), "{said}");
     scan();
     resumed("files have changed since the unfinished encode; starting anew");
-    // With other options, as any other encode.
+    // Other options prevent resuming, as for any encode.
     fs::remove_file(at.join("a.lfold")).unwrap();
     let before = fs::read(file(at, "color", last)).unwrap();
     render_again(at, "color", last, &mut random);
     refused(&shard(number, "-o a.lfold"), at);
     let said = refused(&shard(number, "--resume --psnr 30 -o a.lfold"), at);
     assert!(said.contains("cannot go on") && said.contains("psnr"), "{said}");
-    // As it was scanned.
+    // With the file as it was scanned, the shard is resumed.
     fs::write(file(at, "color", last), before).unwrap();
     resumed("resuming after");
 }

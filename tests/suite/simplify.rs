@@ -1,4 +1,4 @@
-//! `lightfold simplify`: what it writes, reports and refuses.
+//! `lightfold simplify`: its output files, reports and errors.
 
 use std::fs;
 use std::path::Path;
@@ -48,7 +48,8 @@ fn a_dataset_becomes_a_blended_mesh_within_its_budgets() {
     let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
     let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
     assert_eq!(indices.len() as f64, 3.0 * number("triangles"));
-    // From back to front, seen from the middle of the cameras; a tile is as long as its triangles are.
+    // Triangles are sorted back to front, as seen from the mean camera position. Tiles have an extent in depth, so only the first
+    // and the last triangle are compared.
     let middle = [0.15f32, 1.6, 0.15];
     let positions: Vec<[f32; 3]> = reader.read_positions().unwrap().collect();
     let distance = |corner: &u32| -> f32 {
@@ -57,7 +58,7 @@ fn a_dataset_becomes_a_blended_mesh_within_its_budgets() {
     };
     let ends = [&indices[..3], &indices[indices.len() - 3..]].map(|corners| corners.iter().map(distance).sum::<f32>());
     assert!(ends[0] > 2.0 * ends[1], "{ends:?}");
-    // Every triangle is counter-clockwise for an eye in the middle.
+    // Every triangle is counter-clockwise as seen from the mean camera position.
     for corners in indices.chunks_exact(3) {
         let [a, b, c] = [0, 1, 2].map(|at| positions[corners[at] as usize].map(f64::from));
         let from = |p: [f64; 3]| std::array::from_fn::<f64, 3, _>(|axis| p[axis] - f64::from(middle[axis]));
@@ -141,12 +142,12 @@ fn charts_and_pictures_are_drawn_into_a_folder() {
     assert!(chart.contains("bound (dual)") && chart.contains("best selection (primal)"), "{chart}");
 }
 
-/// A path of two poses, the second for two frames.
+/// A camera path of two poses, the second for two frames.
 const PATH: &str = r#"{"cameras": [
     {"eye": [0.1, 1.55, 0.1], "look_at": [2, 1.4, 0.3], "fov_y_deg": 70, "frame": 0},
     {"eye": [0.2, 1.6, 0.1], "look_at": [2, 1.3, 0.9], "fov_y_deg": 70, "frame": 2}]}"#;
 
-/// A simplified scene beside the dataset that it was made of, and the report about it.
+/// Simplifies the dataset of [`room`]; returns the folder of both, and the report.
 fn simplified(options: &str) -> (TempDir, Value) {
     let folder = room();
     let line = format!("simplify room -o quads.glb --triangles 3000 --effort fast --json{options}");
@@ -176,7 +177,7 @@ fn a_scene_is_rendered_as_simplify_measured_it() {
     }
     assert_eq!(shown["reference"]["method"], "painter");
     assert_eq!(fs::read_dir(at.join("maps")).unwrap().count(), 18);
-    // It was made of frame 1, and shows that in every frame.
+    // The scene was made from frame 1, and shows that frame at any time.
     let images = shown["reference"]["images"].as_array().unwrap();
     assert!(images.iter().all(|image| image["frame"] == 1));
     let other = report("render quads.glb --reference room --frames 0-1 --null --json --method z-buffer", at);
@@ -201,14 +202,14 @@ fn a_scene_takes_the_cameras_and_outputs_of_a_container() {
     assert_eq!((picture.dimensions(), open("left.png").dimensions()), ((40, 30), (40, 30)));
     assert!(open("left.png") != open("right.png") && at.join("sheet.png").exists());
     assert!(picture.pixels().filter(|pixel| pixel[3] == 255).count() > 1100);
-    // The same bytes on any number of threads; more samples are another picture.
+    // The bytes do not depend on the number of threads; more samples give a different image.
     let printed = fine(&format!("render quads.glb {eye} -o - --threads 1"), at).stdout;
     assert!(printed == fs::read(at.join("a.png")).unwrap());
     fine(&format!("render quads.glb {eye} -o smooth.png --samples 3"), at);
     assert!(open("smooth.png") != picture);
     let said = String::from_utf8(fine(&format!("render quads.glb {eye} --null --stats"), at).stdout).unwrap();
     assert!(said.contains("triangles") && said.contains("overdraw: mean") && said.contains("median"), "{said}");
-    // A name without an ending is read by its first bytes.
+    // The type of a file without an extension is detected from its first bytes.
     fs::rename(at.join("quads.glb"), at.join("quads")).unwrap();
     assert!(fine(&format!("render quads {eye} -o -"), at).stdout == printed);
 }
@@ -249,7 +250,7 @@ fn what_a_scene_cannot_be_rendered_with_is_refused() {
 fn a_run_that_stops_keeps_its_tiles_and_resumes_to_the_same_bytes() {
     let folder = room();
     let line = "simplify room -o quads.glb --triangles 1000 --effort fast";
-    // The texture beside the scene cannot be written.
+    // Writing the texture fails, and so the run stops before the scene is written.
     let full = lightfold(&format!("{line} --ktx2 /dev/full").split(' ').collect::<Vec<_>>(), folder.path());
     let stopped = String::from_utf8_lossy(&full.stderr);
     assert!(!full.status.success() && stopped.contains("--resume continues"), "{stopped}");

@@ -1,4 +1,4 @@
-//! Files of `lightfold simplify`: glTF, OBJ, KTX2 and EXR hold the same scene.
+//! Output files of `lightfold simplify`: glTF, OBJ, KTX2 and EXR contain the same scene.
 
 use std::fs;
 use std::path::Path;
@@ -18,7 +18,7 @@ fn simplified(options: &str, folder: &Path) -> Value {
     serde_json::from_slice(&fine(&format!("simplify room {BUDGETS} {options}"), folder).stdout).unwrap()
 }
 
-/// A GLB file: its document and its one texture, RGBA.
+/// Reads a GLB file: its document, its buffers and its only texture, in RGBA.
 fn glb(path: &Path) -> (gltf::Document, Vec<gltf::buffer::Data>, gltf::image::Data) {
     let (document, buffers, mut images) = gltf::import(path).unwrap();
     assert_eq!(images.len(), 1);
@@ -46,7 +46,7 @@ fn obj_and_png_hold_what_the_glb_holds() {
     let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
     let (models, materials) = tobj::load_obj(folder.path().join("b.obj"), &tobj::LoadOptions::default()).unwrap();
     let [model] = &models[..] else { panic!("one mesh, in drawing order") };
-    // The reader numbers corners anew, so they are compared one by one.
+    // The OBJ reader renumbers vertices, so corners are compared one by one.
     let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
     let positions: Vec<[f32; 3]> = reader.read_positions().unwrap().collect();
     let uvs: Vec<[f32; 2]> = reader.read_tex_coords(0).unwrap().into_f32().collect();
@@ -61,7 +61,7 @@ fn obj_and_png_hold_what_the_glb_holds() {
     let png = ::image::open(folder.path().join("b.png")).unwrap().into_rgba8();
     assert!(*png.as_raw() == image.pixels);
 
-    // Runs of blended and opaque triangles are all triangles, and opaque ones have no alpha.
+    // Runs of blended and opaque triangles cover all triangles, and opaque ones have alpha 255.
     let extras = lightfold_extras(&document);
     let runs: Vec<usize> = serde_json::from_value(extras["runs_blended_opaque"].clone()).unwrap();
     assert_eq!(runs.iter().sum::<usize>() as u64, report["triangles"].as_u64().unwrap());
@@ -94,7 +94,7 @@ fn projective_texture_coordinates_are_in_the_glb_and_in_the_obj() {
         gltf::accessor::Iter::new(accessor, |buffer| Some(&buffers[buffer.index()])).unwrap().collect();
     assert_eq!(stq.len(), uvs.len());
     assert!(stq.iter().zip(&uvs).all(|(stq, uv)| (0..2).all(|at| (stq[at] / stq[2] - uv[at]).abs() < 1e-6)));
-    // Corners at different distances.
+    // Some corners have different distances.
     assert!(stq.iter().any(|stq| stq[2] < 0.9));
     let obj = fs::read_to_string(folder.path().join("b.obj")).unwrap();
     let found: Vec<[f32; 3]> = (obj.lines().filter_map(|line| line.strip_prefix("vt ")))
@@ -142,7 +142,7 @@ fn hdr_textures_keep_light_above_one() {
     let texels = exr::read_channels(&folder.path().join("a.exr"), ["R", "G", "B", "A"], &limits).unwrap();
     let (_, _, image) = glb(&folder.path().join("a.glb"));
     assert_eq!([texels.width(), texels.height()], [image.width, image.height]);
-    // Straight alpha, that of the PNG.
+    // Straight alpha, equal to that of the PNG.
     for (texel, pixel) in texels.data().iter().zip(image.pixels.as_chunks::<4>().0) {
         assert_eq!((texel[3] * 255.0).round(), f32::from(pixel[3]));
     }
@@ -186,7 +186,7 @@ fn normals_and_material_have_the_texture_coordinates_of_light() {
         assert_eq!([plane.width(), plane.height()], [image.width, image.height]);
     }
     assert!(materials.data().iter().any(|[reflect, ..]| *reflect > 0.4));
-    // At the middle of most triangles, the normal is that of the triangle.
+    // At the centroid of most triangles, the normal is the triangle's normal.
     let primitive = document.meshes().next().unwrap().primitives().next().unwrap();
     let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
     let positions: Vec<glam::Vec3> = reader.read_positions().unwrap().map(glam::Vec3::from_array).collect();
@@ -221,10 +221,10 @@ fn texture_filters_spread_light_over_fewer_or_more_texels() {
         (report["counters"]["filled_texels"].as_u64().unwrap(), counts, image)
     };
     let [boxed, gaussian, spline] = ["box", "gaussian", "b-spline"].map(of);
-    // The same mesh, and fewer texels without a sample.
+    // The mesh does not depend on the filter; wider filters leave fewer texels without a sample.
     assert!(boxed.1 == gaussian.1 && gaussian.1 == spline.1);
     assert!(boxed.0 > gaussian.0 && gaussian.0 > spline.0, "{} {} {}", boxed.0, gaussian.0, spline.0);
-    // Differences of texels side by side, most of which are of one tile.
+    // Mean difference of neighbouring texels, most of which belong to the same tile.
     let roughness = |image: &gltf::image::Data| {
         let rows = image.pixels.chunks_exact(4 * image.width as usize);
         let pairs = rows.flat_map(|row| row.chunks_exact(4).zip(row.chunks_exact(4).skip(1)));
@@ -252,6 +252,6 @@ fn names_that_do_not_tell_what_to_write_are_refused_before_work() {
         let said = refused(&format!("simplify room --effort fast {options}"), folder.path());
         assert!(said.contains(words), "{options}: {said}");
     }
-    // Nothing but the capture.
+    // The folder contains only the capture.
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }

@@ -1,6 +1,6 @@
-//! Simplified scenes that may not get worse: tests/baselines/simplify.csv, one row for each set.
+//! Simplified scenes may not become worse than tests/baselines/simplify.csv, which has one row per scene.
 //!
-//! `cargo test --test suite simplify_quality::write_baselines -- --ignored` writes the file anew, for a change that means to.
+//! `cargo test --test suite simplify_quality::write_baselines -- --ignored` regenerates the file after an intended change.
 
 use std::fmt::Write as _;
 
@@ -15,7 +15,8 @@ use lightfold::simplify::settings::Settings;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/simplify.csv");
 const HEAD: &str = "set,triangles,texels,psnr_db,ssim";
-/// Logarithms of other processors may choose another tile or two: in dB, in SSIM, and as a part of triangles and texels.
+/// Tolerances in dB, in SSIM, and relative for triangles and texels: logarithms on other processors may select a few different
+/// tiles.
 const SLACK_DB: f64 = 0.05;
 const SLACK_SSIM: f64 = 0.002;
 const SLACK: f64 = 1.01;

@@ -1,5 +1,5 @@
-//! Few pixels that take precision from all others: named by `encode`, left out by --near, --far and --invalid-depth; the bound on
-//! errors in percent and metres.
+//! A few stray pixels that reduce the depth precision of all others: `encode` names them, and --near, --far and --invalid-depth
+//! exclude them. Error bounds in percent and metres.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::footage::Footage;
 
 const SIDE: u32 = 64;
 
-/// From 2 m to 20 m, with other depths in some pixels of frame 1.
+/// Returns depths of 2 m to 20 m, with other depths in some pixels of frame 1.
 fn surfaces(frame: u32, strays: &[(u32, u32, f32)]) -> DepthPlane {
     Plane::from_fn(SIDE, SIDE, |x, y| {
         let stray = strays.iter().find(|stray| frame == 1 && (stray.0, stray.1) == (x, y));
@@ -25,7 +25,7 @@ fn write(folder: &Path, strays: &[(u32, u32, f32)]) {
     Footage { frames: [0, 2], depth: Some(&depth), ..Footage::new(SIDE, SIDE) }.write(folder);
 }
 
-/// The JSON report, and what was said beside it.
+/// Runs `encode`; returns its JSON report and its standard error.
 fn encode(line: &str, at: &Path) -> (Value, String) {
     let out = fine(&format!("encode {line} --json"), at);
     (serde_json::from_slice(&out.stdout).unwrap(), String::from_utf8(out.stderr).unwrap())
@@ -66,7 +66,7 @@ fn strays_are_named_with_the_options_that_leave_them_out() {
         ];
         assert!(words.iter().all(|word| said.contains(word)), "{said}");
 
-        // What was proposed leaves it out, and says so.
+        // The proposed option excludes the pixel, and the report states it.
         let range = if depth < 1.0 { "--near 2" } else { "--far 20" };
         for (rule, becomes) in [("near", "2"), ("far", "inf")] {
             let line = format!(". -o b.lfold {range} --invalid-depth {rule}");
@@ -111,7 +111,7 @@ fn checking_footage_names_strays_as_encoding_does() {
         let first = &report["depth_strays"][0]["strays"]["first"][0];
         assert_eq!((&first["x"], &first["y"]), (&13.into(), &40.into()), "{report}");
         assert_eq!(first["depth_m"].as_f64().map(|metres| metres as f32), Some(depth));
-        // Another frame has none.
+        // Without --frame, another frame is checked, which has no strays.
         assert!(!check(&[]).contains("warning"));
     }
     let report: Value = serde_json::from_str(&check(&["--json"])).unwrap();
@@ -125,11 +125,11 @@ fn usual_depth_has_no_strays() {
     write(at, &[]);
     let (report, said) = encode(". -o a.lfold", at);
     assert!(report["depth"][0]["strays"].is_null() && !said.contains("warning"), "{said}");
-    // Of 1e30 m nothing is a surface.
+    // A depth of 1e30 m is background and not a stray surface.
     write(at, &[(1, 1, 1e30)]);
     let (report, _) = encode(". -o a.lfold", at);
     assert!(report["depth"][0]["strays"].is_null());
-    // One distance everywhere is exact.
+    // A single distance is coded exactly.
     let depth = |_: Face, _: u32| Plane::filled(SIDE, SIDE, 3.5);
     Footage { frames: [0, 0], depth: Some(&depth), ..Footage::new(SIDE, SIDE) }.write(at);
     let (report, _) = encode(". -o a.lfold", at);
@@ -185,7 +185,7 @@ fn bounds_hold_in_every_pixel_as_they_are_stated() {
             assert!(text.contains(" at 10 m") && text.contains("no surface at"), "{text}");
         }
     }
-    // No bound, and one that no code keeps.
+    // A codec without an error bound, and a bound that no code meets.
     let text = text_of("encode . -o a.lfold --depth-codec bc4w", at);
     assert!(text.contains("no bound on the error"), "{text}");
     write(at, &[(7, 7, 1e-40)]);

@@ -1,4 +1,4 @@
-//! Footage as studios have it goes in by its manifest alone, without an option, and is decoded with the right values.
+//! Footage as studios deliver it is encoded from its manifest alone, without options, and decodes to the right values.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ const FRAMES: [u32; 2] = [1, 3];
 const INF: f32 = f32::INFINITY;
 const VIEW: [Face; 1] = [Face::View];
 
-/// Planar depth in metres; background in the top rows.
+/// Returns planar depth in metres; the top rows are background.
 fn depth_m(x: usize, y: usize, frame: u32) -> f32 {
     if y < 4 { INF } else { 2.0 + 0.125 * x as f32 + 0.25 * y as f32 + 0.5 * frame as f32 }
 }
@@ -35,7 +35,7 @@ fn halves(size: [usize; 2], value: impl Fn(usize, usize) -> f32) -> FlatSamples 
     FlatSamples::F16((0..size[0] * size[1]).map(|at| f16::from_f32(value(at % size[0], at / size[0]))).collect())
 }
 
-/// How files of a test are stored.
+/// Compression and block layout of a test's files.
 #[derive(Clone, Copy)]
 struct Storage {
     compression: Compression,
@@ -58,7 +58,7 @@ fn rgb<'a>(names: [&'a str; 3], frame: u32) -> Channels<'a> {
     names.into_iter().enumerate().map(|(at, name)| (name, channel(at))).collect()
 }
 
-/// A folder of footage, which becomes a container and a dataset again.
+/// A folder of footage, which is encoded to a container and decoded to a dataset.
 struct Studio(TempDir);
 
 impl Studio {
@@ -70,7 +70,7 @@ impl Studio {
         self.0.path().join("in").join(name)
     }
 
-    /// Writes a frame's file by the name that a pattern has for it.
+    /// Writes a file per frame, with the name that `name` returns for it.
     fn frames(
         &self,
         name: impl Fn(u32) -> String,
@@ -87,7 +87,7 @@ impl Studio {
         std::fs::write(self.path("lightfield.json"), text).unwrap();
     }
 
-    /// As [`Self::manifest`], of one perspective camera with planar depth.
+    /// Writes a manifest with these keys for one perspective camera with planar depth.
     fn view(&self, keys: &str) {
         self.manifest(&format!(
             r#""fps": 24, "projection": "perspective", "size": [16, 16], {keys},
@@ -95,7 +95,7 @@ impl Studio {
         ));
     }
 
-    /// Encodes and decodes the footage without options; answers what was said, and the decoded dataset.
+    /// Encodes and decodes the footage without options; returns the standard error of `encode`, and the decoded dataset.
     fn there_and_back(&self) -> (String, Source) {
         let said = fine("encode in -o film.lfold --quiet", self.0.path()).stderr;
         fine("decode film.lfold -o out --quiet", self.0.path());
@@ -104,7 +104,8 @@ impl Studio {
     }
 }
 
-/// Compares depth and colour of all frames and faces with what they were, by probe, face, column, row and frame.
+/// Compares depth and colour of all frames and faces with the expected values, which are functions of probe, face, column and
+/// row, and frame.
 fn check(
     source: &Source,
     faces: &[Face],
@@ -138,7 +139,7 @@ fn check(
     }
 }
 
-/// [`check`] of a perspective camera of 60 degrees that sees [`depth_m`] and [`color`].
+/// Runs [`check`] for a perspective camera of 60 degrees that sees [`depth_m`] and [`color`].
 fn check_view(source: &Source) {
     let intrinsics = source.probes()[0].intrinsics.unwrap();
     let pinhole = ImageProjection::Pinhole { size: [SIDE as u32; 2], intrinsics };
@@ -148,7 +149,7 @@ fn check_view(source: &Source) {
     check(source, &VIEW, distance, |_, _, [x, y], frame| color(x as usize, y as usize, frame));
 }
 
-/// Depth with another value for the background.
+/// Returns depth with `value` for the background.
 fn with_background(value: f32, frame: u32) -> impl Fn(usize, usize) -> f32 {
     move |x, y| if depth_m(x, y, frame) == INF { value } else { depth_m(x, y, frame) }
 }
@@ -161,7 +162,7 @@ fn blender_writes_one_part_of_many_layers() {
         |frame| {
             let mut channels = rgb(["ViewLayer.Combined.R", "ViewLayer.Combined.G", "ViewLayer.Combined.B"], frame);
             channels.push(("ViewLayer.Combined.A", halves([SIDE; 2], |_, _| 1.0)));
-            // Its clipping distance, in place of infinity.
+            // Blender writes its clipping distance instead of infinity.
             channels.push(("ViewLayer.Depth.Z", floats([SIDE; 2], with_background(1e10, frame))));
             for name in ["ViewLayer.Normal.X", "ViewLayer.Normal.Y", "ViewLayer.Normal.Z"] {
                 channels.push((name, floats([SIDE; 2], |_, _| 0.5)));
@@ -190,7 +191,7 @@ fn arnold_writes_1e30_where_nothing_is() {
         studio.view(&format!(r#""depth": {{"kind": "planar"{background}}}, {files}"#));
         check_view(&studio.there_and_back().1);
     }
-    // Averaged over the edges, as its default filter does.
+    // Depth averaged over edges, as Arnold's default filter does.
     studio.frames(
         |frame| format!("beauty.{frame:04}.exr"),
         |frame| {
@@ -271,7 +272,7 @@ fn parts_of_stereo_files_are_probes() {
     };
     let light = |_: &str, _: Face, [x, y]: [u32; 2], frame: u32| color(x as usize, y as usize, frame);
     check(&studio.there_and_back().1, &VIEW, distance, light);
-    // One of them alone.
+    // Only one of the two views.
     studio.view(
         r#""depth": {"channel": "left", "kind": "planar"}, "color": {"layer": "left"},
            "files": {"color": "s.%04d.exr", "depth": "s.%04d.exr"}"#,
@@ -299,7 +300,7 @@ fn tiles_and_lossy_compression_of_halves_and_floats() {
     }
 }
 
-/// Distance to the walls of a box around the probe, and a colour for each direction.
+/// Returns the distance to the walls of a box around the probe, and a colour per direction.
 fn in_a_box(face: Face, [x, y]: [u32; 2]) -> (f32, [f32; 3]) {
     let direction = face.direction(x, y, SIDE as u32).normalize();
     let distance = 1.0 / (direction.x.abs() / 2.0).max(direction.y.abs()).max(direction.z.abs() / 3.0);
@@ -429,7 +430,7 @@ fn a_moving_camera_has_a_pose_for_each_frame() {
     assert_eq!(said, "");
     assert_eq!(decoded.probes()[0].poses, probe.poses);
     check_view(&decoded);
-    // Pictures are taken, and compared, from the pose of their frame.
+    // Each image is rendered, and compared with the source, from the pose of its frame.
     fine("render film.lfold --frames 2-3 --size 16 -o own.%04d.exr", studio.0.path());
     for frame in [2, 3] {
         let read =
@@ -438,7 +439,7 @@ fn a_moving_camera_has_a_pose_for_each_frame() {
             [format!("own.{frame:04}.exr"), format!("in/m.{frame:04}.exr")].map(|name| read(name).unwrap());
         let error = shown.data().as_flattened().iter().zip(taken.data().as_flattened());
         let most = error.map(|(a, b)| (a.to_f32() - b.to_f32()).abs()).fold(0.0, f32::max);
-        // Colour has 40 dB by default.
+        // Colour is lossy by default.
         assert!(most < 0.06, "frame {frame}: {most}");
     }
     let report = fine("render film.lfold --reference in --null --json", studio.0.path()).stdout;
@@ -467,7 +468,7 @@ fn options_override_the_manifest() {
     assert_says(&said, &["o.0001.exr", "there is no layer, channel or view none", "right.R"]);
     fine("encode in -o film.lfold --depth-channel close --color-channel right --quiet", studio.0.path());
     fine("diff in film.lfold --depth-channel close --color-channel right --max-error 100", studio.0.path());
-    // Image sequences have the same options, and the former one.
+    // Image sequences accept the same options, and the older `--channel`.
     for option in ["--depth-channel close", "--channel close"] {
         fine(&format!("encode-depth in/o.%04d.exr {option} -o z.lfold --quiet"), studio.0.path());
         fine(&format!("diff in/o.$F4.exr z.lfold {option} --max-error 100"), studio.0.path());

@@ -1,4 +1,4 @@
-//! `lightfold tradeoff` through the program itself, on a scene of a few pixels; and what its points may not come to.
+//! `lightfold tradeoff`, run as a program on a small scene; and the points of a baseline, which may not become worse.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -16,7 +16,7 @@ use tempfile::TempDir;
 const FILE_NAME: &str = "tradeoff.csv";
 const BASELINE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/tradeoff.csv");
 
-/// A folder with `scene`, made once; tests write beside it.
+/// Returns a folder with `scene`, which is created once; tests write into the same folder.
 fn place() -> &'static Path {
     static FOLDER: OnceLock<TempDir> = OnceLock::new();
     let make = || {
@@ -28,12 +28,12 @@ fn place() -> &'static Path {
     FOLDER.get_or_init(make).path()
 }
 
-/// The points of a folder.
+/// Returns the points stored in a folder.
 fn rows(folder: &Path) -> Vec<StoredPoint> {
     Store::open(&CODING, folder, None).unwrap().rows
 }
 
-/// `lightfold tradeoff` with the words of a line.
+/// Runs `lightfold tradeoff` with the arguments of a line.
 fn tradeoff(line: &str) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
     command.arg("tradeoff").args(line.split(' ')).current_dir(place()).output().unwrap()
@@ -46,7 +46,7 @@ fn json(line: &str) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// What a line that is refused says.
+/// Returns the message of a command that must be refused.
 #[track_caller]
 fn refused(line: &str) -> String {
     let output = tradeoff(line);
@@ -56,7 +56,7 @@ fn refused(line: &str) -> String {
     said
 }
 
-/// Whether a figure is the same on every run.
+/// True if a measure is the same in every run.
 fn is_steady(name: &str) -> bool {
     !["seconds", "runs", "passes", "ms", "megapixels", "peak"].iter().any(|word| name.contains(word))
 }
@@ -83,7 +83,7 @@ fn bytes_and_decibels_are_the_same_on_every_run_and_kept_runs_are_not_repeated()
         let is_color = a["kind"] == "color";
         assert_eq!((a["ssim"].is_number(), a["max_error_codes"].is_number()), (is_color, !is_color));
     }
-    // The default bound comes first, then the points of colour.
+    // The depth point with the default bound is first, followed by the colour points; lossless depth is last.
     assert_eq!(points(&first)[0]["settings"]["error"], "100");
     assert_eq!(points(&first)[3]["psnr_db_is"], "inf");
     let csv = std::fs::read(place().join("same-1").join(FILE_NAME)).unwrap();
@@ -94,7 +94,7 @@ fn bytes_and_decibels_are_the_same_on_every_run_and_kept_runs_are_not_repeated()
         assert!(place().join("same-1").join(name).is_file(), "{name}");
     }
     assert!(first["findings"].as_array().unwrap().len() >= 5);
-    // A sweep of another knob leaves what is there.
+    // A sweep of another parameter keeps the existing points.
     let cells = json("scene --sweep color-cell=8,64 --repeats 1 --json -o same-1");
     assert_eq!(points(&cells)[0]["studies"], serde_json::json!(["color-cell"]));
     let listed: Vec<_> = cells["files"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
@@ -111,7 +111,7 @@ fn what_is_of_something_else_is_refused_or_replaced() {
     let folder = place().join("other");
     std::fs::write(folder.join("notes.txt"), "mine").unwrap();
     let csv = std::fs::read(folder.join(FILE_NAME)).unwrap();
-    // Another option of all points makes other points of them.
+    // An option that applies to all points makes them points of another sweep.
     let sweep = "scene --sweep max-error=0,90 --repeats 1 -o other";
     let said = refused(&format!("{sweep} -- --near 0.01"));
     assert!(said.contains("2 points are of other footage, options, machine or program; name another folder"), "{said}");
@@ -122,7 +122,7 @@ fn what_is_of_something_else_is_refused_or_replaced() {
     assert_eq!(rows(&folder).len(), 2);
     assert!(!folder.join("color-psnr.png").exists() && !folder.join("color-rate-distortion.svg").exists());
     assert!(folder.join("depth-error.png").is_file() && folder.join("notes.txt").is_file());
-    // A day later, and with files that were copied anew, it is the same footage.
+    // The modification time does not identify footage: points of a touched manifest are reused.
     let file = std::fs::File::options().write(true).open(place().join("scene/lightfield.json")).unwrap();
     file.set_modified(std::time::SystemTime::UNIX_EPOCH).unwrap();
     json(&format!("{sweep} --json -- --near 0.01"));
@@ -178,7 +178,7 @@ fn settings_that_a_knob_brings_along_are_told() {
 fn tiles_are_modelled_as_the_options_say() {
     let of = |name: &str, more: &str| {
         let preset = "scene/probe_00/face_nz/depth.%04d.exr --preset paper --stream depth --budget-seconds 0.001";
-        // A third of it is too little for any tile.
+        // A third of the budget is too short to model any tile.
         let late = json(&format!("{preset} -o {name}-late --json -- --face nz --frames 0-0{more}"));
         let told = late["left_out"].as_array().unwrap();
         let is_told = |said: &Value| said.as_str().unwrap().starts_with("The statistics of tiles were left out");
@@ -231,7 +231,7 @@ fn what_makes_no_sense_is_refused_in_a_sentence_before_anything_runs() {
 
 #[test]
 fn a_failing_point_is_an_error_that_names_its_command() {
-    // Cells in blocks are whole blocks, which encoding finds out.
+    // Cells in texture blocks must consist of whole blocks, which only encoding checks.
     let said = refused("scene --sweep color-cell=6 -o fails -- --color-block bc7");
     assert!(
         said.starts_with("lightfold: lightfold encode scene --stream=color --color-cell=6 --color-block=bc7"),
@@ -266,7 +266,7 @@ fn a_lone_sequence_is_measured_and_recommended_from() {
     let smallest = allowed.min_by_key(|point| point["bytes_container"].as_u64()).unwrap();
     assert_eq!(report["recommended"][0]["point"], *smallest);
     assert_ne!(smallest["settings"]["error"], "200");
-    // The same from the folder alone.
+    // The recommendation is the same from the stored points.
     let later = json("--recommend --max-error 60 -o alone --json");
     assert_eq!(later["recommended"], report["recommended"]);
     let none = tradeoff("--recommend --max-error 60 --max-bytes 10 -o alone");
@@ -349,7 +349,7 @@ fn a_process_ends_with_the_one_that_started_it() {
     assert_eq!(status.code(), Some(130));
 }
 
-/// Budgets that cannot be kept are listed beside the points that were measured.
+/// Infeasible budgets are listed with the measured points.
 #[test]
 fn budgets_of_simplify_are_swept_and_what_is_infeasible_is_no_failure() {
     let plan = FootagePlan { kind: DemoKind::Interior, frames: 1, face_size: 16, probes: 2 };
@@ -376,7 +376,8 @@ fn budgets_of_simplify_are_swept_and_what_is_infeasible_is_no_failure() {
     assert!(all.contains("the least that would do is 12"), "{all}");
 }
 
-/// A sweep of rendering leaves all files that it names, the page among them, and no other kind of sweep beside it.
+/// A rendering sweep writes all files that its report names, including the page; a different kind of sweep into the same folder
+/// is refused.
 #[test]
 fn options_of_render_are_swept_over_a_probe_that_is_left_out() {
     let plan = FootagePlan { kind: DemoKind::Courtyard, frames: 1, face_size: 24, probes: 3 };
@@ -438,7 +439,7 @@ fn a_decoder_is_run_several_times() {
     assert_eq!(run("decode repeat.lfold --repeat 4 -o x").status.code(), Some(2));
 }
 
-/// The sweep of the baseline. Blocks of texture formats are left out: their encoders depend on the processor a little.
+/// Runs the sweep of the baseline. Texture block formats are excluded, because their encoders depend slightly on the processor.
 fn baseline_rows() -> Vec<(String, [Option<f64>; 3])> {
     let of = |sweeps: &str| json(&format!("scene {sweeps} --repeats 1 -o baseline --json"));
     let cells = of("--sweep color-codec=cells --sweep color-cell=16,64 --sweep psnr=30,45");
@@ -485,7 +486,7 @@ fn points_of_the_demo_cost_no_more_and_are_no_worse() {
         assert_eq!((bytes.is_some(), psnr.is_some(), codes.is_some()), (true, cells[1].is_some(), cells[2].is_some()));
         assert!(bytes <= cells[0], "{key}: {bytes:?} bytes are more than {:?}", cells[0]);
         assert!(codes <= cells[2], "{key}: an error of {codes:?} codes is more than {:?}", cells[2]);
-        // The file holds three decimals.
+        // The file has three decimals.
         let least = cells[1].map(|db| db - 0.0005);
         assert!(psnr >= least, "{key}: {psnr:?} dB are less than {:?}", cells[1]);
     }

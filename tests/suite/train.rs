@@ -24,18 +24,18 @@ use crate::roundtrip::{check_color8, check_half, decoder, encoded};
 
 const HALF: ColorFormat = ColorFormat::Half { white_cd_m2: 100.0 };
 
-/// A ramp under noise that differs in each frame and grows to the right.
+/// Returns a ramp with noise that differs in each frame and increases to the right.
 fn noisy(_: Face, frame: u32) -> ColorPlane {
     let mut random = Random(u64::from(frame));
     Plane::from_fn(192, 160, |x, y| {
-        // Nearly normal.
+        // The sum of four uniform numbers is approximately normally distributed.
         let noise = (0..4).map(|_| random.below(1000) as f32 / 1000.0 - 0.5).sum::<f32>() * x as f32 * 0.0004;
         let light = (x + 2 * y) as f32 / 1600.0;
         [light + noise, 0.6 * light + noise, 0.1 + 0.7 * noise].map(|value| f16::from_f32(value.max(0.0)))
     })
 }
 
-/// At which the noise takes many times the bytes of a table.
+/// A PSNR at which the noise takes many times the bytes of a table.
 const PSNR_DB: f64 = 46.0;
 
 fn settings(color: ColorFormat) -> EncodeSettings {
@@ -69,7 +69,7 @@ fn noisy_footage_gets_smaller_with_its_own_tables_and_keeps_its_promise() {
         let with_tables = EncodeSettings { color_tables: Some(sets[0].clone()), ..settings(color) };
         let own = encoded(&source, &with_tables);
         assert_eq!(stored_tables(&decoder(&own)), sets);
-        // The table is part of the container.
+        // The size of the container includes the table.
         assert!(own.len() < plain.len(), "{} bytes, {} with the built-in tables", own.len(), plain.len());
         assert!(summary.trained_payload_bytes + summary.table_bytes < summary.payload_bytes, "{summary:?}");
         match color {
@@ -79,7 +79,7 @@ fn noisy_footage_gets_smaller_with_its_own_tables_and_keeps_its_promise() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
         assert!(pool.install(|| encoded(&source, &with_tables)) == own, "other bytes on one thread");
         assert!(pool.install(|| trained(&[decoder(&plain)], 1)).0 == sets, "other tables on one thread");
-        // What is coded with own tables is counted with them.
+        // Payloads coded with own tables are counted with these tables.
         let again = trained(&[decoder(&own)], 1).1;
         assert_eq!(again.payload_bytes, payload_bytes(&decoder(&own)));
         assert!(again.trained_payload_bytes <= again.payload_bytes + again.payloads, "{again:?}");
@@ -169,7 +169,7 @@ fn more_sets_than_payloads_are_refused() {
     assert_eq!(error, "`sets` 2: more than the inputs have payloads, 1");
 }
 
-/// Noise on a slope, the same kind of it in all frames.
+/// Returns noise on a slope, with the same statistics in all frames.
 fn rough(_: Face, frame: u32) -> Plane<f32> {
     let mut random = Random(u64::from(frame) + 9);
     Plane::from_fn(192, 160, |x, y| 2.0 + (x + y) as f32 / 300.0 + random.below(1000) as f32 * 3e-5)

@@ -1,4 +1,5 @@
-//! The transform codec through the library: footage is encoded, decoded, and keeps its promise in every frame of every cell.
+//! The transform codec through the library: footage is encoded and decoded, and every frame of every cell meets its quality
+//! target.
 
 use codec::color::{SearchSettings, Target};
 use codec::container::Compression;
@@ -54,7 +55,7 @@ fn chunks_of_any_length_keep_the_promise_and_each_decodes_alone() {
         let stream = &decoder.streams()[0];
         let chunks = decoder.reader().index().unit_chunks(0, 0);
         assert!(chunks.iter().all(|chunk| chunk.key.first_frame % length == 0 && chunk.key.frame_count <= length));
-        // Any order of frames shows the same, and a frame that is shown already writes nothing.
+        // Frames decode to the same image in any order, and decoding the current frame again writes no pixels.
         let mut face = decoder.face(stream);
         let shown: Vec<Picture> = stream.frames.iter().map(|frame| face.decode(frame).unwrap()).collect();
         let mut random = Random(u64::from(length));
@@ -68,7 +69,7 @@ fn chunks_of_any_length_keep_the_promise_and_each_decodes_alone() {
     }
 }
 
-/// Left: noise. Right: flat areas with sharp edges, which never move.
+/// Returns noise on the left, and static flat areas with sharp edges on the right.
 fn noise_and_graphics(_: Face, frame: u32) -> ColorPlane {
     let mut random = Random(u64::from(frame));
     Plane::from_fn(64, 32, |x, y| {
@@ -93,7 +94,7 @@ fn noise_is_stored_as_keyframes_and_flat_graphics_as_palettes() {
             ColorFormat::EightBit(_) => drop(check_color8(&source, &bytes, 80.0)),
             ColorFormat::Half { .. } => check_half(&source, &bytes, 80.0),
         }
-        // As cells, the same promise takes no fewer bytes.
+        // With the cells codec, the same quality target takes more bytes.
         let cells = encoded(&source, &EncodeSettings { color_codec: ColorCodec::Cells, ..settings });
         assert!(bytes.len() < cells.len(), "{} bytes, {} as cells", bytes.len(), cells.len());
     }
@@ -114,7 +115,7 @@ fn the_same_bytes_on_any_number_of_threads_and_in_any_memory() {
     assert!(alone == encode(2, None) && alone == encode(7, None) && alone == encode(4, Some(3 << 20)));
 }
 
-/// Noise that is stronger in each frame than in the one before.
+/// Returns noise that increases with each frame.
 fn rising_noise(_: Face, frame: u32) -> ColorPlane {
     let mut random = Random(u64::from(frame) + 1);
     Plane::from_fn(64, 64, |x, y| {
@@ -130,7 +131,7 @@ fn all_frames_of_a_chunk_come_close_to_the_promise() {
     let normal = SearchSettings { effort: Effort::Normal, target: Target::Psnr(40.0), ..SearchSettings::default() };
     let bytes = encoded(&source, &EncodeSettings { search: normal, ..settings(64, 6, 40.0) });
     let frames = check_color8(&source, &bytes, 40.0);
-    // The first frame has so little noise that it is better without any level.
+    // The first frame has so little noise that it exceeds the target even without any coefficient.
     let mean = frames.iter().sum::<f64>() / frames.len() as f64;
     assert!(mean < 40.6 && frames[2..].iter().all(|psnr| (40.0..40.4).contains(psnr)), "{frames:?}");
 }

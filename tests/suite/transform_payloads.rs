@@ -1,4 +1,4 @@
-//! Parts of payloads of the transform codec (formats/color.md 6) for tests: headers, table sets, what occurs in regions.
+//! Parts of transform payloads (formats/color.md 6) for tests: headers, table sets, and statistics of what regions contain.
 
 use std::collections::BTreeSet;
 
@@ -14,7 +14,7 @@ use codec::entropy::Family;
 
 use crate::samples::Random;
 
-/// A header with steps and slopes that are usual for samples of `bytes` bytes.
+/// Returns a header with typical steps and slopes for samples of `bytes` bytes.
 pub fn usual_header(bytes: usize) -> Header {
     let luma = if bytes == 1 { 84 } else { 180 };
     Header {
@@ -26,7 +26,7 @@ pub fn usual_header(bytes: usize) -> Header {
     }
 }
 
-/// Own table sets by chance: every third symbol or so has no slot.
+/// Returns random own table sets, in which about every third symbol has frequency 0.
 pub fn own_sets(count: u8, random: &mut Random) -> Tables {
     let mut bytes = Vec::new();
     for _ in 0..count {
@@ -34,7 +34,7 @@ pub fn own_sets(count: u8, random: &mut Random) -> Tables {
             let certain = cluster >= NODE.clusters && random.below(9) == 0;
             let mut left = 4096;
             for _ in 1..alphabet {
-                // Symbols of nodes keep a slot each, so that every block has a legal one.
+                // Node symbols have a frequency of at least 1, so that every block has a legal symbol.
                 let spared = if cluster < NODE.clusters { 1 } else { 0 };
                 let frequency = match random.below(3) {
                     _ if certain => 0,
@@ -49,7 +49,7 @@ pub fn own_sets(count: u8, random: &mut Random) -> Tables {
     Tables::read(&mut Fields::new(&bytes, 0, ""), count).unwrap()
 }
 
-/// Tables with one set of a stream's own: the frequencies of the distributions of each family.
+/// Returns tables with one own set; `frequencies` returns the frequencies of all distributions of a family.
 pub fn own_set(frequencies: impl Fn(Family) -> Vec<u16>) -> Tables {
     let mut bytes = Vec::new();
     for family in FAMILIES {
@@ -60,12 +60,12 @@ pub fn own_set(frequencies: impl Fn(Family) -> Vec<u16>) -> Tables {
     Tables::read(&mut Fields::new(&bytes, 0, ""), 1).unwrap()
 }
 
-/// What occurs in payloads.
+/// Shapes of blocks that occur in payloads.
 #[derive(Debug, Default)]
 pub struct Coverage {
-    /// Size and length of transformed blocks.
+    /// Size level and length in frames of transformed blocks.
     pub transforms: BTreeSet<(usize, usize)>,
-    /// Size and colours of palettes.
+    /// Size level and number of colours of palette blocks.
     pub palettes: BTreeSet<(usize, usize)>,
     pub regions: usize,
 }

@@ -1,5 +1,6 @@
-//! Frozen containers (tests/vectors/README.md): `valid/` decode to the images whose CRC-32s lie beside them, in this library
-//! and in `decode.py`, which was written from the documents alone; `invalid/` and `limits/` are refused for their reasons.
+//! Frozen containers (tests/vectors/README.md): those in `valid/` decode to the images whose CRC-32s are stored with them, by
+//! this library and by `decode.py`, which was written from the documents alone; those in `invalid/` and `limits/` are refused for
+//! the stated reasons.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -24,7 +25,7 @@ fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors").join(name)
 }
 
-/// The containers of a folder, by name.
+/// Returns the containers of a folder, sorted by name.
 fn frozen(name: &str) -> Vec<PathBuf> {
     let mut files: Vec<_> = fs::read_dir(folder(name)).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.retain(|path| path.extension().is_some_and(|extension| extension == "lfold"));
@@ -87,7 +88,7 @@ fn valid_vectors_decode_to_their_images_in_any_order() {
     }
 }
 
-/// Runs a script of tests/vectors; returns what it printed, and the refusals that it wrote.
+/// Runs a script of tests/vectors; returns its standard output and its standard error, which lists refusals.
 pub fn python(script: &str, paths: &[PathBuf]) -> (String, String) {
     let script = folder(script);
     let output = ["python3", "python"]
@@ -138,7 +139,7 @@ fn invalid_vectors_are_refused_for_their_reason() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Writes all vectors anew: for a new format version, or to add one. Frozen files must not change otherwise.
+/// Rewrites all vectors, for a new format version or to add a vector. Frozen files must not change otherwise.
 #[test]
 #[ignore = "writes tests/vectors"]
 fn regenerate_vectors() {
@@ -151,21 +152,21 @@ fn regenerate_vectors() {
     write(valid(), vectors_of_damage::invalid());
 }
 
-/// Writes the vectors of the transform codec anew, which are made with the built-in entropy tables.
+/// Rewrites the vectors of the transform codec, which depend on the built-in entropy tables.
 #[test]
 #[ignore = "writes tests/vectors"]
 fn regenerate_transform_vectors() {
     write(vectors_of_transforms::valid(), vectors_of_transforms::invalid());
 }
 
-/// Writes the vectors of predictive depth anew, which are made with the built-in entropy tables.
+/// Rewrites the vectors of predictive depth, which depend on the built-in entropy tables.
 #[test]
 #[ignore = "writes tests/vectors"]
 fn regenerate_predictive_vectors() {
     write(vectors_of_predictive::valid(), vectors_of_predictive::invalid());
 }
 
-/// Writes the vectors of attributes anew.
+/// Rewrites the vectors of attributes.
 #[test]
 #[ignore = "writes tests/vectors"]
 fn regenerate_attribute_vectors() {
@@ -207,7 +208,7 @@ pub fn keys(values: &[f32]) -> Vec<HalfKey> {
     values.iter().map(|&value| HalfKey::from_bits(f16::from_f32(value).to_bits())).collect()
 }
 
-/// 8-bit cells in which every way to make a frame occurs.
+/// Returns 8-bit cells whose frames are made from keyframes and weights in every possible way.
 pub fn closing_cells() -> Vec<CellBuilder> {
     let mut first = CellBuilder::default();
     first.push_keyframe::<u8>(&[0, 255, 10, 1, 128, 77]);
@@ -229,7 +230,7 @@ pub fn closing_cells() -> Vec<CellBuilder> {
     vec![first, second, third]
 }
 
-/// Name and bytes of every valid vector.
+/// Returns name and bytes of every valid vector.
 fn valid() -> Vec<(&'static str, Vec<u8>)> {
     let moving = |size, count, seed| samples::moving_codes(size, count, seed);
     let search = |min_psnr_db| SearchSettings { target: Target::Psnr(min_psnr_db), ..SearchSettings::default() };
@@ -274,7 +275,7 @@ fn valid() -> Vec<(&'static str, Vec<u8>)> {
         bytes
     }));
     all.push(("depth-later-records-whole-and-constant", {
-        // No encoder of ours writes these, and the format allows them.
+        // The library's encoder never writes these records, but the format allows them.
         let header = samples::depth_header([1.0, 2.0], temporal(1, 0, 8, 64));
         let mut payload = vec![];
         for value in [4u32, 0, 36, 1, 42, 3, 50, 4, 56] {

@@ -1,5 +1,5 @@
-//! Every byte of every valid vector changed in three ways, and every truncation: an error, or the very same images. The
-//! suite thins the large ones; `scripts/fuzz --vectors` changes all bytes.
+//! Changes every byte of every valid vector in three ways, and truncates the vector at every byte: decoding fails or returns
+//! identical images. The suite tests a subset of the bytes of large files; `scripts/fuzz --vectors` tests all.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::samples;
 
-/// Bytes of a file that the suite changes: the first and last ones, and some between.
+/// Number of bytes per file that the suite changes: the first and the last ones, and some between them.
 const THINNED: usize = 700;
 
 #[derive(Debug, Default)]
@@ -20,12 +20,12 @@ struct Counts {
     truncations: AtomicU64,
 }
 
-/// Places in a file that are changed.
+/// Returns the offsets of the bytes to change, about `most` of `length`.
 fn places(length: usize, most: usize) -> Vec<usize> {
     if length <= most {
         return (0..length).collect();
     }
-    // Head, index and foot in full; every so many of the rest.
+    // All bytes of the header and of the last `most / 2`, with index and footer; the others at a constant step.
     let (head, tail) = (16, most / 2);
     let step = (length - head - tail).div_ceil(most - head - tail);
     (0..head).chain((head..length - tail).step_by(step)).chain(length - tail..length).collect()
@@ -74,7 +74,7 @@ fn change_all(most: usize) -> Counts {
 fn thinned() {
     let counts = change_all(THINNED);
     assert!(counts.files >= 37);
-    // The minor version alone may be any; bytes that no chunk names do not occur in the vectors.
+    // Only changes of the minor version are not detected: no byte of the vectors is outside of header, chunks, index and footer.
     let identical = counts.identical.into_inner();
     assert!((counts.files..=6 * counts.files).contains(&identical), "{identical} changes are not seen");
 }

@@ -1,4 +1,4 @@
-//! The frozen containers of [`crate::vectors`] with pieces or keyframes in blocks of texture formats.
+//! Frozen containers of [`crate::vectors`] with pieces or keyframes in texture blocks.
 
 use codec::color::cells::builder::CellBuilder;
 use codec::color::{HalfKey, SearchSettings, Target};
@@ -22,8 +22,8 @@ fn random_bytes(random: &mut Random, count: usize) -> Vec<u8> {
     (0..count).map(|_| random.below(256) as u8).collect()
 }
 
-/// Two keyframes of 64x20 pixels whose blocks have random bits, but for the first bits, which `first` makes of the number of
-/// the block; and a keyframe of samples. Frames between them have weights.
+/// Returns a container with two keyframes of 64x20 pixels in random blocks, in which `first` sets the first byte from the block
+/// number and the random byte; a keyframe of samples; and interpolated frames between them.
 fn random_blocks(blocks: ColorBlocks, block_bytes: usize, first: impl Fn(usize, u8) -> u8) -> Vec<u8> {
     let mut random = Random(block_bytes as u64 + 77);
     let mut keyframe = || {
@@ -48,7 +48,8 @@ fn random_blocks(blocks: ColorBlocks, block_bytes: usize, first: impl Fn(usize, 
     one(samples::cells_by_hand(shape(2, [64, 20], [64, 20], 0, 6), &header, vec![cell]))
 }
 
-/// Every mode of BC7, the reserved one among them: the number of zeros below the first 1.
+/// Returns the first byte of a block of each BC7 mode in turn, including the reserved one: the mode is the number of zeros below
+/// the lowest 1.
 fn bc7_mode(at: usize, noise: u8) -> u8 {
     match at % 9 {
         8 => 0,
@@ -56,7 +57,8 @@ fn bc7_mode(at: usize, noise: u8) -> u8 {
     }
 }
 
-/// Every mode of BC6H: two bits, or five of which the low ones are 10 or 11; among them the reserved ones.
+/// Returns the first byte of a block of each BC6H mode in turn, including reserved ones: a mode has two bits, or five of which
+/// the low two are 10 or 11.
 fn bc6h_mode(at: usize, noise: u8) -> u8 {
     match at % 18 {
         mode @ (0 | 1) => (noise & !3) | mode as u8,
@@ -67,7 +69,7 @@ fn bc6h_mode(at: usize, noise: u8) -> u8 {
     }
 }
 
-/// The valid vectors of blocks.
+/// Returns the valid vectors of texture blocks.
 pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
     let size = [45, 30];
     let scene = samples::scene_codes(size, 9);
@@ -89,7 +91,7 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
         samples::container(0, samples::probe("00", 10), &streams, Compression::Lzma2(6))
     }));
     all.push(("depth-bc5-random", {
-        // Pieces of random blocks and values in a whole unit and in boxes, none of which an encoder chose.
+        // Pieces of random blocks and values in a whole unit and in boxes, written without the encoder.
         let mut random = Random(5);
         let mut payload: Vec<u8> = Vec::new();
         let whole = [vec![0, 0, 0, 0, 0b101], random_bytes(&mut random, 16 * 16 + 4 * 16 * 2 + 16 * 16)].concat();
@@ -130,9 +132,9 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
     all
 }
 
-/// The invalid vectors of blocks: name, bytes, and a part of the message.
+/// Returns the invalid vectors of texture blocks: name, bytes, and a part of the message.
 pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
-    // Chunk 0: BC5 over 20x4, a keyframe of two pieces and a box; 1: BC1 colour over 4x4; 2: BC1 material.
+    // Chunk 0 is BC5 depth of 20x4 pixels, a keyframe of two pieces and a box; chunk 1 BC1 colour of 4x4; chunk 2 BC1 material.
     let code = |t: u16, at: u16| 4660 + at / 40 + if at % 20 < 4 { t } else { 0 };
     let depth: Vec<Vec<u16>> = (0..2).map(|t| (0..80).map(|at| code(t, at)).collect()).collect();
     let mut cell = CellBuilder::default();
@@ -184,7 +186,8 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     ]
 }
 
-/// A codec without blocks knows no coding of keyframes.
+/// Returns a container in a codec without blocks whose keyframe has the bit of a keyframe coding, which is read as part of the
+/// frame number.
 fn payload_of_samples() -> Vec<u8> {
     let mut cell = CellBuilder::default();
     cell.push_keyframe_as_samples(&[1u8; 3]);

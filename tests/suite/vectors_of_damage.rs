@@ -1,4 +1,4 @@
-//! Vectors that break a rule of the container, of depth or of the cells of colour, and those of all other files.
+//! Vectors that break a rule of the container, of depth or of colour cells, and the list of all invalid vectors.
 
 use std::sync::Arc;
 
@@ -13,7 +13,8 @@ use crate::{
     vectors_of_transforms,
 };
 
-/// What the invalid vectors are made of. Chunks: 0 and 1 depth, 2 and 3 8-bit colour, 4 half colour, 5 material.
+/// Returns the container from which invalid vectors are made. Chunks: 0 and 1 depth, 2 and 3 8-bit colour, 4 half-float colour, 5
+/// material.
 pub fn base() -> Vec<u8> {
     let search = SearchSettings::default();
     let depth: Vec<Vec<u16>> = (0..4).map(|t| (0..6).map(|at| at * 100 + t * (at % 2)).collect()).collect();
@@ -35,7 +36,7 @@ pub fn base() -> Vec<u8> {
     samples::in_rows(samples::container(0, samples::probe("00", 4), &streams, Compression::None))
 }
 
-/// Name, bytes and a part of the message of every invalid vector.
+/// Returns name, bytes and a part of the message of every invalid vector.
 pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let good = base();
     let size = good.len();
@@ -213,7 +214,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         "4 more bytes expected, 3 left",
     ));
 
-    // Payload 1 of depth: two records; the table at 4, the keyframe at 20, the boxes of frame 1 at 36.
+    // Depth payload 0 has two records: the record table is at byte 4, the keyframe at 20, and the boxes of frame 1 at 36.
     let payload = |chunk: usize, at: usize, bytes: &[u8]| {
         samples::with_payloads(&good, |place, payload| {
             if place == chunk {

@@ -1,4 +1,4 @@
-//! The frozen containers of [`crate::vectors`] whose index is compact (container.md 6.3).
+//! Frozen containers of [`crate::vectors`] with a compact index (container.md 6.3).
 
 use codec::color::cells::builder::CellBuilder;
 use codec::color::{SearchSettings, Target};
@@ -13,8 +13,8 @@ fn temporal(keyframe_interval: u32) -> TemporalSettings {
     TemporalSettings { window: 1, epsilon: 0, max_aabbs: 8, keyframe_interval }
 }
 
-/// Two probes with streams of three kinds, chunks of one length and of several, of which some are equal. With `by_time`, the
-/// chunks stand in the file as their first frames do.
+/// Returns a container with three probes and streams of three kinds, with chunks of one and of several lengths, some of them
+/// equal. With `by_time`, chunks are in the order of their first frames.
 fn of_many_streams(by_time: bool) -> Vec<u8> {
     let size = [17, 9];
     let standing = |seed| vec![samples::moving_codes(size, 1, seed).remove(0); 9];
@@ -75,7 +75,7 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
     .collect()
 }
 
-/// Smooth and noisy images of three kinds, whose frames have blocks of all kinds.
+/// Returns smooth and noisy images of three kinds, whose Zstandard frames have blocks of all kinds.
 fn compressed_in_frames() -> Vec<u8> {
     let ramp = |t: u32| (0..256 * 192).map(|at| (at / 256 * 3 + at % 256 / 8 + t * (at / 40_000)) as u16).collect();
     let depth: Vec<Vec<u16>> = (0..3).map(ramp).collect();
@@ -97,7 +97,7 @@ fn compressed_in_frames() -> Vec<u8> {
     file
 }
 
-/// The payload of [`Parts`] in a frame that is not a single segment, of three raw blocks.
+/// Returns the payload of [`Parts`] in a Zstandard frame that is not a single segment, with three raw blocks.
 fn windowed() -> Vec<u8> {
     let raw = Parts::new().stored;
     let mut frame = vec![0x28, 0xb5, 0x2f, 0xfd, 0x80, 0x07];
@@ -109,7 +109,7 @@ fn windowed() -> Vec<u8> {
     of_frame(&frame, raw.len())
 }
 
-/// [`Parts`] whose payload of so many bytes is stored as a Zstandard frame.
+/// Returns [`Parts`] with a payload of `raw_bytes` bytes that is stored as a Zstandard frame.
 fn of_frame(frame: &[u8], raw_bytes: usize) -> Vec<u8> {
     let mut parts = Parts::new();
     let front = [varint(frame.len() << 3 | 2), varint(raw_bytes)].concat();
@@ -118,7 +118,7 @@ fn of_frame(frame: &[u8], raw_bytes: usize) -> Vec<u8> {
     parts.file()
 }
 
-/// The parts of an index: one depth stream of two units that show one pixel each for two frames, and have the same bytes.
+/// Parts of a compact index: one depth stream of two units with one pixel and two frames each, which have equal payloads.
 struct Parts {
     stored: Vec<u8>,
     counts: Vec<u8>,
@@ -132,7 +132,7 @@ struct Parts {
     form: u8,
 }
 
-/// The sign of `near`.
+/// Offset in the stream row of the byte with the sign of `near`.
 const NEAR_SIGN_AT: usize = 19;
 
 impl Parts {
@@ -178,7 +178,7 @@ impl Parts {
     }
 }
 
-/// [`Parts`] with these rows of attributes.
+/// Returns [`Parts`] with these attribute rows.
 fn with_attributes(count: u8, rows: &[u8]) -> Vec<u8> {
     let mut parts = Parts::new();
     (parts.form, parts.rest) = (2, [&[count], rows].concat());
@@ -187,37 +187,37 @@ fn with_attributes(count: u8, rows: &[u8]) -> Vec<u8> {
 
 pub fn valid_attributes() -> Vec<(&'static str, Vec<u8>)> {
     let unknown = with_attributes(2, b"\x03\x00a.b\x02\x00\xff\x05\x00z_9.z\x00");
-    // A value that means nothing: no pixel depends on it.
+    // The value is not a valid shard entry, but no pixel depends on it.
     let known = with_attributes(1, b"\x05\x00shard\x01\x2a");
-    // Of one frame nothing stands in its place, of the other the first.
+    // Frame 0 is missing without a replacement; frame 1 is replaced by frame 0.
     let missing =
         with_value("frames.missing", &[missing(b"p", [1, 0], 0, u32::MAX), missing(b"p", [1, 0], 1, 0)].concat());
     vec![("attributes", unknown), ("attributes-of-a-known-name", known), ("attributes-missing-frames", missing)]
 }
 
-/// [`Parts`] with one attribute.
+/// Returns [`Parts`] with one attribute.
 fn with_value(name: &str, value: &[u8]) -> Vec<u8> {
     with_attributes(1, &[&[name.len() as u8, 0], name.as_bytes(), &varint(value.len()), value].concat())
 }
 
-/// A number below 2^14.
+/// Encodes a number below 2^14 as a varint.
 fn varint(number: usize) -> Vec<u8> {
     assert!(number < 0x4000);
     if number < 0x80 { vec![number as u8] } else { vec![number as u8 | 0x80, (number >> 7) as u8] }
 }
 
-/// A row of `frames.missing`.
+/// Returns a row of `frames.missing`.
 fn missing(probe: &[u8], kind_and_face: [u8; 2], frame: u32, held: u32) -> Vec<u8> {
     [&[probe.len() as u8, 0], probe, &kind_and_face, &frame.to_le_bytes(), &held.to_le_bytes()].concat()
 }
 
-/// A row of `probes.poses`.
+/// Returns a row of `probes.poses`.
 fn pose(probe: &[u8], frame: u32, x: f64) -> Vec<u8> {
     let numbers = [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0].map(f64::to_le_bytes).concat();
     [&[probe.len() as u8, 0], probe, &frame.to_le_bytes(), &numbers].concat()
 }
 
-/// Values of attributes that break a rule of container.md 6.6.
+/// Returns attribute values that break a rule of container.md 6.6.
 fn invalid_values() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let frames = |rows: &[Vec<u8>]| with_value("frames.missing", &rows.concat());
     let poses = |rows: &[Vec<u8>]| with_value("probes.poses", &rows.concat());
@@ -263,7 +263,7 @@ pub fn invalid_attributes() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     .collect()
 }
 
-/// Name, bytes and a part of the message of every invalid vector.
+/// Returns name, bytes and a part of the message of every invalid vector.
 pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let edited = |change: &dyn Fn(&mut Parts)| {
         let mut parts = Parts::new();
@@ -276,11 +276,11 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             parts.stream.splice(at..=at, bytes.iter().copied());
         })
     };
-    // From the first byte of the first row, and what else it has.
+    // `change` makes the chunk table from the first byte of the first row and the rest of that row.
     let chunks = |change: &dyn Fn(u8, &[u8]) -> Vec<u8>| {
         edited(&|parts| parts.chunks = change(parts.chunks[0], &parts.chunks[1..6]))
     };
-    // A single segment of one raw block: the magic, the descriptor, the size, the block's head.
+    // A single-segment frame with one raw block: magic, frame header descriptor, content size, block header, content.
     let zstd = |change: &dyn Fn(&mut Vec<u8>)| {
         let raw = Parts::new().stored;
         let mut frame = [&[0x28, 0xb5, 0x2f, 0xfd, 0x20, 18, 18 << 3 | 1, 0, 0][..], &raw].concat();
@@ -357,29 +357,29 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     .collect()
 }
 
-/// A window, and no content size.
+/// A window descriptor, and no content size.
 fn size_missing(frame: &mut [u8]) {
     frame[4] = 0;
     frame[5] = 0;
 }
 
-/// 18 MiB, then a size of two bytes cannot be 18: one of four.
+/// A window of 18 MiB. The content size has four bytes, because a size of two bytes cannot be 18.
 fn large_window(frame: &mut Vec<u8>) {
     frame.splice(4..6, [0x80, 14 << 3 | 1, 18, 0, 0, 0]);
 }
 
-/// One byte fewer in the block than the header says.
+/// The block has one byte less than the frame header states.
 fn shorter(frame: &mut Vec<u8>) {
     frame[6] = 17 << 3 | 1;
     frame.pop();
 }
 
-/// Another one, of nothing.
+/// Appends a second, empty frame.
 fn two_frames(frame: &mut Vec<u8>) {
     frame.extend_from_slice(&[0x28, 0xb5, 0x2f, 0xfd, 0x20, 0, 1, 0, 0]);
 }
 
-/// 18 bytes cannot become 589,825.
+/// 18 stored bytes cannot expand to 589,825.
 fn expanding(parts: &mut Parts) {
     parts.chunks.splice(0..2, [0x92, 1, 0x81, 0x80, 0x24]);
 }
@@ -394,7 +394,7 @@ fn no_stream(parts: &mut Parts) {
     parts.stream.clear();
 }
 
-/// A second row with all of the first, face too.
+/// A second row with all fields of the first, including the face.
 fn twice(parts: &mut Parts) {
     parts.counts[1] = 2;
     parts.counts[2] = 4;
@@ -402,14 +402,14 @@ fn twice(parts: &mut Parts) {
     parts.chunks.extend_from_slice(&[3, 3]);
 }
 
-/// Unit 0 has one of two chunks, unit 1 both.
+/// Unit 0 has one of its two chunks, unit 1 both.
 fn left_out(parts: &mut Parts) {
     *parts.stream.last_mut().unwrap() = 1;
     parts.counts[2] = 3;
     parts.chunks.extend_from_slice(&[7, 1]);
 }
 
-/// Rows that say how many frames they are for.
+/// Chunk rows that state their frame counts.
 fn frames_of_rows(parts: &mut Parts, [first, second]: [u8; 2]) {
     *parts.stream.last_mut().unwrap() = 0;
     parts.chunks.insert(2, first);

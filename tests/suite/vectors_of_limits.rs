@@ -1,10 +1,10 @@
-//! Vectors of files that are refused before an image is asked for: what only a limit forbids, and what is forbidden whatever
-//! is asked for.
+//! Vectors of files that are refused before an image is decoded: files that only exceed a limit, and files that break a rule that
+//! is checked whichever image is requested.
 
 use std::path::Path;
 
 use codec::color::SearchSettings;
-use codec::color::cells::LEADS_NOWHERE;
+use codec::color::cells::MISSING_NEXT_KEYFRAME;
 use codec::color::cells::builder::CellBuilder;
 use codec::decode::Decoder;
 use codec::depth::predictive::UnitArea;
@@ -15,7 +15,7 @@ use lightfold::inspect::{self, InspectSettings, coding_map, survey};
 use crate::samples;
 use crate::vectors::{one, shape};
 
-/// Vectors that break no rule of the format, and would cost more than their size justifies (container.md 2).
+/// Vectors that break no rule of the format, but would take more resources than their size justifies (container.md 2).
 pub const ONLY_TOO_LARGE: [&str; 4] = [
     "chunk-shared-by-many-units",
     "chunk-shared-by-some-units",
@@ -23,7 +23,7 @@ pub const ONLY_TOO_LARGE: [&str; 4] = [
     "stream-larger-than-justified",
 ];
 
-/// A cell whose first two frames show its one keyframe, and whose third leads to a chunk that is not there.
+/// Returns a cell whose first two frames show its only keyframe, and whose third refers to a chunk that does not exist.
 fn leads_nowhere_late() -> Vec<u8> {
     let mut cell = CellBuilder::default();
     cell.push_keyframe::<u8>(&[1, 2, 3]);
@@ -33,10 +33,10 @@ fn leads_nowhere_late() -> Vec<u8> {
     one(samples::cells_by_hand(shape(0, [1, 1], [1, 1], 0, 3), &header, vec![cell]))
 }
 
-/// Name, bytes and a part of the message of every invalid vector.
+/// Returns name, bytes and a part of the message of every invalid vector.
 pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     vec![
-        ("color-last-leads-nowhere-late", leads_nowhere_late(), LEADS_NOWHERE),
+        ("color-last-leads-nowhere-late", leads_nowhere_late(), MISSING_NEXT_KEYFRAME),
         ("stream-frames-for-hours", samples::static_for(1 << 31), "claim 2147483648 units and 8589934592 pixels"),
         ("chunk-shared-by-some-units", samples::shared_chunk(7), "of 7x2 pixels would take"),
         ("chunk-shared-by-many-units", samples::shared_chunk(256), "payloads of 4294967296 bytes"),
@@ -50,7 +50,7 @@ fn a_last_chunk_that_leads_nowhere_is_refused_whatever_is_asked_for() {
     let (stream, reader) = (&decoder.streams()[0], decoder.reader());
     let chunk = reader.index().chunks[0];
     let place = reader.index().place(&chunk);
-    // Frame 0 needs no other chunk.
+    // Frame 0 alone needs no other chunk.
     let said = [
         decoder.unit(stream, 0).decode(0).err(),
         decoder.face(stream).decode(0).err(),
@@ -61,6 +61,6 @@ fn a_last_chunk_that_leads_nowhere_is_refused_whatever_is_asked_for() {
     ];
     for (way, error) in said.into_iter().enumerate() {
         let error = error.map_or_else(|| "it is taken".to_owned(), |error| error.to_string());
-        assert!(error.contains(LEADS_NOWHERE), "way {way}: {error}");
+        assert!(error.contains(MISSING_NEXT_KEYFRAME), "way {way}: {error}");
     }
 }

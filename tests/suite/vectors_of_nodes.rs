@@ -1,4 +1,4 @@
-//! The frozen containers of [`crate::vectors`] whose depth is a quadtree or plain blocks.
+//! Frozen containers of [`crate::vectors`] with depth as a quadtree or as plain blocks.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ fn node_settings(window: u8, epsilon: u16, bound: u16, keyframe_interval: u32) -
     NodeSettings { window, epsilon, bound, keyframe_interval, effort: Effort::Fast, ..NodeSettings::default() }
 }
 
-/// The coefficients of a function of six numbers; `tail` is what follows them.
+/// Returns the coefficients of a function of six numbers, followed by `tail`.
 fn numbers(numbers: [i32; 6], tail: [u8; 8]) -> [u8; 32] {
     let bytes = numbers.iter().flat_map(|number| number.to_le_bytes()).chain(tail);
     bytes.collect::<Vec<u8>>().try_into().unwrap()
@@ -31,7 +31,7 @@ fn hex(text: &str) -> [u8; 32] {
     text.split_whitespace().map(byte).collect::<Vec<u8>>().try_into().unwrap()
 }
 
-/// A stream of one unit of 45×30 and three frames, made of nodes by hand: each function in each of its forms.
+/// Returns a stream of one 45×30 unit and three frames with nodes built by hand: each function in each of its forms.
 fn every_function(face: u8, kind: DomainKind) -> Stream {
     let domain = samples::node_domain(kind);
     let value = |value: i32| value << 14;
@@ -62,7 +62,7 @@ fn every_function(face: u8, kind: DomainKind) -> Stream {
         node(0, 5, 7, raw([u16::MAX; 16])),
         node(1, 3, 3, surface([0, 0, 0, 0, 0, domain.background()])),
         node(2, 2, 0, surface([-70_000, 123_456, 0, 0, 0, value(33_000)])),
-        // Sums that wrap, and results beyond both ends.
+        // Sums that wrap around, and results beyond both ends of the range.
         node(2, 2, 1, surface([4_194_304, -99_999_999, 134_217_728, -77, i32::MIN, 1 << 30])),
     ];
     nodes.sort_by_key(|node| node.place.walk_key());
@@ -84,7 +84,7 @@ fn every_function(face: u8, kind: DomainKind) -> Stream {
     Stream { entry, chunks: vec![(0, EncodedChunk { first_frame: 0, frame_count: 3, payload })] }
 }
 
-/// The functions that a stream of nodes holds.
+/// Returns the functions that occur in a quadtree stream.
 fn functions_of(stream: &Stream, kind: DomainKind) -> Vec<Function> {
     let mut functions = Vec::new();
     for (unit, chunk) in &stream.chunks {
@@ -96,7 +96,7 @@ fn functions_of(stream: &Stream, kind: DomainKind) -> Vec<Function> {
     functions
 }
 
-/// The valid vectors of the quadtree and of plain blocks.
+/// Returns the valid vectors of the quadtree and of plain blocks.
 pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
     let size = [45, 30];
     let scene = samples::scene_codes(size, 9);
@@ -136,7 +136,7 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
         samples::container(0, samples::probe("00", 2), &streams, Compression::None)
     }));
     all.push(("nodes-empty-records", {
-        // No encoder of ours writes a record without nodes, or a walk into places that turn out empty.
+        // The library's encoder never writes a record without nodes, or a tree walk into empty quadrants.
         let bytes = [&[0, 1, 0, 0x80, 0x80, 10][..], &[1, 0], &[1, 0b01]].concat();
         one(node_stream([8, 8], 4, &node_payload(&[(0, 0), (1, 6), (3, 8)], &bytes)))
     }));
@@ -168,7 +168,7 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
     all
 }
 
-/// A payload of records: frame of each, and where it starts in `records`.
+/// Returns a payload of records; `table` has the frame of each record and its offset in `records`.
 fn node_payload(table: &[(u32, u32)], records: &[u8]) -> Vec<u8> {
     let start = 4 + 8 * table.len() as u32;
     let rows = table.iter().flat_map(|&(frame, at)| [frame, start + at]);
@@ -177,7 +177,7 @@ fn node_payload(table: &[(u32, u32)], records: &[u8]) -> Vec<u8> {
     payload
 }
 
-/// A stream of packed nodes of one unit and one chunk.
+/// Returns a stream of packed nodes of one unit and one chunk.
 fn node_stream(size: [u32; 2], frame_count: u32, payload: &[u8]) -> Stream {
     let header = samples::node_header(node_settings(1, 0, 0, 64), &samples::node_domain(DomainKind::Log));
     stream_of(&samples::nodes_codec(header), size, frame_count, payload)
@@ -188,7 +188,7 @@ fn stream_of(header: &CodecHeader, size: [u32; 2], frame_count: u32, payload: &[
     Stream { entry, chunks: vec![(0, EncodedChunk { first_frame: 0, frame_count, payload: payload.to_vec() })] }
 }
 
-/// The invalid vectors of the quadtree and of plain blocks.
+/// Returns the invalid vectors of the quadtree and of plain blocks.
 pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let mut all: Vec<(&'static str, Vec<u8>, &'static str)> = Vec::new();
     let record = |side: u32, bytes: &[u8]| one(node_stream([side; 2], 1, &node_payload(&[(0, 0)], bytes)));

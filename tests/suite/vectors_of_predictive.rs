@@ -1,4 +1,4 @@
-//! The frozen containers of [`crate::vectors`] whose depth or alpha is predicted (formats/depth.md 15 and 16).
+//! Frozen containers of [`crate::vectors`] with predictive depth or alpha (formats/depth.md 15 and 16).
 
 use codec::container::{Compression, EncodedChunk, StreamEntry};
 use codec::depth::predictive::projection::{Projection, Shape as Pixels};
@@ -23,7 +23,7 @@ fn header(bound: u16, pixels: Pixels) -> PredictiveHeader {
     }
 }
 
-/// Depth codes of surfaces in front of a wall, with an edge that moves and a hole.
+/// Returns depth codes of surfaces in front of a wall, with a moving edge and a hole.
 fn surfaces(side: u32, frames: u32) -> Vec<Vec<u16>> {
     let code = |x: u32, y: u32, t: u32| -> u16 {
         match (x, y) {
@@ -74,7 +74,7 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
         one(samples::predictive(shape(0, [20, 12], [16, 16], 0, 3), &image, header(0, Pixels::Planar)))
     }));
     all.push(("predictive-own-tables", {
-        // One of equal frequencies, then one that was trained on the footage, which payloads name.
+        // Two own sets: one of equal frequencies, and one trained on the footage, which the payloads use.
         let equal = |&alphabet: &u8| {
             let mut counts = [0; SYMBOLS];
             counts[..usize::from(alphabet)].fill(1);
@@ -115,7 +115,7 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
         one(stream)
     }));
     all.push(("alpha", {
-        // A soft disc that moves, with noise at its edge.
+        // A soft moving disc with noise at its edge.
         let mut random = Random(11);
         let mut code = |x: u32, y: u32, t: u32| {
             let square = (x as i32 - 20 - t as i32).pow(2) + (y as i32 - 13).pow(2);

@@ -1,4 +1,4 @@
-//! Frozen containers of predictive depth, each named by the part of depth.md 15 that it exercises.
+//! Frozen containers of predictive depth, each named after the part of depth.md 15 that it tests.
 
 use codec::container::Compression;
 use codec::depth::predictive::projection::{Projection, Shape as Pixels};
@@ -11,7 +11,7 @@ use crate::vectors::{one, shape};
 
 const SIDE: u32 = 45;
 const FRAMES: u32 = 4;
-// Families in the order of depth.md 15.7.
+// Symbol families in the order of depth.md 15.7.
 const FRAME: usize = 0;
 const MODE: usize = 1;
 const SMALL_MODE: usize = 2;
@@ -20,7 +20,7 @@ const PIXEL: usize = 4;
 const ESCAPE: usize = 5;
 const CANDIDATE: usize = 6;
 
-/// A stream, and symbols that it must have: a family, and those of its symbols of which each occurs.
+/// A stream, and the symbols that must occur in it: families, each with a list of symbols.
 struct Part {
     name: &'static str,
     stream: Stream,
@@ -44,7 +44,8 @@ fn frames(mut code: impl FnMut(u32, u32, u32) -> f64) -> Vec<Vec<u16>> {
     (0..FRAMES).map(&mut image).collect()
 }
 
-/// Planes in space that meet in edges, in codes of so many for each factor of two; one moves. Depths are 1 − `range` and more.
+/// Returns codes of planes in space that meet at edges; one plane moves. `octave` is the number of codes per factor of two.
+/// Inverse depths are at least 1 − `range`.
 fn planes(octave: f64, range: f64) -> Vec<Vec<u16>> {
     frames(|x, y, t| {
         let (x, y, t) = (f64::from(x), f64::from(y), f64::from(t));
@@ -54,7 +55,7 @@ fn planes(octave: f64, range: f64) -> Vec<Vec<u16>> {
     })
 }
 
-/// The same as distances from the centre of a cube.
+/// Returns [`planes`] as distances from the centre of a cube.
 fn distances(octave: f64, range: f64) -> Vec<Vec<u16>> {
     let mut images = planes(octave, range);
     for image in &mut images {
@@ -67,7 +68,7 @@ fn distances(octave: f64, range: f64) -> Vec<Vec<u16>> {
     images
 }
 
-/// The footage of a part and the bound that it is coded with.
+/// Encodes images as a part.
 fn part(
     name: &'static str,
     images: &[Vec<u16>],
@@ -146,7 +147,7 @@ fn parts() -> Vec<Part> {
     ]
 }
 
-/// Eight own table sets, of which payloads name the last.
+/// Returns a part with eight own table sets, of which the payloads use the last.
 fn most_own_sets(images: &[Vec<u16>], header: PredictiveHeader) -> Part {
     let plain = part("", images, header.clone(), &[]);
     let counts = plain.stream.chunks.iter().map(|(unit, chunk)| {

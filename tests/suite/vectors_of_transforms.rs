@@ -1,4 +1,4 @@
-//! The frozen containers of [`crate::vectors`] whose colour is coded by a transform (formats/color.md 6).
+//! Frozen containers of [`crate::vectors`] with colour in the transform codec (formats/color.md 6).
 
 use codec::color::cells::builder::CellBuilder;
 use codec::color::transform::authored::{
@@ -24,7 +24,7 @@ use crate::samples::{self, Random, Shape, Stream};
 use crate::transform_payloads::{Coverage, own_set, own_sets, usual_header};
 use crate::vectors::shape;
 
-/// The row of a stream with these tables, of samples of so many bytes.
+/// Returns the row of a stream with these tables and samples of `bytes` bytes.
 fn entry(shape: Shape, bytes: usize, tables: &Tables) -> StreamEntry {
     let format = match bytes {
         1 => ColorFormat::EightBit(ToneMap::default()),
@@ -35,7 +35,8 @@ fn entry(shape: Shape, bytes: usize, tables: &Tables) -> StreamEntry {
     samples::entry(shape, &CodecHeader::Color(header))
 }
 
-/// A stream of payloads for chunks of so many frames, in turn; a payload is made for the size of a cell.
+/// Returns a stream with chunks of `chunk_frames` frames, used cyclically. `payload` makes the payload for a cell size and a
+/// frame count.
 fn stream<S: Keyed>(
     shape: Shape,
     chunk_frames: &[usize],
@@ -67,7 +68,7 @@ fn payload_of_taste<S: Keyed>(
     random_payload::<S>(size, frames, header, tables, (taste, &mut |end| random.below(end))).unwrap()
 }
 
-/// A stream of one chunk in which all is chosen by taste.
+/// Returns a stream of one chunk with random symbols, whose probabilities `taste` gives.
 fn random<S: Keyed>(face: u8, size: [u32; 2], frames: u32, header: &Header, (taste, seed): (Taste, u64)) -> Stream {
     let tables = Tables::default();
     let mut random = Random(seed);
@@ -76,7 +77,7 @@ fn random<S: Keyed>(face: u8, size: [u32; 2], frames: u32, header: &Header, (tas
     })
 }
 
-/// One block for a cell, of every length.
+/// Returns a stream with one block per cell, of every length.
 fn whole<S: Keyed>(face: u8, size: [u32; 2], seed: u64) -> Stream {
     let (tables, mut random) = (Tables::default(), Random(seed));
     let frames = LENGTHS.iter().sum::<usize>() as u32;
@@ -90,13 +91,13 @@ fn container(streams: &[Stream]) -> Vec<u8> {
     samples::container(0, samples::probe("00", 100), streams, Compression::None)
 }
 
-/// Transforms of every size and length.
+/// Returns a container with transforms of every size and length.
 fn sizes_and_lengths<S: Keyed>(seed: u64) -> Vec<u8> {
     let sized = (0..).zip([[4, 4], [5, 3], [9, 2], [17, 2]]);
     container(&sized.map(|(face, size)| whole::<S>(face, size, seed + u64::from(face))).collect::<Vec<_>>())
 }
 
-/// Trees, of cells of several regions and less than one.
+/// Returns a container with block trees in cells of several regions, and in cells smaller than a region.
 fn trees<S: Keyed>(seed: u64) -> Vec<u8> {
     let header = usual_header(S::BYTES);
     let sized = [([32, 32], 12), ([33, 5], 16), ([8, 7], 13), ([1, 1], 96), ([4, 65], 3), ([16, 9], 1), ([20, 30], 2)];
@@ -107,7 +108,7 @@ fn trees<S: Keyed>(seed: u64) -> Vec<u8> {
     container(&streams.collect::<Vec<_>>())
 }
 
-/// Steps, slopes and levels of all sizes, with sums that wrap.
+/// Returns a container with steps, slopes and levels of all magnitudes, with sums that wrap around.
 fn sums_that_wrap<S: Keyed>(seed: u64) -> Vec<u8> {
     let headers = [(0, 0, 0, 0), (255, 255, 127, -128), (31, 240, -128, 127), (200, 247, 24, -24), (16, 100, 1, -1)];
     let streams = (0..).zip(headers).map(|(face, (luma, chroma, green, orange))| {
@@ -118,7 +119,7 @@ fn sums_that_wrap<S: Keyed>(seed: u64) -> Vec<u8> {
     container(&streams.collect::<Vec<_>>())
 }
 
-/// Palettes of all sizes, with colours of the payload, and beside transforms.
+/// Returns a container with palettes of all sizes, with and without colours of the payload, next to transforms.
 fn palettes<S: Keyed>(seed: u64) -> Vec<u8> {
     let most = (1u32 << S::DOMAIN.key_bits) - 1;
     let mut colors = Random(seed);
@@ -130,7 +131,7 @@ fn palettes<S: Keyed>(seed: u64) -> Vec<u8> {
     container(&streams.collect::<Vec<_>>())
 }
 
-/// Streams with sets of their own, one to eight of them.
+/// Returns a container of streams with one, two and eight own table sets.
 fn own_tables<S: Keyed>(seed: u64) -> Vec<u8> {
     let streams = (0..).zip([1, 2, 8]).map(|(face, count)| {
         let mut random = Random(seed + u64::from(face));
@@ -144,8 +145,8 @@ fn own_tables<S: Keyed>(seed: u64) -> Vec<u8> {
     container(&streams.collect::<Vec<_>>())
 }
 
-/// Chunks of cells between others.
-/// Half floats in keyframes and weights: payloads of first byte 255, of one frame and of the most.
+/// Returns a container with half floats as keyframes and weights: payloads with first byte 255, of one frame and of the maximum
+/// number of frames.
 fn halves_in_chunks_of_cells() -> Vec<u8> {
     let tables = Tables::default();
     let mut random = Random(37);
@@ -165,6 +166,7 @@ fn halves_in_chunks_of_cells() -> Vec<u8> {
     container(&[stream::<HalfKey>(shape(4, [7, 5], [4, 5], 1, 99), &[1, 96, 2], &tables, &mut payload)])
 }
 
+/// Returns a container in which every third chunk has keyframes and weights instead of transforms.
 fn chunks_of_cells() -> Vec<u8> {
     let tables = Tables::default();
     let mut random = Random(31);
@@ -192,20 +194,20 @@ fn search() -> SearchSettings {
     SearchSettings { target: Target::Psnr(40.0), ..SearchSettings::default() }
 }
 
-/// Every chunk length that halves and thirds meet.
+/// Returns a container with encoded 8-bit colour with chunk lengths that cover all splits into halves and thirds.
 fn encoded_bytes() -> Vec<u8> {
     let size = [13, 10];
     let streams = (0..).zip([1, 2, 3, 5, 7, 24, 25]).map(|(face, chunk_frames)| {
         let images = samples::drifting_bytes(size, 25);
-        // Every other one by a step, with offsets by frequency.
+        // Every second stream has a constant step, with offsets by frequency.
         let search = if face % 2 == 1 { SearchSettings { target: Target::Step(80), ..search() } } else { search() };
         samples::color8_transform(shape(face, size, [8, 8], 3, 25), &images, search, chunk_frames)
     });
     container(&streams.collect::<Vec<_>>())
 }
 
-/// Half floats at both ends of their range, negative ones, infinities and NaN, which are cells; and light of which all is coded
-/// by a transform.
+/// Returns a container with half floats at both ends of their range, negative values, infinities and NaN, which are coded as
+/// cells; and with colour that is coded by the transform alone.
 fn encoded_halves() -> Vec<u8> {
     let special = [65504.0, 6e-8, -65504.0, -6e-8, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0, 0.0, 1.0, 99.9];
     let any = |x: u32, y: u32, t: u32, channel: usize| match (x + y + t / 4) % 3 {
@@ -232,9 +234,9 @@ fn encoded_halves() -> Vec<u8> {
     container(&streams)
 }
 
-/// A region of palettes with as many leaves and colours as its bytes allow, and so many more.
+/// Returns a region of palettes with the maximum number of leaves and colours for its bytes, plus `more`.
 fn most_items(more: usize) -> Vec<u8> {
-    // A node takes two bits, the size of a palette four; nothing else takes any.
+    // A node takes two bits and a palette size four; all other symbols take none.
     let tables = own_set(|family| match family.alphabet {
         4 if family.first_context == NODE.first_context => vec![1024; 4],
         16 if family.first_context == PALETTE_SIZE.first_context => vec![256; 16],
@@ -252,7 +254,7 @@ fn most_items(more: usize) -> Vec<u8> {
                     PALETTE as u32
                 }
             }
-            // As many colours in all, spread over sixteen palettes.
+            // `colors` colours in total, distributed over sixteen palettes.
             Question::Symbol(context, _) if contexts_of(PALETTE_SIZE).contains(&context) => {
                 let at = palettes.next().unwrap_or(0);
                 (colors * (at + 1) / 16 - colors * at / 16).max(1) - 1
@@ -275,7 +277,7 @@ fn most_items(more: usize) -> Vec<u8> {
     panic!("no region has so many leaves and colours");
 }
 
-/// Name and bytes of every valid vector.
+/// Returns name and bytes of every valid vector.
 pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
     vec![
         ("transform8-sizes-and-lengths", sizes_and_lengths::<u8>(100)),
@@ -296,7 +298,7 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
     ]
 }
 
-/// A stream of one cell with a payload made by hand.
+/// Returns a stream of one cell with a payload built by hand.
 fn stream_of_one<S: Keyed>(size: [u32; 2], frames: u32, tables: &Tables, payload: Vec<u8>) -> Stream {
     let mut payload = Some(payload);
     stream::<S>(shape(0, size, size, 0, frames), &[frames as usize], tables, |_, _| payload.take().unwrap_or_default())
@@ -306,17 +308,17 @@ fn by_hand(size: [u32; 2], frames: u32, payload: Vec<u8>) -> Vec<u8> {
     container(&[stream_of_one::<u8>(size, frames, &Tables::default(), payload)])
 }
 
-/// What a region of bytes without a delta is read with.
+/// Returns the parameters for reading a region of 8-bit colour with delta 0.
 fn still(header: &Header) -> Setting<'_> {
     Setting { header, delta: 0, domain: &Domain::BYTES }
 }
 
-/// A payload without colours, of a region without a delta or of two: its header, then these bytes.
+/// Returns a payload: a header without colours, for one or two regions with delta 0, followed by `rest`.
 fn headed(rest: &[u8]) -> Vec<u8> {
     [&[0, 84, 89, 3, 0xf9, 0x80, 0x88], rest].concat()
 }
 
-/// A payload of one region with these symbols, by context, and raw bits.
+/// Returns a payload of one region with these symbols, each with its context, and raw bits.
 fn symbols(symbols: &[(usize, usize)], bits: &[(u32, u32)]) -> Vec<u8> {
     let tables = Tables::default();
     let mut stream = Encoder::default();
@@ -327,7 +329,7 @@ fn symbols(symbols: &[(usize, usize)], bits: &[(u32, u32)]) -> Vec<u8> {
     headed(&stream.finish())
 }
 
-/// A palette of three colours, of which a pixel names the fourth.
+/// Returns a payload with a palette of three colours and a pixel that refers to a fourth.
 fn beyond_its_palette() -> Vec<u8> {
     let (header, tables) = (usual_header(1), Tables::default());
     let mut stream = Encoder::default();
@@ -344,7 +346,7 @@ fn beyond_its_palette() -> Vec<u8> {
     headed(&stream.finish())
 }
 
-/// Name, bytes and a part of the message of every invalid vector.
+/// Returns name, bytes and a part of the message of every invalid vector.
 pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let mut all = Vec::new();
     let mut random = Random(900);

@@ -1,4 +1,4 @@
-//! Decoding what cameras see: from a container to pixels, and on the command line.
+//! Decoding of the units that cameras see: through the library, and on the command line.
 
 use std::fs;
 use std::path::Path;
@@ -16,7 +16,8 @@ use tempfile::TempDir;
 use crate::commands::{fine, refused};
 use crate::footage::Footage;
 
-/// A cube of all kinds of streams around (0, 1, 2) that changes in every frame, and nowhere is what a left out unit is.
+/// Writes and encodes a cube map with three kinds of streams around (0, 1, 2). Every image changes in every frame, and no pixel
+/// has the value of an omitted unit.
 fn container(folder: &Path, options: &str) {
     let shade = |face: Face, frame: u32, x: u32, y: u32| (1 + x + 3 * y + 7 * frame + 11 * face as u32) as f32 / 500.0;
     let depth = |face: Face, frame: u32| Plane::from_fn(32, 32, |x, y| 2.0 + shade(face, frame, x, y));
@@ -36,7 +37,7 @@ fn container(folder: &Path, options: &str) {
     fine(format!("encode . --color-cell 8 -o a.lfold {options}").trim_end(), folder);
 }
 
-/// Wants what a hash of stream, unit and frame says.
+/// Selects units by a hash of stream, unit and frame.
 struct Some3Of7;
 
 impl UnitFilter for Some3Of7 {
@@ -46,7 +47,7 @@ impl UnitFilter for Some3Of7 {
     }
 }
 
-/// The samples of a picture as numbers, three to a pixel, and those of a pixel that is left out.
+/// Returns the samples of an image as numbers, three per pixel, and those of a pixel of an omitted unit.
 fn samples(picture: &Picture) -> (Vec<[u16; 3]>, [u16; 3]) {
     match picture {
         Picture::Depth(codes) => (codes.data().iter().map(|code| [*code; 3]).collect(), [BACKGROUND_CODE; 3]),
@@ -58,7 +59,8 @@ fn samples(picture: &Picture) -> (Vec<[u16; 3]>, [u16; 3]) {
     }
 }
 
-/// Every image is the whole one in wanted units, and blank in the others; answers how many pixels were wanted.
+/// Checks that every image equals the full image in selected units and is blank in the others; returns the number of selected
+/// pixels.
 fn check(decoder: &Decoder, filter: &dyn UnitFilter) -> u64 {
     let mut wanted_pixels = 0;
     for stream in decoder.streams() {
@@ -101,7 +103,7 @@ fn units_that_are_not_wanted_are_blank_and_the_others_whole() {
     }
 }
 
-/// A camera in the middle of the probe.
+/// Returns a camera at the centre of the probe.
 fn camera(look_at: [f64; 3], more: &str) -> String {
     format!(r#"{{ "eye": [0, 1, 2], "look_at": {look_at:?}, "fov_y_deg": 60 {more} }}"#)
 }
@@ -129,8 +131,8 @@ fn units_are_seen_in_the_frames_of_their_cameras() {
         };
         assert_eq!([0, 1, 2, 3].map(wanted), expected, "{:?}", stream.face);
     }
-    // 60 degrees see 5 columns of pixels of 8 on each side of the middle: all tiles of a face, and all of its 16 cells
-    // but the two outermost columns and rows.
+    // A field of view of 60 degrees covers 9 of the 16 pixels on each side of the centre, so all 4 tiles and all 16 cells of 8x8
+    // pixels of a face are at least partly visible.
     let counts = seen.counts;
     assert_eq!((counts.cameras, counts.units), (2, 6 * (4 + 16 + 4)));
     assert_eq!(counts.visible_units, 2 * (4 + 16 + 4));
@@ -162,7 +164,7 @@ fn stats_say_what_a_view_saves() {
     assert!(number(&seen, "updated_pixels") <= number(&seen, "pixels"));
     assert_eq!(number(&seen, "visible_fraction"), number(&seen, "visible_units") / number(&seen, "units"));
     assert!(seen["frustum_tests"]["hierarchical"].as_u64() < seen["frustum_tests"]["regular"].as_u64());
-    // A file says the same, a frame less is a frame less, and a wide picture shows more.
+    // A camera file gives the same result, a single frame has a quarter of the pixels, and a wide image sees more units.
     fs::write(folder.path().join("cam.json"), cameras(&[camera([5.0, 1.0, 2.0], "")])).unwrap();
     let file = report(folder.path(), "--camera cam.json");
     for key in ["visible_units", "bytes_read", "pixels", "frustum_tests"] {
@@ -183,7 +185,7 @@ fn stats_say_what_a_view_saves() {
 fn files_hold_what_cameras_see() {
     let folder = TempDir::new().unwrap();
     container(folder.path(), "--max-error 0");
-    // Six cameras in two files, which see everything.
+    // Six cameras in two files that together see everything.
     let ahead = [[9, 1, 2], [-9, 1, 2], [0, 9, 2], [0, -9, 2], [0, 1, 9], [0, 1, -9]];
     let entries = ahead
         .map(|look_at| format!(r#"{{ "eye": [0, 1, 2], "look_at": {look_at:?}, "up": [1, 1, 1], "fov_y_deg": 120 }}"#));
@@ -220,7 +222,7 @@ fn cameras_that_make_no_sense_are_refused() {
     assert!(unknown.contains("cam.json") && unknown.contains("`fvo`"), "{unknown}");
     fs::write(folder.path().join("long.json"), vec![b' '; (16 << 20) + 1]).unwrap();
     assert!(said("--camera long.json").contains("at most 16777216 bytes"));
-    // What never ends is not read to its end.
+    // A file without an end is read up to the limit only.
     #[cfg(unix)]
     assert!(said("--camera /dev/zero").contains("at most 268435456 bytes"));
 }

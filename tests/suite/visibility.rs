@@ -1,4 +1,5 @@
-//! Units that cameras see, against rays: never one too few, rarely one too many (CALF 6.2).
+//! Units that culling reports as visible, compared with points and rays: no visible unit is missing, and few are reported
+//! although they are not visible (CALF 6.2).
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -23,15 +24,15 @@ fn visible_units(culled: &Culled) -> u64 {
     culled.seen_by.iter().flatten().count() as u64
 }
 
-/// Cameras that are tried.
+/// Number of cameras.
 const CAMERAS: u64 = 24_000;
-/// Points that are tried with each.
+/// Number of points per camera.
 const POINTS: usize = 160;
-/// Cameras of which false alarms are counted.
+/// Number of cameras for which false positives are counted.
 const ALARM_CAMERAS: u64 = 800;
 
 impl Random {
-    /// In 0..1.
+    /// Returns a number in 0..1.
     fn share(&mut self) -> f64 {
         f64::from(self.next()) / f64::from(1u32 << 31)
     }
@@ -40,7 +41,7 @@ impl Random {
         low + (high - low) * self.share()
     }
 
-    /// Even in its logarithm.
+    /// Returns a number with a uniformly distributed logarithm.
     fn scale(&mut self, low: f64, high: f64) -> f64 {
         self.within(low.ln(), high.ln()).exp()
     }
@@ -55,7 +56,7 @@ impl Random {
     }
 }
 
-/// A probe's images, and what they may show.
+/// A probe's images and the range of their depths.
 struct Setup {
     probe: ProbeEntry,
     faces: Vec<Face>,
@@ -103,7 +104,7 @@ impl Setup {
         DVec3::from_array(self.probe.position)
     }
 
-    /// Direction, one unit along the axis, of a point of a face's image, in pixels.
+    /// Returns the direction of a point of a face's image, given in pixels; its component along the face's axis is 1.
     fn direction(&self, face: Face, [x, y]: [f64; 2]) -> DVec3 {
         let [forward, right, down] = face.axes();
         let [u, v] = if face == Face::View {
@@ -115,13 +116,13 @@ impl Setup {
         rotation(self.probe.orientation).unwrap() * (forward + u * right + v * down)
     }
 
-    /// Least and greatest multiples of a direction of [`Setup::direction`] at which a surface may lie.
+    /// Returns the minimum and maximum multiple of a [`Setup::direction`] at which a surface may be.
     fn reach(&self, direction: DVec3) -> [f64; 2] {
         let length = if self.span.kind == DepthKind::Distance { direction.length() } else { 1.0 };
         [self.span.near_m / length, self.span.far_m / length]
     }
 
-    /// Face and unit that show what lies along a vector from the centre, and the multiple as in [`Setup::reach`].
+    /// Returns the face and unit that show a point relative to the centre, and the point's multiple as in [`Setup::reach`].
     fn find(&self, from_centre: DVec3) -> Option<(Face, usize, f64)> {
         let local = rotation(self.probe.orientation).unwrap().inverse() * from_centre;
         let (face, pixel) = if self.faces == [Face::View] {
@@ -152,7 +153,7 @@ impl Setup {
         self.faces.iter().map(image).collect()
     }
 
-    /// A point of an image: anywhere, or on the border of a unit.
+    /// Returns a point of an image: anywhere, or on the border of a unit.
     fn pixel(&self, random: &mut Random) -> [f64; 2] {
         [0, 1].map(|axis| {
             let size = f64::from(self.grid.size[axis]);
@@ -166,7 +167,7 @@ impl Setup {
         })
     }
 
-    /// A multiple within reach: anywhere, or an end.
+    /// Returns a multiple within [`Setup::reach`]: anywhere, or at an end.
     fn multiple(&self, random: &mut Random, direction: DVec3) -> f64 {
         let [near, far] = self.reach(direction);
         match random.below(4) {
@@ -177,7 +178,7 @@ impl Setup {
     }
 }
 
-/// A camera, and its lens without anything in between.
+/// A camera and the half size of its image at distance 1, from which visibility is computed without culling code.
 struct Eye {
     camera: Camera,
     half: [f64; 2],
@@ -191,13 +192,13 @@ impl Eye {
         Eye { camera, half: [tangent * aspect, tangent] }
     }
 
-    /// Whether a direction lies in the picture.
+    /// True if a direction is in the image.
     fn sees(&self, direction: DVec3) -> bool {
         let [forward, right, down] = self.camera.axes().map(|axis| axis.dot(direction));
         forward > 0.0 && right.abs() <= self.half[0] * forward && down.abs() <= self.half[1] * forward
     }
 
-    /// Whether a point of `from + t · along`, for a t between two numbers, lies in the picture.
+    /// True if a point `from + t · along`, with t between two bounds, is in the image.
     fn sees_some(&self, from: DVec3, along: DVec3, [mut low, mut high]: [f64; 2]) -> bool {
         let [forward, right, down] = self.camera.axes();
         let [x, y] = self.half;
@@ -221,7 +222,7 @@ impl Eye {
         let around = random.direction();
         let (eye, fov) = match kind {
             0 => (around * random.scale(0.01, 3.0 * far_m), random.within(1.0, 170.0)),
-            // In the middle, inside the nearest surface, at and beyond the farthest.
+            // At the centre, inside the nearest surface, near the farthest surface, and far beyond it.
             1 => (DVec3::ZERO, random.within(1.0, 170.0)),
             2 => (around * near_m * random.share(), random.within(1.0, 170.0)),
             3 => (around * far_m * random.within(0.9, 1.1), random.within(1.0, 170.0)),
@@ -229,9 +230,9 @@ impl Eye {
             // Narrow and wide.
             5 => (around * random.scale(0.01, 3.0 * far_m), random.scale(1e-4, 1.0)),
             6 => (around * random.scale(0.01, 3.0 * far_m), random.within(170.0, 179.99)),
-            // In line with the faces.
+            // Aligned with the faces.
             7 => (DVec3::new(f64::from(random.below(3)) - 1.0, f64::from(random.below(3)) - 1.0, 0.0), 90.0),
-            // Just so that a point is seen.
+            // Aimed below so that a point is at the border of the image.
             _ => (around * random.scale(1e-6, 3.0 * far_m), random.scale(0.01, 179.0)),
         };
         let aspect = if kind == 7 { 1.0 } else { random.scale(0.3, 3.0) };
@@ -243,7 +244,7 @@ impl Eye {
             }
             0..=2 => turn,
             _ => {
-                // A point on the border of a unit, at the border of the picture or well inside.
+                // A point on the border of a unit is placed at the border of the image or inside it.
                 let face = setup.faces[random.below(setup.faces.len() as u32) as usize];
                 let direction = setup.direction(face, setup.pixel(random));
                 let point = setup.centre() + direction * setup.multiple(random, direction);
@@ -295,7 +296,7 @@ fn no_unit_that_a_ray_sees_is_missed() {
             seen += 1;
         };
         for _ in 0..POINTS / 2 {
-            // From the probe: a point of a unit, and the background behind it.
+            // Points along directions from the probe: a surface in a unit, and the background behind it.
             let face = setup.faces[random.below(setup.faces.len() as u32) as usize];
             let pixel = setup.pixel(&mut random);
             let direction = setup.direction(face, pixel);
@@ -306,7 +307,7 @@ fn no_unit_that_a_ray_sees_is_missed() {
             if eye.sees(direction) {
                 check(face, setup.unit_at(pixel), "the background");
             }
-            // From the camera: what lies along a ray of its picture, and at its end.
+            // Points along rays of the camera: a surface on a ray, and the background at its end.
             let [forward, right, down] = eye.camera.axes();
             let [x, y] = eye.half.map(|half| half * random.within(-1.0, 1.0));
             let along = forward + x * right + y * down;
@@ -333,7 +334,7 @@ fn no_unit_that_a_ray_sees_is_missed() {
 
 #[test]
 fn few_units_are_seen_in_vain() {
-    // Rays through a grid over the unit, borders included.
+    // Steps of a grid of rays over the unit, including its borders.
     const SIDE: u32 = 24;
     let (seen, vain) = (AtomicU64::new(0), AtomicU64::new(0));
     (0..ALARM_CAMERAS).into_par_iter().for_each(|seed| {
@@ -369,7 +370,7 @@ fn few_units_are_seen_in_vain() {
     assert!(share < 0.01, "{vain} of {seen} units are seen by no ray");
 }
 
-/// Nine probes, the middle and the corners of a cube of a metre, as in the footage of sponza9.
+/// Returns nine probes, at the centre and the corners of a cube of one metre, as in the footage sponza9.
 fn nine_probes() -> Vec<ProbeEntry> {
     let centre = DVec3::new(-0.6, 1.7, -0.4);
     let corner = |at: u32| DVec3::from_array([0, 1, 2].map(|axis| f64::from(at >> axis & 1) - 0.5));
@@ -384,7 +385,8 @@ fn nine_probes() -> Vec<ProbeEntry> {
     places.enumerate().map(probe).collect()
 }
 
-/// Tests of a descent as the paper has it, in which a node that is seen as a whole leads to four tests all the same.
+/// Returns the number of tests of the paper's descent, which tests the four children of a node even if the node is entirely
+/// visible.
 fn descend(image: &FaceImage, leaves: u32, viewers: &[Viewer]) -> u64 {
     let (mut nodes, mut tests) = (vec![[0, 0, 0]], 0);
     for level in 0..=leaves {
@@ -405,11 +407,11 @@ fn descend(image: &FaceImage, leaves: u32, viewers: &[Viewer]) -> u64 {
     tests
 }
 
-/// Table 4: a pair of eyes that wander among nine probes and look around.
+/// Table 4: a pair of eyes that moves among nine probes and looks around.
 #[test]
 fn the_descent_takes_a_third_of_the_tests() {
     const STEPS: u32 = 90;
-    // Nearest surfaces of the footage's nine probes; the farthest is 16 m away from all of them.
+    // Distances of the nearest surface in the footage for each of the nine probes; the farthest surface is 16 m from all of them.
     let near_m = [1.41, 0.81, 1.23, 1.23, 1.23, 0.93, 1.35, 1.43, 0.9];
     let images: Vec<FaceImage> = nine_probes()
         .iter()
@@ -467,7 +469,7 @@ fn cameras_are_told_apart_and_edges_are_kept() {
     let look = |direction: DVec3, fov| {
         Viewer::new(Camera::look_at(centre, centre + direction, DVec3::Y, Lens::new(fov)).unwrap().frustum())
     };
-    // Away, at a corner, at all.
+    // Viewers that look away from the face, at one corner of it, and at all of it.
     let viewers = [look(DVec3::NEG_X, 90.0), look(DVec3::new(1.0, 0.99, 0.99), 0.3), look(DVec3::X, 120.0)];
     for unit in [[16, 16], [7, 50], [100, 50], [1000, 1000], [1, 1], [33, 3]] {
         let grid = UnitGrid { size: [100, 50], unit };
@@ -475,7 +477,7 @@ fn cameras_are_told_apart_and_edges_are_kept() {
         assert_eq!(found.seen_by, cull_all(&image, grid, &viewers).seen_by, "{unit:?}");
         let [columns, rows] = grid.shape();
         assert_eq!(found.seen_by.len() as u32, columns * rows);
-        // Face +X has −Z to the right and +Y at the top, so the corner of +Y and +Z is the first unit.
+        // The right of face +X is −Z and its top +Y, so the corner of +Y and +Z is in the first unit.
         assert_eq!(found.seen_by[0], Some(1), "{unit:?}");
         assert!(found.seen_by[1..].iter().all(|first| *first == Some(2)), "{unit:?}");
         let [none, all] = [&viewers[..1], &viewers[2..]].map(|viewers| cull(&image, grid, viewers));

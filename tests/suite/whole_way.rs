@@ -1,4 +1,5 @@
-//! From a scene to a container: what `place` writes, `capture`, `encode`, `diff` and `inspect --check` take.
+//! The pipeline from a scene to a container: `capture`, `encode`, `diff` and `inspect --check` accept the cameras that `place`
+//! writes.
 
 use std::path::Path;
 
@@ -11,7 +12,8 @@ use crate::commands::fine;
 use crate::convention::checked;
 use crate::model_files::Gltf;
 
-/// Places cameras, captures two frames, encodes, and compares with what was captured; nothing may be suspected.
+/// Places cameras, captures two frames, encodes them and compares the container with the capture; `inspect` may not suspect a
+/// fault.
 #[track_caller]
 fn all_the_way(scene: &str, region: &str, cameras: u32, folder: &Path) {
     fine(
@@ -27,7 +29,7 @@ fn all_the_way(scene: &str, region: &str, cameras: u32, folder: &Path) {
     let report = checked(&folder.join("captured"));
     let suspected: Vec<_> = report.findings.iter().filter(|finding| finding.verdict == Verdict::Suspect).collect();
     assert!(suspected.is_empty() && report.findings.len() > 4, "{scene}: {report:#?}");
-    // The command says the same.
+    // The command reports the same.
     fine("inspect captured --check", folder);
 }
 
@@ -41,7 +43,7 @@ fn every_built_in_scene_goes_all_the_way() {
     }
 }
 
-/// Probes on all sides of an object see little of each other's surfaces, which is no mistake.
+/// Probes on all sides of an object see few common surfaces, which is not a fault.
 #[test]
 fn cameras_around_an_object_go_all_the_way() {
     let folder = TempDir::new().unwrap();
@@ -52,7 +54,7 @@ fn cameras_around_an_object_go_all_the_way() {
     }
 }
 
-/// Four walls and a floor around a square, 4 m wide and 3 m high, with a slanted board in it.
+/// Returns a room of four walls and a floor, 4 m wide and 3 m high, with a slanted board in it.
 fn room() -> Gltf {
     let mut file = Gltf::new();
     let mut corners: Vec<f32> = Vec::new();

@@ -1,5 +1,5 @@
-//! Small Zstandard frames and each of their one-bit changes (tests/vectors/zstandard): all decoders of the repository agree about
-//! all of them, and no one takes more than RFC 8878 allows (container.md 6.2).
+//! Small Zstandard frames and all their one-bit changes (tests/vectors/zstandard): all decoders of the repository agree on them,
+//! and none accepts more than RFC 8878 allows (container.md 6.2).
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -22,7 +22,7 @@ fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/zstandard")
 }
 
-/// A frame of libzstd with a window of 2^`window_log` bytes and a block for each part.
+/// Returns a frame of libzstd with a window of 2^`window_log` bytes and a block for each part.
 fn in_blocks(name: &'static str, (level, window_log): (i32, u32), parts: &[Vec<u8>]) -> Frame {
     let raw = parts.concat();
     let mut encoder = ::zstd::stream::Encoder::new(Vec::new(), level).unwrap();
@@ -41,7 +41,7 @@ fn in_one(name: &'static str, level: i32, raw: Vec<u8>) -> Frame {
     Frame { name, raw, stored }
 }
 
-/// Raw and RLE blocks and an empty one, in a frame with a window.
+/// Returns a frame with a window and raw, RLE and empty blocks.
 fn by_hand() -> Frame {
     let mut stored = vec![0x28, 0xb5, 0x2f, 0xfd, 0x80, 0x00, 27, 0, 0, 0];
     for (size, kind, last, bytes) in [(4, 0, 0, &b"abcd"[..]), (0, 0, 0, b""), (20, 1, 0, b"x"), (3, 0, 1, b"end")] {
@@ -51,13 +51,13 @@ fn by_hand() -> Frame {
     Frame { name: "raw-and-repeated-bytes", raw: [&b"abcd"[..], &[b'x'; 20], b"end"].concat(), stored }
 }
 
-/// Bytes drawn from a few, the first of them most often.
+/// Returns bytes drawn from a few values, the first of which is the most frequent.
 fn skewed(count: usize, symbols: u32, seed: u64) -> Vec<u8> {
     let mut random = Random(seed);
     (0..count).map(|_| (0..3).map(|_| random.below(symbols)).min().unwrap_or(0) as u8 + b'a').collect()
 }
 
-/// Rows of twelve bytes, of which eight recur.
+/// Returns rows of twelve bytes, eight of which are equal in all rows.
 fn records(count: u32) -> Vec<u8> {
     let row = |at: u32| [&b"depthmap"[..], &(at.wrapping_mul(2_654_435_761)).to_le_bytes()].concat();
     (0..count).flat_map(row).collect()
@@ -82,13 +82,13 @@ fn frames() -> Vec<Frame> {
         in_one("one-code-for-all", 3, records(12)),
         in_blocks("blocks-that-repeat-literals", (6, 10), &[1, 2].map(|seed| skewed(260, 8, seed))),
         in_blocks("blocks-that-repeat-sequences", (9, 12), &[1, 2].map(|seed| words(seed, 80))),
-        // A match begins 1,034 bytes back, and the content is larger than the window.
+        // A match starts 1,034 bytes back, and the content is larger than the window.
         in_blocks("far-match", (19, 11), &[far.clone(), vec![0; 480], vec![7; 484], far, vec![9; 600], vec![9; 600]]),
         in_one("nothing", 3, Vec::new()),
     ]
 }
 
-/// Kinds of blocks, literals and tables in a frame.
+/// Returns the kinds of blocks, literals and tables in a frame.
 fn kinds(frame: &Frame) -> BTreeSet<String> {
     let stored = &frame.stored;
     let descriptor = stored[4];
@@ -145,7 +145,7 @@ fn kinds_in_block(block: &[u8], found: &mut BTreeSet<String>) {
     }
 }
 
-/// The changes that a decoder accepts, as lines of a byte, a bit and the CRC-32 of what it decodes to.
+/// Returns the one-bit changes that a decoder accepts, as lines of a byte offset, a bit and the CRC-32 of the decoded bytes.
 fn accepted(frame: &Frame, decode: impl Fn(&[u8], u32) -> Option<Vec<u8>>) -> String {
     let mut lines = String::new();
     for at in 0..frame.stored.len() {
@@ -170,8 +170,8 @@ fn stored_frames() -> Vec<Frame> {
     frames().into_iter().map(read).collect()
 }
 
-/// Frames that are refused: the name of a vector, the frame, the size of the payload, and why. Each is the first change of a byte of
-/// a frame for which that is the reason.
+/// Returns frames that are refused: the name of a vector, the frame, the size of the payload, and the reason. Each is the first
+/// change of one byte of a frame that is refused for this reason.
 pub fn refused() -> Vec<(&'static str, Vec<u8>, usize, &'static str)> {
     let frames = stored_frames();
     let of_name = |name: &str| frames.iter().find(|frame| frame.name == name).unwrap();
@@ -207,7 +207,7 @@ pub fn refused() -> Vec<(&'static str, Vec<u8>, usize, &'static str)> {
         let found = changed.find(|stored| why(stored).is_some_and(|why| why.contains(reason)));
         all.push((vector, found.unwrap_or_else(|| panic!("{name}: {reason}")), raw.len(), reason));
     }
-    // Its window is 1,024 bytes once the window descriptor is 0.
+    // With a window descriptor of 0, the window is 1,024 bytes.
     let Frame { raw, stored, .. } = of_name("far-match");
     let mut narrow = stored.clone();
     narrow[5] = 0;
@@ -263,7 +263,7 @@ fn the_decoder_written_from_the_rfc_agrees_about_one_bit_changes() {
     assert_eq!(vectors::python("zstandard_changes.py", &paths), (expected, String::new()));
 }
 
-/// Other libraries accept what is accepted and decode it to the same bytes: each byte with each other value.
+/// Other libraries accept the frames that this decoder accepts and decode them to the same bytes, for all values of each byte.
 #[test]
 fn other_libraries_accept_what_is_accepted() {
     let (mut accepted, mut beyond) = (0, [0; 2]);
@@ -301,7 +301,7 @@ fn other_libraries_accept_what_is_accepted() {
     assert!(accepted > 100 && beyond[0] > 0);
 }
 
-/// Writes the frames and their verdicts anew.
+/// Rewrites the frames and their verdicts.
 #[test]
 #[ignore = "writes tests/vectors/zstandard"]
 fn regenerate_frames() {

@@ -19,7 +19,7 @@ const KEYFRAME_ROW_BYTES: usize = 4;
 const AS_SAMPLES: u32 = 1 << 31;
 
 /// Error of a cell whose last chunk has a weight after its last keyframe.
-pub const LEADS_NOWHERE: &str = "a cell's last chunk leads to a next one, and there is none";
+pub const MISSING_NEXT_KEYFRAME: &str = "a cell's last chunk leads to a next one, and there is none";
 
 #[derive(Debug, Clone, Copy)]
 pub struct CellFormat<S> {
@@ -80,7 +80,11 @@ impl<S: Sample> CellChunk<S> {
         place: ChunkPlace,
     ) -> Result<Self> {
         let chunk = Self::parse(payload, format, frame_count)?;
-        if place == ChunkPlace::Last && chunk.leads_on() { Err(Error::invalid(LEADS_NOWHERE)) } else { Ok(chunk) }
+        if place == ChunkPlace::Last && chunk.leads_on() {
+            Err(Error::invalid(MISSING_NEXT_KEYFRAME))
+        } else {
+            Ok(chunk)
+        }
     }
 
     /// Parses and checks a payload: all keyframes lie inside, their frames ascend from 0, and each weight other than 0 is

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use crate::color::blend::{self, Sample};
-use crate::color::cells::{CellChunk, CellFormat, LEADS_NOWHERE};
+use crate::color::cells::{CellChunk, CellFormat, MISSING_NEXT_KEYFRAME};
 use crate::container::ChunkEntry;
 use crate::decode::chunk_source::ChunkSource;
 use crate::error::{Error, Result};
@@ -128,7 +128,7 @@ impl<S: Sample> CellState<S> {
         let holds = |chunk: &Option<(usize, CellChunk<S>)>| chunk.as_ref().is_some_and(|(held, _)| *held == of.chunk);
         if !holds(&self.chunk) && !holds(&self.next_chunk) {
             let Some(&entry) = source.chunks.get(of.chunk) else {
-                return Err(Error::invalid(LEADS_NOWHERE).in_file(source.reader.path()));
+                return Err(Error::invalid(MISSING_NEXT_KEYFRAME).in_file(source.reader.path()));
             };
             self.next_chunk = Some((of.chunk, self.parse(source, &entry)?));
         }

@@ -6,6 +6,7 @@ use crate::depth::biquadratic::Biquadratic;
 use crate::depth::nodes::COEFFICIENT_BYTES;
 use crate::depth::platelet::{Plane, Platelet};
 
+#[cfg_attr(not(feature = "encode"), expect(dead_code))]
 pub(super) fn put(integers: [i32; 6], tail: [u8; 8]) -> [u8; COEFFICIENT_BYTES] {
     let mut out = [0; COEFFICIENT_BYTES];
     LittleEndian::write_i32_into(&integers, &mut out[..24]);

@@ -81,6 +81,7 @@ const MAX_LOG: u32 = 24 << LOG_BITS;
 pub struct Domain {
     pub parts: DomainParts,
     /// Value that functions are fitted to, for each code; computed when an encoder first needs it.
+    #[cfg_attr(not(feature = "encode"), expect(dead_code))]
     values: OnceLock<Box<[f64]>>,
 }
 

@@ -21,6 +21,7 @@ const SECTION: &str = "depth.md 11";
 #[derive(Debug, Clone, Copy)]
 struct TreeFunction {
     node: Node,
+    #[cfg_attr(not(feature = "encode"), expect(dead_code))]
     max_error: u16,
 }
 

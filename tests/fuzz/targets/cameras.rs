@@ -1,4 +1,4 @@
-//! Cameras of other programs: read from bytes, and written in every format where they are taken.
+//! Camera files of other programs: parsed, and if accepted, written in every format.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use tempfile::TempDir;
 
 use super::{Judged, judge, models};
 
-/// Between cameras.txt and images.txt of an input.
+/// Separates cameras.txt and images.txt in an input.
 pub const BETWEEN: &[u8] = b"====\n";
 pub const FORMATS: [CameraFormat; 5] =
     [CameraFormat::Lightfold, CameraFormat::Transforms, CameraFormat::Colmap, CameraFormat::Gltf, CameraFormat::Usd];
@@ -23,7 +23,7 @@ fn look(read: &Result<Vec<FileCamera>>) -> Judged {
         if let Some(camera) = all.iter().find(|camera| !camera.timed.camera.eye().is_finite()) {
             return Err(format!("a camera stands nowhere: {camera:?}"));
         }
-        // A few say what many would.
+        // Writing more cameras would test nothing new.
         for format in FORMATS.into_iter().filter(|_| all.len() <= 64) {
             judge(&cameras::write(all, format, &SETTINGS))?;
         }
@@ -31,7 +31,7 @@ fn look(read: &Result<Vec<FileCamera>>) -> Judged {
     judge(read)
 }
 
-/// A file of any format but that of COLMAP, which is recognised by its content.
+/// Parses an input as a camera file of any format except COLMAP; the format is recognised by the content.
 pub fn run(bytes: &[u8]) -> Judged {
     FOLDER.with(|folder| {
         let path = folder.path().join("none/cameras");
@@ -39,7 +39,7 @@ pub fn run(bytes: &[u8]) -> Judged {
     })
 }
 
-/// A folder of cameras.txt and images.txt.
+/// Reads a COLMAP folder with cameras.txt and images.txt.
 pub fn run_colmap(bytes: &[u8]) -> Judged {
     let place = bytes.windows(BETWEEN.len()).position(|window| window == BETWEEN);
     let (lenses, images) = place.map_or((bytes, &[][..]), |at| (&bytes[..at], &bytes[at + BETWEEN.len()..]));
@@ -51,7 +51,7 @@ pub fn run_colmap(bytes: &[u8]) -> Judged {
     })
 }
 
-/// As meshes, which glTF files of cameras are read like; animated cameras have a pose for each frame.
+/// The bound of meshes, because glTF camera files are parsed by the same reader; animated cameras have a pose for each frame.
 pub fn bound(bytes: &[u8]) -> u64 {
     models::bound(bytes)
 }

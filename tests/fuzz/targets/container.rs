@@ -1,4 +1,4 @@
-//! Containers as a whole, and LZMA2 chunks.
+//! Whole containers, LZMA2 and Zstandard chunks, and shard entries.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -19,38 +19,38 @@ use lightfold::pack::{self, FlattenSettings, PackSettings, Repack};
 use super::{Judged, Verdict, judge, refused};
 use crate::ALLOCATED;
 
-/// Most inputs are opened with limits that are small, so that an input costs little time.
+/// Limits for most inputs; they are small so that an input runs fast.
 const SMALL: OpenLimits = OpenLimits { memory_floor_bytes: 256 << 10, memory_ratio: 64, ..OpenLimits::DEFAULT };
-/// Some, chosen by their CRC-32, with those that every command has.
+/// One in so many inputs, selected by CRC-32, is opened with the default limits of the commands.
 const DEFAULT_EVERY: u32 = 512;
-/// What packing trees takes for encoders of nodes and LZMA2.
+/// Bytes used by node encoders and LZMA2 when quadtrees are flattened.
 pub const FLATTENING: u64 = 48 << 20;
-/// What packing takes at most beside a file and its index: a batch of chunks, and [`FLATTENING`].
+/// Maximum bytes used to pack, in addition to the file and its index: a batch of chunks, and [`FLATTENING`].
 const PACKING: u64 = FLATTENING + (16 << 20);
-/// Frames of a stream that are decoded with `--keep-going`.
+/// Number of frames of a stream that are decoded with `--keep-going`.
 const KEPT_FRAMES: u32 = 6;
-/// Streams of an input that are decoded.
+/// Maximum number of decoded streams of an input.
 const MAX_STREAMS: usize = 8;
 
-/// The limits for an input.
+/// Returns the limits for an input.
 fn limits(bytes: &[u8]) -> OpenLimits {
     if crc32fast::hash(bytes).is_multiple_of(DEFAULT_EVERY) { OpenLimits::DEFAULT } else { SMALL }
 }
 
-/// What stands beside the pictures and payloads of the stream that is decoded: several copies of the file and its index, and
-/// tables.
+/// Returns the bytes used in addition to the images and payloads of the decoded stream: several copies of the file and its index,
+/// and tables.
 pub fn beside(file_bytes: u64) -> u64 {
     (2 << 20) + 64 * file_bytes
 }
 
-/// What decoding one stream after the other may take (container.md 2).
+/// Returns the maximum bytes used to decode the streams one after another (container.md 2).
 pub fn bound(bytes: &[u8]) -> u64 {
     let file_bytes = bytes.len() as u64;
     let flattened = if bytes.windows(4).any(|codec| codec == b"DQTR") { FLATTENING } else { 0 };
     limits(bytes).stream_bytes(file_bytes) + beside(file_bytes) + flattened
 }
 
-/// Opens, inspects and decodes a container.
+/// Opens, packs, inspects and decodes a container.
 pub fn run(bytes: &[u8]) -> Judged {
     run_within(bytes, limits(bytes))
 }
@@ -68,7 +68,7 @@ pub fn run_within(bytes: &[u8], limits: OpenLimits) -> Judged {
     drop(reader);
     let copied = pack_within(bytes, limits)?;
     let reader = open().map_err(|error| error.to_string())?;
-    // A shard is packed with all others of its encode, or not at all.
+    // A shard cannot be packed without the other shards of its encode.
     let is_shard = reader.index().attributes.get(SHARD).is_some();
     let decoder = match Decoder::new(reader) {
         Ok(decoder) => decoder,
@@ -88,7 +88,7 @@ pub fn run_within(bytes: &[u8], limits: OpenLimits) -> Judged {
     Ok(verdict)
 }
 
-/// Packs within a bound of its own, as decoding holds no batches of chunks.
+/// Packs a container within a separate memory bound, because decoding does not hold batches of chunks.
 fn pack_within(bytes: &[u8], limits: OpenLimits) -> Judged {
     let before = ALLOCATED.current_usage();
     ALLOCATED.reset_peak_usage();
@@ -103,7 +103,8 @@ fn pack_within(bytes: &[u8], limits: OpenLimits) -> Judged {
     verdict
 }
 
-/// Packing copies chunks, which need be no more than whole.
+/// Packs a container: flattened, if it has intermediate quadtrees (`DQTR`), and with its chunks copied unchanged. Copying does
+/// not parse payloads.
 fn pack_again(bytes: &[u8], limits: OpenLimits) -> Judged {
     let reader = Reader::from_source(std::sync::Arc::new(bytes.to_vec()), "", limits);
     let Ok(reader) = reader else { return Ok(Verdict::Refused) };
@@ -141,15 +142,15 @@ fn inspect_all(decoder: &Decoder) -> Judged {
     if inspection.damaged.is_empty() {
         return Ok(Verdict::Accepted);
     }
-    // The first error is that of the list.
+    // Without the list, inspection must fail with the first error of the list.
     match inspect::inspect(decoder, &streams, InspectSettings::default(), &Silent) {
         Err(error) => refused(&error),
-        // Only the comparison of two decoders finds that.
+        // Some damage is detected only by comparing two decoders.
         Ok(_) => Ok(Verdict::Refused),
     }
 }
 
-/// Frames of a stream that are worth a look: the first ones, some in the middle, the last.
+/// Returns the frames of a stream to test: the first five, the middle one and the last.
 fn frames_of(stream: &StreamInfo) -> Vec<u32> {
     let (first, count) = (stream.frames.first, stream.entry.frame_count);
     let mut frames: Vec<u32> = (0..count.min(5)).chain([count / 2, count - 1]).map(|at| first + at).collect();
@@ -158,8 +159,7 @@ fn frames_of(stream: &StreamInfo) -> Vec<u32> {
     frames
 }
 
-/// Whether any way to a frame must show the same picture, whatever the payload. With a window, that is a promise of the
-/// encoder.
+/// True if a frame has the same image in any decoding order, for any payload. With a window above 1, only encoders ensure this.
 fn any_way_is_equal(header: &CodecHeader) -> bool {
     match header {
         CodecHeader::Depth(depth) => depth.window() == 1,
@@ -199,7 +199,7 @@ fn decode_by_two_ways(decoder: &Decoder, stream: &StreamInfo) -> Judged {
             compare(at, &shown(&mut face, frame), "backwards")?;
         }
     }
-    // An error in one unit is not one in another.
+    // An error in one unit does not affect another.
     let unit_count = stream.entry.unit_count();
     for unit in (0..unit_count.min(3)).chain(unit_count.checked_sub(1)) {
         let result = decoder.unit(stream, unit).decode(frames[frames.len() - 1]);
@@ -209,7 +209,7 @@ fn decode_by_two_ways(decoder: &Decoder, stream: &StreamInfo) -> Judged {
     Ok(verdict)
 }
 
-/// `--keep-going` lists the images that cannot be shown, and no others; so does a decoder of files.
+/// Checks that `--keep-going` lists exactly the images that cannot be decoded, and that a face decoder agrees.
 fn keep_going(decoder: &Decoder, stream: &StreamInfo) -> Judged {
     let first = stream.frames.first;
     let frames = FrameRange { first, last: stream.frames.last.min(first + (KEPT_FRAMES - 1)) };
@@ -239,7 +239,7 @@ fn keep_going(decoder: &Decoder, stream: &StreamInfo) -> Judged {
     Ok(Verdict::Accepted)
 }
 
-/// A hash of a picture's bits.
+/// Returns a hash of an image's bits.
 fn shown(face: &mut FaceDecoder<'_>, frame: u32) -> Result<u64> {
     let mut hasher = DefaultHasher::new();
     match face.decode(frame)? {
@@ -260,7 +260,7 @@ fn words(result: &Result<u64>) -> String {
     }
 }
 
-/// Four bytes of a payload's size, then an LZMA2 stream.
+/// Decompresses an LZMA2 stream preceded by its uncompressed size in four bytes.
 pub fn run_lzma2(bytes: &[u8]) -> Judged {
     let Some((size, stored)) = bytes.split_first_chunk::<4>() else { return Ok(Verdict::Refused) };
     let raw_bytes = u32::from_le_bytes(*size) % (4 << 20);
@@ -280,7 +280,7 @@ pub fn run_lzma2(bytes: &[u8]) -> Judged {
     }
 }
 
-/// Four bytes of a payload's size, then a Zstandard frame.
+/// Decompresses a Zstandard frame preceded by its uncompressed size in four bytes.
 pub fn run_zstd(bytes: &[u8]) -> Judged {
     let Some((size, stored)) = bytes.split_first_chunk::<4>() else { return Ok(Verdict::Refused) };
     let raw_bytes = u32::from_le_bytes(*size) % (4 << 20);
@@ -291,7 +291,7 @@ pub fn run_zstd(bytes: &[u8]) -> Judged {
     if raw.len() != raw_bytes as usize {
         return Err(format!("{} bytes where {raw_bytes} were asked for", raw.len()));
     }
-    // What is accepted breaks no rule, so that no other decoder refuses it.
+    // The decoder accepts only frames that keep all rules, so no other decoder may refuse them.
     match zstd_independent::decompress_independent(stored, raw_bytes) {
         Ok(other) if other != raw => Err("two Zstandard decoders do not agree".into()),
         Ok(_) => Ok(Verdict::Accepted),
@@ -299,12 +299,12 @@ pub fn run_zstd(bytes: &[u8]) -> Judged {
     }
 }
 
-/// Twice what may come out, two dictionaries and the decoders' tables.
+/// Twice the maximum output, two dictionaries and the decoders' tables.
 pub fn bound_lzma2(bytes: &[u8]) -> u64 {
     (40 << 20) + 4 * bytes.len() as u64
 }
 
-/// Attributes of a shard are read, and its entry written and read again.
+/// Parses the attributes of a shard; its entry is written and parsed again.
 pub fn run_shard(bytes: &[u8]) -> Judged {
     FootageDigests::read(bytes, bytes.len() % 5);
     let entry = match ShardEntry::read(bytes) {

@@ -1,4 +1,4 @@
-//! Image files. They are read from a file, so each thread has one to write to.
+//! Image files. The readers take paths, so each thread has a temporary file.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ thread_local! {
     static PNG_FILE: NamedTempFile = new_file(".png");
 }
 
-/// In memory, where the system has a place for that.
+/// Creates a temporary file, in memory if the system has `/dev/shm`.
 fn new_file(suffix: &str) -> NamedTempFile {
     let memory = Path::new("/dev/shm");
     let folder = if memory.is_dir() { memory.to_path_buf() } else { std::env::temp_dir() };
@@ -30,7 +30,7 @@ fn with_file<T>(bytes: &[u8], read: impl FnOnce(&Path) -> T) -> T {
     })
 }
 
-/// The verdict of several readings: taken if any took it.
+/// Combines the verdicts of several readers: accepted if any of them accepts.
 fn all(verdicts: impl IntoIterator<Item = Judged>) -> Judged {
     let mut all = Verdict::Refused;
     for verdict in verdicts {
@@ -41,7 +41,7 @@ fn all(verdicts: impl IntoIterator<Item = Judged>) -> Judged {
     Ok(all)
 }
 
-/// An OpenEXR file, read in all ways that there are.
+/// Reads an OpenEXR file by every reader.
 pub fn run_exr(bytes: &[u8]) -> Judged {
     let limits = ReadLimits::default();
     with_file(bytes, |path| {
@@ -69,7 +69,7 @@ pub fn run_exr(bytes: &[u8]) -> Judged {
     })
 }
 
-/// A PNG file, read in all ways that there are.
+/// Reads a PNG file by every reader.
 pub fn run_png(bytes: &[u8]) -> Judged {
     let limits = ReadLimits::default();
     with_file(bytes, |path| {
@@ -87,10 +87,11 @@ pub fn run_png(bytes: &[u8]) -> Judged {
     })
 }
 
-/// Bytes for a pixel of the largest planes that are read, and of two of depth with their bits.
+/// Bytes per pixel: the largest planes that are read, and two depth planes with their bit patterns.
 const PIXEL_BYTES: u64 = 32;
 
-/// What an OpenEXR file may take: its headers, a chunk and the planes; where the headers are refused, texts and lists of them.
+/// Returns the maximum bytes used to read an OpenEXR file: headers, a chunk and the planes; if the headers are refused, their
+/// texts and lists.
 pub fn bound_exr(bytes: &[u8]) -> u64 {
     let limits = ReadLimits::default();
     with_file(bytes, |path| {
@@ -100,12 +101,12 @@ pub fn bound_exr(bytes: &[u8]) -> u64 {
     })
 }
 
-/// What one image file may take: see `ReadLimits`.
+/// Returns the maximum bytes used to read an image file: see `ReadLimits`.
 pub fn bound(bytes: &[u8]) -> u64 {
     ReadLimits::default().memory_bound(bytes.len() as u64)
 }
 
-/// A texture of a mesh file: PNG or JPEG.
+/// Decodes a texture of a mesh file: PNG or JPEG.
 pub fn run_texture(bytes: &[u8]) -> Judged {
     let read = ImageTexture::decode(bytes, [Wrap::Clamp; 2], &mut Budget::new(bytes.len() as u64));
     match &read {
@@ -116,17 +117,17 @@ pub fn run_texture(bytes: &[u8]) -> Judged {
     }
 }
 
-/// Sides of the largest image whose rays are asked for, and those of the seeds.
+/// Maximum width and height of images whose rays are generated, and size of the seeds.
 const MAX_SEURAT_SIDE: u32 = 256;
 const SEURAT_SIZE: (u32, u32) = (20, 15);
 
-/// Pixels of an OpenEXR file as a view of a Seurat capture.
+/// Reads an OpenEXR file as a view of a Seurat capture.
 pub fn run_seurat_exr(bytes: &[u8]) -> Judged {
     let limits = ReadLimits::default();
     with_file(bytes, |path| seurat(path, exr::read_size(path, &limits).unwrap_or(SEURAT_SIZE)))
 }
 
-/// Pixels of a PNG file as a view of a Seurat capture.
+/// Reads a PNG file as a view of a Seurat capture.
 pub fn run_seurat_png(bytes: &[u8]) -> Judged {
     PNG_FILE.with(|file| {
         std::fs::write(file.path(), bytes).expect("the temporary file is written");
@@ -134,7 +135,7 @@ pub fn run_seurat_png(bytes: &[u8]) -> Judged {
     })
 }
 
-/// Colour and depth of one file, and of two.
+/// Reads colour and depth from one path, and from two.
 fn seurat(path: &Path, (width, height): (u32, u32)) -> Judged {
     let (width, height) = match width.max(height) <= MAX_SEURAT_SIDE {
         true => (width.max(1), height.max(1)),
@@ -154,7 +155,7 @@ fn seurat(path: &Path, (width, height): (u32, u32)) -> Judged {
             },
         })
     };
-    // A path that differs from the other, though it leads to the same file.
+    // A different path to the same file.
     let folder = path.parent().unwrap_or(Path::new("/"));
     let again = folder.join("..").join(folder.file_name().unwrap_or_default());
     let other = again.join(path.file_name().unwrap_or_default());
@@ -180,7 +181,7 @@ fn seurat(path: &Path, (width, height): (u32, u32)) -> Judged {
     }))
 }
 
-/// The larger of what both readers may take, twice, and a row of rays.
+/// Twice the larger bound of the two readers, which includes a row of rays.
 pub fn bound_seurat(bytes: &[u8]) -> u64 {
     bound_exr(bytes).max(bound(bytes)).saturating_mul(2)
 }

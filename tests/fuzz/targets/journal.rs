@@ -1,16 +1,17 @@
-//! What an unfinished encode has left: a journal, and the container that it speaks of.
+//! State of an unfinished encode: a journal, and the container that it describes.
 
 use codec::container::journal::recover;
 
 use super::{Judged, Verdict, refused};
 
-/// An input is the length of the journal in four bytes, the journal, the container.
+/// Splits an input into journal and container. An input is the length of the journal in four bytes, the journal, and the
+/// container.
 pub fn parts(bytes: &[u8]) -> (&[u8], &[u8]) {
     let Some((length, rest)) = bytes.split_first_chunk() else { return (bytes, &[]) };
     rest.split_at(rest.len().min(u32::from_le_bytes(*length) as usize))
 }
 
-/// Recovers what can be, cuts both off behind it, and recovers again.
+/// Recovers a journal and its container, truncates both to the recovered length, and recovers again.
 pub fn run(bytes: &[u8]) -> Judged {
     let (journal, container) = parts(bytes);
     let found = match recover(journal, container) {
@@ -40,7 +41,7 @@ pub fn run(bytes: &[u8]) -> Judged {
     }
 }
 
-/// A record of 53 bytes becomes a row, and one of each of two maps, which are doubled when they grow.
+/// A record of 53 bytes becomes a row and an entry in each of two maps, which double in size when they grow.
 pub fn bound(bytes: &[u8]) -> u64 {
     (1 << 20) + 16 * bytes.len() as u64
 }

@@ -1,5 +1,5 @@
-//! What is fuzzed: functions that take any bytes and say what became of them. The runner and the package of `cargo fuzz`
-//! call the same ones.
+//! Fuzz targets: functions that take arbitrary bytes and return a verdict. The test's runner and the `cargo fuzz` package share
+//! them.
 
 use codec::color::transform::tables::Transform;
 use codec::depth::predictive::tables::Predictive;
@@ -14,32 +14,32 @@ pub mod stream;
 pub mod texts;
 pub mod transform;
 
-/// What a parser did with an input that it treated properly.
+/// Result of a parser that handled an input correctly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// It was taken.
+    /// The input was accepted.
     Accepted,
-    /// It was refused with an error as errors must be.
+    /// The input was refused with a well-formed error.
     Refused,
 }
 
-/// A verdict, or what is wrong.
+/// A verdict, or a description of the failure.
 pub type Judged = std::result::Result<Verdict, String>;
 
 /// A parser under test.
 #[derive(Clone, Copy)]
 pub struct Target {
-    /// Its name on command lines.
+    /// Name on command lines.
     pub name: &'static str,
-    /// Inputs that the test runs: two seconds or so of them on a desk computer.
+    /// Number of inputs that the test runs, for about two seconds on a desktop computer.
     pub execs: u64,
-    /// What it does with an input; panics are findings, too.
+    /// Runs an input; a panic is a failure too.
     pub run: fn(&[u8]) -> Judged,
-    /// Memory that an input may take, in bytes.
+    /// Returns the maximum bytes of memory for an input.
     pub bound: fn(&[u8]) -> u64,
 }
 
-/// A target of one codec's payloads.
+/// Defines a target for the payloads of one codec.
 macro_rules! payloads {
     ($codec:literal, $execs:literal) => {{
         const CODEC: [u8; 4] = *$codec;
@@ -53,7 +53,6 @@ macro_rules! payloads {
     }};
 }
 
-/// All targets.
 pub const TARGETS: &[Target] = &[
     Target { name: "container", execs: 2000, run: container::run, bound: container::bound },
     Target { name: "index", execs: 2000, run: container::run, bound: container::bound },
@@ -102,7 +101,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "mtl", execs: 2000, run: models::run_mtl, bound: models::bound },
 ];
 
-/// Whether an error is a short printable sentence about the input.
+/// Returns `Refused` if the error is a short printable sentence about the input; otherwise fails.
 pub fn refused(error: &Error) -> Judged {
     let text = error.to_string();
     if text.trim().is_empty() {
@@ -120,7 +119,7 @@ pub fn refused(error: &Error) -> Judged {
     }
 }
 
-/// The verdict on what a parser answered.
+/// Returns the verdict for a parser's result.
 pub fn judge<T>(result: &Result<T>) -> Judged {
     result.as_ref().map_or_else(refused, |_| Ok(Verdict::Accepted))
 }

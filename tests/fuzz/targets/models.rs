@@ -1,4 +1,4 @@
-//! Mesh files. They are read from a file, so each thread has one of each kind to write to.
+//! Mesh files. The readers take paths, so each thread has a temporary file of each kind.
 
 use std::path::Path;
 
@@ -18,14 +18,14 @@ thread_local! {
     static MTL: (NamedTempFile, NamedTempFile) = painted();
 }
 
-/// In memory, where the system has a place for that.
+/// Creates a temporary file, in memory if the system has `/dev/shm`.
 fn new_file(suffix: &str) -> NamedTempFile {
     let memory = Path::new("/dev/shm");
     let folder = if memory.is_dir() { memory.to_path_buf() } else { std::env::temp_dir() };
     tempfile::Builder::new().prefix("fuzz").suffix(suffix).tempfile_in(folder).expect("a temporary file")
 }
 
-/// A file of materials, and one that names it.
+/// Creates a material file, and an OBJ file that references it.
 fn painted() -> (NamedTempFile, NamedTempFile) {
     let (mtl, obj) = (new_file(".mtl"), new_file(".obj"));
     let name = mtl.path().file_name().and_then(|name| name.to_str()).expect("a name").to_string();
@@ -59,7 +59,7 @@ fn look(path: &Path) -> Judged {
     judge(&model)
 }
 
-/// Whether a mesh is one that rays can be asked of, and the same each time.
+/// Checks that a mesh is valid for ray casting, and that instantiating the model again gives the same mesh.
 fn sound(mesh: &SceneMesh, again: &SceneMesh) -> Result<(), String> {
     let materials = mesh.materials.len();
     let (mesh, again) = (&mesh.mesh, &again.mesh);
@@ -84,12 +84,12 @@ fn sound(mesh: &SceneMesh, again: &SceneMesh) -> Result<(), String> {
     Ok(())
 }
 
-/// A glTF or GLB file.
+/// Reads a glTF or GLB file.
 pub fn run_gltf(bytes: &[u8]) -> Judged {
     GLTF.with(|file| run(file, bytes))
 }
 
-/// A simplified scene, which is drawn where it is read.
+/// Reads a simplified scene and, if it is valid, draws it.
 pub fn run_quads(bytes: &[u8]) -> Judged {
     GLTF.with(|file| {
         std::fs::write(file.path(), bytes).expect("the temporary file is written");
@@ -105,12 +105,12 @@ pub fn run_quads(bytes: &[u8]) -> Judged {
     })
 }
 
-/// An OBJ file.
+/// Reads an OBJ file.
 pub fn run_obj(bytes: &[u8]) -> Judged {
     OBJ.with(|file| run(file, bytes))
 }
 
-/// The materials of an OBJ file. Where they cannot be read there are none, which is no error.
+/// Reads the materials of an OBJ file. Materials that cannot be read are omitted, with a note instead of an error.
 pub fn run_mtl(bytes: &[u8]) -> Judged {
     MTL.with(|(mtl, obj)| {
         std::fs::write(mtl.path(), bytes).expect("the temporary file is written");
@@ -121,7 +121,8 @@ pub fn run_mtl(bytes: &[u8]) -> Judged {
     })
 }
 
-/// What a mesh file may take: its budget, and as much again for parsing and for building trees.
+/// Returns the maximum bytes used to read a mesh file: its budget, and as much again for parsing and for building bounding volume
+/// hierarchies.
 pub fn bound(bytes: &[u8]) -> u64 {
     Budget::allowance(bytes.len() as u64).saturating_mul(2)
 }

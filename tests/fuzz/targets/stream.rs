@@ -1,4 +1,4 @@
-//! Streams of one codec: sizes, codec header and payloads are the input, the container around them is sound.
+//! Streams of one codec. Sizes, codec header and payloads are the input; the container around them is valid.
 
 use codec::container::{
     ChunkKey, Compression, OpenLimits, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer,
@@ -8,27 +8,26 @@ use codec::decode::Decoder;
 use super::{Judged, container, refused};
 use crate::ALLOCATED;
 
-/// Sides of images and units are at most this.
+/// Maximum width and height of images and units.
 const MAX_SIDE: u16 = 192;
-/// Payloads and chunks of a unit are at most as many.
+/// Maximum number of payloads, and of chunks per unit.
 const MAX_PAYLOADS: usize = 8;
 
-/// A stream taken apart.
+/// Parts of a stream.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Case {
-    /// Width and height of the images, then of units, less one.
+    /// Width and height of the images, then of the units, each less one.
     pub sizes: [u16; 4],
-    /// Frames of each chunk.
+    /// Frames per chunk, less one.
     pub frames: u8,
-    /// Chunks of each unit.
+    /// Chunks per unit, less one, modulo `MAX_PAYLOADS`.
     pub chunks: u8,
-    /// The codec header.
     pub header: Vec<u8>,
-    /// Payloads; chunks take them in turn.
+    /// Payloads; chunks use them cyclically.
     pub payloads: Vec<Vec<u8>>,
 }
 
-/// Takes from the front of a slice, and zeros where it ends.
+/// Reader of the front of a slice; reads zeros after its end.
 pub(super) struct Front<'a>(pub(super) &'a [u8]);
 
 impl<'a> Front<'a> {
@@ -48,7 +47,7 @@ impl<'a> Front<'a> {
 }
 
 impl Case {
-    /// Any bytes are a case.
+    /// Parses a case; any bytes are valid.
     pub fn read(bytes: &[u8]) -> Case {
         let mut front = Front(bytes);
         let mut case = Case { sizes: std::array::from_fn(|_| front.u16() % MAX_SIDE), ..Case::default() };
@@ -63,7 +62,7 @@ impl Case {
         case
     }
 
-    /// The bytes of a case that keeps to what fits.
+    /// Returns the bytes of a case, of which [`Case::read`] keeps what is within the limits.
     pub fn write(&self) -> Vec<u8> {
         let mut out: Vec<u8> = self.sizes.iter().flat_map(|size| size.to_le_bytes()).collect();
         out.extend_from_slice(&[self.frames, self.chunks, self.header.len() as u8]);
@@ -75,7 +74,7 @@ impl Case {
         out
     }
 
-    /// The container of the case.
+    /// Returns a container with the stream.
     pub fn container(&self, codec: [u8; 4]) -> lightfold::Result<Vec<u8>> {
         let [width, height, unit_width, unit_height] = self.sizes.map(|size| u32::from(size) + 1);
         let frames = u32::from(self.frames) + 1;
@@ -119,11 +118,11 @@ impl Case {
     }
 }
 
-/// Decodes a stream of a codec.
+/// Decodes an input as a stream of a codec.
 pub fn run(codec: [u8; 4], bytes: &[u8]) -> Judged {
     match Case::read(bytes).container(codec) {
         Ok(file) => {
-            // The bound is that of decoders, not of the writer.
+            // The bound is for decoders, so memory used by the writer is excluded.
             ALLOCATED.reset_peak_usage();
             container::run_within(&file, OpenLimits::DEFAULT)
         }
@@ -131,7 +130,7 @@ pub fn run(codec: [u8; 4], bytes: &[u8]) -> Judged {
     }
 }
 
-/// What the decoder says that the stream takes, and what stands beside it.
+/// Returns the bytes that the decoder states for the stream, and those used in addition.
 pub fn bound(codec: [u8; 4], bytes: &[u8]) -> u64 {
     let Ok(file) = Case::read(bytes).container(codec) else { return container::beside(4 << 20) };
     let file_bytes = file.len() as u64;
@@ -140,6 +139,7 @@ pub fn bound(codec: [u8; 4], bytes: &[u8]) -> u64 {
         Ok(decoder) => decoder.streams()[0].memory_bytes(decoder.reader().index()),
         Err(_) => 0,
     };
-    // Less than container.md allows beside it: a decoder of a unit stands for 40 bytes of the index.
+    // Stricter than container.md 2, which allows 64 bytes per byte of the file: a unit decoder corresponds to 40 bytes of the
+    // index.
     stream + (2 << 20) + 32 * file_bytes + flattened
 }

@@ -1,4 +1,4 @@
-//! Texts: manifests, cameras, entropy tables, the CSV of a sweep, file patterns and frame ranges.
+//! Text files: manifests, cameras, entropy tables, CSV of sweeps, scans, file patterns and frame ranges.
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ thread_local! {
     static FOLDER: TempDir = TempDir::new().expect("a temporary folder");
 }
 
-/// A manifest is parsed, written, parsed again, and opened where none of its files exist.
+/// Parses a manifest, writes it, parses it again, and opens it in a folder without its files.
 pub fn run_manifest(bytes: &[u8]) -> Judged {
     let manifest = match Manifest::from_json(bytes) {
         Ok(manifest) => manifest,
@@ -48,7 +48,7 @@ pub fn run_manifest(bytes: &[u8]) -> Judged {
     })
 }
 
-/// A Seurat manifest is parsed, its cameras give rays, and its views are read where none of their files exist.
+/// Parses a Seurat manifest, generates rays of its cameras, and reads its views, whose files do not exist.
 pub fn run_seurat(bytes: &[u8]) -> Judged {
     let capture = FOLDER.with(|folder| SeuratCapture::from_json(bytes, folder.path()));
     let capture = match capture {
@@ -63,7 +63,7 @@ pub fn run_seurat(bytes: &[u8]) -> Judged {
     for view in &capture.views {
         check_rays(view)?;
         view.perspective();
-        // A path of the input may lead to a file of this machine.
+        // A path of the input may name an existing file of this machine.
         if !view.color.path.exists() && !view.depth.path.exists() {
             judge(&view.read(&ReadLimits { max_image_bytes: 1 << 20 }))?;
         }
@@ -91,7 +91,7 @@ fn check_rays(view: &SeuratView) -> Result<(), String> {
     Ok(())
 }
 
-/// Cameras are parsed, and asked what they see of a container.
+/// Parses cameras, and determines what they see of a container.
 pub fn run_cameras(bytes: &[u8]) -> Judged {
     let cameras = match CameraFile::parse(bytes) {
         Ok(cameras) => cameras,
@@ -109,12 +109,12 @@ pub fn run_cameras(bytes: &[u8]) -> Judged {
     }
 }
 
-/// Cameras of a USD file are parsed.
+/// Parses the cameras of a USD file.
 pub fn run_usda(bytes: &[u8]) -> Judged {
     judge(&cameras::parse(&Content { path: Path::new("a.usda"), bytes, fps: 24.0 }))
 }
 
-/// Entropy tables of a model are parsed, written and parsed again.
+/// Parses entropy tables of a model, writes them and parses them again.
 pub fn run_tables<M: Model + PartialEq>(bytes: &[u8]) -> Judged {
     let sets = match table_text::read::<M>(bytes) {
         Ok(sets) => sets,
@@ -126,7 +126,7 @@ pub fn run_tables<M: Model + PartialEq>(bytes: &[u8]) -> Judged {
     }
 }
 
-/// A sweep's CSV is opened, written and opened again.
+/// Opens the CSV of a sweep, writes it and opens it again.
 pub fn run_sweep(bytes: &[u8]) -> Judged {
     FOLDER.with(|folder| {
         let path = folder.path().join(CODING.csv_name());
@@ -145,7 +145,7 @@ pub fn run_sweep(bytes: &[u8]) -> Judged {
     })
 }
 
-/// A scan of footage is read, written and read again.
+/// Reads a scan of footage, writes it, reads it again and merges it.
 pub fn run_scan(bytes: &[u8]) -> Judged {
     FOLDER.with(|folder| {
         let path = folder.path().join("scan.json");
@@ -167,7 +167,7 @@ pub fn run_scan(bytes: &[u8]) -> Judged {
     })
 }
 
-/// A pattern of file names, and a range of frames.
+/// Parses a file name pattern and a frame range, formats them and parses them again.
 pub fn run_patterns(bytes: &[u8]) -> Judged {
     let Ok(text) = std::str::from_utf8(bytes) else { return Ok(Verdict::Refused) };
     let range = text.parse::<FrameRange>();
@@ -196,7 +196,7 @@ pub fn run_patterns(bytes: &[u8]) -> Judged {
     Ok(Verdict::Accepted)
 }
 
-/// Texts become trees and rows of words: some hundred bytes for a word of a few, and the buffers of files.
+/// Texts become trees and rows of words: some hundred bytes per word of a few bytes, and file buffers.
 pub fn bound(bytes: &[u8]) -> u64 {
     (2 << 20) + 256 * bytes.len() as u64
 }

@@ -1,4 +1,4 @@
-//! Payloads of the transform codec with the table sets of their stream (formats/color.md 6 and 7).
+//! Payloads of the transform codec, with the table sets of their streams (formats/color.md 6 and 7).
 
 use codec::color::HalfKey;
 use codec::color::transform::region::held_bytes;
@@ -9,22 +9,22 @@ use lightfold::Result;
 use super::stream::Front;
 use super::{Judged, Verdict, refused};
 
-/// Sides of cells are at most this.
+/// Maximum width and height of cells.
 const MAX_SIDE: usize = 72;
 
-/// A payload, and what it is decoded with.
+/// A payload and the parameters of its decoder.
 #[derive(Debug, Clone, Default)]
 pub struct Case {
     pub is_half: bool,
     pub size: [usize; 2],
     pub frames: u32,
-    /// Own table sets as a codec header has them; empty for none.
+    /// Own table sets as in a codec header; empty for none.
     pub own_sets: Vec<u8>,
     pub payload: Vec<u8>,
 }
 
 impl Case {
-    /// Any bytes are a case.
+    /// Parses a case; any bytes are valid.
     fn read(bytes: &[u8]) -> Case {
         let mut front = Front(bytes);
         let is_half = front.u8() & 1 == 1;
@@ -56,7 +56,7 @@ impl Case {
         Ok(tables)
     }
 
-    /// Frames shown one after the other are those shown alone.
+    /// Decodes frames in sequence and separately; both must give the same samples.
     fn decode<S: Keyed>(&self) -> Judged {
         let chunk =
             match self.tables().and_then(|of| TransformChunk::parse::<S>(&self.payload, self.size, self.frames, &of)) {
@@ -82,7 +82,7 @@ pub fn run(bytes: &[u8]) -> Judged {
     if case.is_half { case.decode::<HalfKey>() } else { case.decode::<u8>() }
 }
 
-/// What a parsed chunk holds (container.md 2), the tables, and frames.
+/// Returns the bytes held by a parsed chunk (container.md 2), and 4 MiB for tables and frames.
 pub fn bound(bytes: &[u8]) -> u64 {
     let case = Case::read(bytes);
     (4 << 20) + held_bytes(case.payload.len() as u64, case.size, case.frames)

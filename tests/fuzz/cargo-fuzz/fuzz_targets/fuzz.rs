@@ -1,4 +1,4 @@
-//! One program for all targets: LIGHTFOLD_FUZZ names the one that inputs are for, `container` where it is not set.
+//! The fuzz program for all targets. The environment variable LIGHTFOLD_FUZZ selects the target; default: `container`.
 
 #![no_main]
 

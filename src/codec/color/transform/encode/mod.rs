@@ -4,11 +4,11 @@
 
 mod activity;
 mod estimate;
-mod promise;
 mod quantise;
 mod rate;
 mod search;
 mod source;
+mod target;
 mod training;
 mod tree;
 mod weights;
@@ -20,14 +20,14 @@ use crate::color::quality::Quality;
 use crate::color::settings::{SearchSettings, Target};
 use crate::color::temporal::CellEncoder;
 use crate::color::transform::Keyed;
-use crate::color::transform::encode::promise::{Encoded, encode_chunk};
 use crate::color::transform::encode::source::CellSource;
+use crate::color::transform::encode::target::{Encoded, encode_chunk};
 use crate::color::transform::payload::CELLS;
 use crate::container::EncodedChunk;
 use crate::error::Result;
 
-pub use promise::{COARSEST, Start};
 pub use rate::PricedTables;
+pub use target::{COARSEST, Start};
 pub use training::count_payload;
 
 /// A PSNR that only lossless coding reaches.

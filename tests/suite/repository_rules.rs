@@ -1,4 +1,4 @@
-//! The house is in order: layers, man pages, help, README, and rules that every file keeps.
+//! Repository rules: layers, man pages, help, README, and rules for every file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -11,9 +11,9 @@ use lightfold::gpu::selftest::ROWS;
 
 use crate::documents::DOCUMENTS;
 
-/// Width that help is wrapped to.
+/// Width at which help text is wrapped, in columns.
 const HELP_COLUMNS: usize = 100;
-/// Longest source file, in lines.
+/// Maximum length of a source file, in lines.
 const MAX_LINES: usize = 650;
 
 pub(crate) fn root() -> &'static Path {
@@ -25,7 +25,7 @@ pub(crate) fn read(path: impl AsRef<Path>) -> String {
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Files below `folder` (relative to the repository), relative too, in order.
+/// Returns the files below `folder`, sorted. All paths are relative to the repository root.
 pub(crate) fn files_below(folder: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![root().join(folder)];
@@ -48,7 +48,7 @@ pub(crate) fn sources() -> Vec<PathBuf> {
     files_below("src").into_iter().filter(|path| path.extension().is_some_and(|extension| extension == "rs")).collect()
 }
 
-/// A source without its comments, and without what follows `#[cfg(test)]`, line by line with line numbers.
+/// Returns the numbered lines of a source, without comment lines and without the `#[cfg(test)]` module at its end.
 pub(crate) fn product_lines(text: &str) -> Vec<(usize, &str)> {
     let end = text.find("\n#[cfg(test)]\nmod ").unwrap_or(text.len());
     text[..end]
@@ -59,7 +59,7 @@ pub(crate) fn product_lines(text: &str) -> Vec<(usize, &str)> {
         .collect()
 }
 
-/// Layer of each room, from the table in ARCHITECTURE.md.
+/// Returns the layer of each module, from the table in ARCHITECTURE.md.
 fn layers() -> BTreeMap<String, u32> {
     let text = read("ARCHITECTURE.md");
     let table = text.split("<!-- layers:").nth(1).expect("ARCHITECTURE.md has a table marked <!-- layers: -->");
@@ -71,66 +71,66 @@ fn layers() -> BTreeMap<String, u32> {
     .collect()
 }
 
-/// The module that a source file belongs to, behind `codec::` for one of that crate; `None` for lib.rs and main.rs.
-fn room_of(path: &Path) -> Option<String> {
+/// Returns the module of a source file, with the prefix `codec::` if it is in that crate; `None` for lib.rs and main.rs.
+fn module_of(path: &Path) -> Option<String> {
     let inside = path.strip_prefix("src").unwrap();
     let (inside, prefix) = inside.strip_prefix("codec").map_or((inside, ""), |inside| (inside, "codec::"));
     let first = Path::new(inside.iter().next().unwrap()).file_stem().unwrap().to_str().unwrap();
     (first != "lib" && first != "main").then(|| format!("{prefix}{first}"))
 }
 
-/// Modules named behind `root` in a line of code, also in `use crate::{a, b::c}` on one line, with `prefix` before them.
-fn rooms_in(line: &str, root: &str, prefix: &str) -> Vec<String> {
+/// Returns the modules after `root` in a line of code, each with `prefix`. Accepts `use crate::{a, b::c}` on one line.
+fn modules_in(line: &str, root: &str, prefix: &str) -> Vec<String> {
     let word = |text: &str| {
         let end = text.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(text.len());
         format!("{prefix}{}", &text[..end])
     };
-    let mut rooms = Vec::new();
+    let mut modules = Vec::new();
     for (at, found) in line.match_indices(root) {
-        // `$crate::` and `other_crate::` are something else.
+        // `other_crate::` is not `crate::`.
         if line[..at].ends_with(|c: char| c.is_ascii_alphanumeric() || c == '_') {
             continue;
         }
         let rest = &line[at + found.len()..];
         match rest.strip_prefix('{') {
-            Some(group) => rooms.extend(group.split('}').next().unwrap().split(',').map(|item| word(item.trim()))),
-            None => rooms.push(word(rest)),
+            Some(group) => modules.extend(group.split('}').next().unwrap().split(',').map(|item| word(item.trim()))),
+            None => modules.push(word(rest)),
         }
     }
-    rooms
+    modules
 }
 
-/// Modules that a line of a module imports.
-fn imports_in(line: &str, room: &str) -> Vec<String> {
-    if room.starts_with("codec::") {
-        return rooms_in(line, "crate::", "codec::");
+/// Returns the modules that a line of module `module` imports.
+fn imports_in(line: &str, module: &str) -> Vec<String> {
+    if module.starts_with("codec::") {
+        return modules_in(line, "crate::", "codec::");
     }
-    let mut rooms = rooms_in(line, "crate::", "");
-    rooms.extend(rooms_in(line, "codec::", "codec::"));
-    rooms
+    let mut modules = modules_in(line, "crate::", "");
+    modules.extend(modules_in(line, "codec::", "codec::"));
+    modules
 }
 
 #[test]
 fn imports_go_down_the_layers_of_architecture_md() {
     let layers = layers();
-    let rooms: BTreeSet<String> = sources().iter().filter_map(|path| room_of(path)).collect();
+    let modules: BTreeSet<String> = sources().iter().filter_map(|path| module_of(path)).collect();
     let listed: BTreeSet<String> = layers.keys().cloned().collect();
-    assert_eq!(rooms, listed, "rooms under src/ and rooms in the table of ARCHITECTURE.md");
+    assert_eq!(modules, listed, "modules under src/ and modules in the table of ARCHITECTURE.md");
     let mut wrong = Vec::new();
     let mut seen = 0;
     for path in sources() {
-        let Some(room) = room_of(&path) else { continue };
+        let Some(module) = module_of(&path) else { continue };
         let text = read(&path);
         for (number, line) in product_lines(&text) {
             for other in
-                imports_in(line, &room).into_iter().filter(|other| *other != room && layers.contains_key(other))
+                imports_in(line, &module).into_iter().filter(|other| *other != module && layers.contains_key(other))
             {
                 seen += 1;
-                if layers[&other] >= layers[&room] {
+                if layers[&other] >= layers[&module] {
                     wrong.push(format!(
-                        "{}:{number}: {room} (layer {}) imports {other} (layer {})",
+                        "{}:{number}: {module} (layer {}) imports {other} (layer {})",
                         path.display(),
-                        layers[&room],
+                        layers[&module],
                         layers[&other]
                     ));
                 }
@@ -162,7 +162,7 @@ fn every_shader_is_in_a_row_and_says_what_it_mirrors() {
             assert!(root().join(source).exists(), "{} mirrors {source}, which is not there", path.display());
         }
     }
-    // A reader runs with its kernel.
+    // A reader kernel is tested together with its kernel.
     let run = ROWS.iter().flat_map(|row| row.kernel.reader.into_iter().chain([row.kernel]));
     let rows: BTreeSet<_> = run.map(|kernel| kernel.name).collect();
     let kernels: BTreeSet<_> = KERNELS.iter().map(|kernel| kernel.name).collect();
@@ -170,7 +170,7 @@ fn every_shader_is_in_a_row_and_says_what_it_mirrors() {
 }
 
 #[test]
-fn rooms_are_found_in_imports() {
+fn modules_are_found_in_imports() {
     assert_eq!(imports_in("use crate::files::{Lock, open};", "pack"), ["files"]);
     assert_eq!(imports_in("use crate::{files::Lock, video};", "pack"), ["files", "video"]);
     assert_eq!(imports_in("    crate::pack::f(codec::depth::x)", "cli"), ["pack", "codec::depth"]);
@@ -192,7 +192,7 @@ fn man_pages_are_fresh() {
     assert_eq!(kept, made, "pages under man/; {again}");
 }
 
-/// Visible subcommands by their names.
+/// Returns the visible subcommands, without `help`.
 pub(crate) fn subcommands() -> Vec<clap::Command> {
     let mut root = cli::command();
     root.build();
@@ -216,12 +216,12 @@ fn every_subcommand_has_examples_that_parse() {
     }
 }
 
-/// Lines of a shell, those that end in a backslash joined with the next.
+/// Returns the lines of a shell script. A line that ends in a backslash is joined with the next one.
 fn joined_lines(text: &str) -> Vec<String> {
     text.replace("\\\n", " ").lines().map(str::to_owned).collect()
 }
 
-/// Words of a shell command: quotes, `#` comments; nothing else that a shell does.
+/// Splits a shell command into words. Handles quotes and `#` comments, and no other shell syntax.
 pub(crate) fn shell_words(line: &str) -> Vec<String> {
     let (mut words, mut word, mut quote) = (Vec::new(), None::<String>, None);
     for c in line.chars() {
@@ -240,7 +240,7 @@ pub(crate) fn shell_words(line: &str) -> Vec<String> {
     words
 }
 
-/// Parses every `lightfold` command of a line, which may hold pipes and redirections.
+/// Parses every `lightfold` command of a line, which may have pipes and redirections. Returns the number of commands.
 fn check_command_line(line: &str, place: &str) -> usize {
     let words = shell_words(line);
     let mut count = 0;
@@ -262,7 +262,7 @@ fn shell_words_are_split() {
     assert_eq!(shell_words("x \"\" y.####.exr"), ["x", "", "y.####.exr"]);
 }
 
-/// Contents of the fenced blocks of a language.
+/// Returns the contents of the fenced code blocks of a language.
 pub(crate) fn blocks<'a>(text: &'a str, language: &str) -> Vec<&'a str> {
     let fence = format!("```{language}\n");
     text.split(fence.as_str()).skip(1).map(|rest| rest.split("```").next().unwrap()).collect()
@@ -296,14 +296,14 @@ fn no_source_file_is_too_long() {
     }
 }
 
-/// What may stand in product code although it panics: (file, words of the line, why it cannot happen).
+/// Panics that product code may contain: (file, part of the line, reason why the panic cannot occur).
 const PANICS_ALLOWED: &[(&str, &str, &str)] = &[];
 
 #[test]
 fn product_code_does_not_panic_on_purpose() {
     let words = [".unwrap()", ".expect(", "panic!(", "unreachable!(", "todo!(", "unimplemented!("];
     let mut wrong = Vec::new();
-    // A file of tests beside the code is declared under `#[cfg(test)]`.
+    // Files named tests.rs are declared under `#[cfg(test)]`.
     for path in sources().into_iter().filter(|path| !path.ends_with("tests.rs")) {
         let text = read(&path);
         for (number, line) in product_lines(&text) {
@@ -323,7 +323,7 @@ fn nothing_names_a_path_of_one_machine() {
         files.extend(files_below(folder));
     }
     files.extend(["Cargo.toml", "pyproject.toml"].iter().chain(&DOCUMENTS).map(PathBuf::from));
-    // Put together here, so that this file does not hold them.
+    // Joined at run time, so that this file does not contain these paths.
     let forbidden = ["work", "root", "home", "Users"].map(|folder| format!("/{folder}/"));
     for path in files {
         let Ok(text) = fs::read_to_string(root().join(&path)) else { continue };
@@ -333,7 +333,7 @@ fn nothing_names_a_path_of_one_machine() {
     }
 }
 
-/// Commands that sweeps run, and so spell their options.
+/// Modules that run command lines, and therefore contain options.
 const WRITES_COMMAND_LINES: &str = "src/report/tradeoff";
 
 #[test]

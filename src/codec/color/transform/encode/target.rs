@@ -37,15 +37,15 @@ const COARSER_CHROMA: i32 = 4;
 /// Change of log2 of the squared error per step index.
 const OCTAVES_AN_INDEX: f64 = 0.09;
 /// The partition is searched again if the step changes by more indices than this.
-const NEAR: i32 = 8;
+const RESEARCH_STEP_DELTA: i32 = 8;
 /// Number of trials whose step is predicted from the errors before.
-const PREDICTED: i32 = 6;
+const MAX_PREDICTED_TRIALS: i32 = 6;
 /// Round in which the partition is searched again, with weights.
-const WEIGHTED: i32 = 2;
+const WEIGHTED_ROUND: i32 = 2;
 /// Octaves by which errors aim below the limit; increased by as much after each trial that misses the limit by less than
-/// [`LITTLE`].
+/// [`SMALL_EXCESS`].
 const MARGIN: f64 = 0.005;
-const LITTLE: f64 = 0.1;
+const SMALL_EXCESS: f64 = 0.1;
 /// Maximum step index.
 pub const COARSEST: i32 = 240;
 /// Maximum slope of chroma in 16ths.
@@ -198,11 +198,12 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
         let (mut kept, mut too_coarse): (Option<Kept>, i32) = (None, most + 1);
         let mut partition: Option<Rc<Trial>> = None;
         for number in 0.. {
-            let near = partition.take_if(|trial| (trial.step - start.step).abs() <= NEAR);
+            let near = partition.take_if(|trial| (trial.step - start.step).abs() <= RESEARCH_STEP_DELTA);
             let Measured { trial, payload, errors } = self.measure(start, &even, near.as_deref());
             start.set = trial.header.set;
             let worst = errors.as_ref().and_then(|errors| errors.iter().copied().max());
-            let finer = worst.map_or(NEAR, |worst| (log2_ratio(worst, limit) / OCTAVES_AN_INDEX).ceil() as i32);
+            let finer =
+                worst.map_or(RESEARCH_STEP_DELTA, |worst| (log2_ratio(worst, limit) / OCTAVES_AN_INDEX).ceil() as i32);
             let step = trial.step;
             partition = Some(near.unwrap_or_else(|| trial.into()));
             match errors.filter(|_| worst.is_some_and(|worst| worst <= limit)) {
@@ -216,15 +217,17 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
                 Effort::Exhaustive => false,
             };
             let between = too_coarse - coarsest_kept;
-            if between <= 1 || (enough && kept.is_some() && (number <= PREDICTED || between <= NEAR)) {
+            if between <= 1
+                || (enough && kept.is_some() && (number <= MAX_PREDICTED_TRIALS || between <= RESEARCH_STEP_DELTA))
+            {
                 break;
             }
             // Predictions converge slowly if the error hardly depends on the step. The step is then bisected, or made finer
             // by growing amounts until one is kept.
             start.step = match &kept {
-                _ if number < PREDICTED => (step - finer).clamp(coarsest_kept + 1, too_coarse - 1),
+                _ if number < MAX_PREDICTED_TRIALS => (step - finer).clamp(coarsest_kept + 1, too_coarse - 1),
                 Some(_) => (coarsest_kept + too_coarse) / 2,
-                None => (too_coarse - (NEAR << (number - PREDICTED).min(5))).max(0),
+                None => (too_coarse - (RESEARCH_STEP_DELTA << (number - MAX_PREDICTED_TRIALS).min(5))).max(0),
             };
         }
         kept
@@ -248,18 +251,18 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
                 break;
             }
             let excess: Vec<f64> = errors.iter().map(|&error| log2_ratio(error, limit).max(-4.0) + margin).collect();
-            if !keeps && excess.iter().all(|&excess| excess < LITTLE) {
+            if !keeps && excess.iter().all(|&excess| excess < SMALL_EXCESS) {
                 margin += MARGIN;
             }
             start.step = (start.step - weights.follow(&excess)).clamp(0, COARSEST);
             // The partition is searched again once the weights show which frames are hard to code.
-            let partition = (round != WEIGHTED).then_some(kept.partition.as_ref());
+            let partition = (round != WEIGHTED_ROUND).then_some(kept.partition.as_ref());
             let measured = self.measure(start, &weights, partition);
             keeps = measured.keeps(limit);
             let Some(measured_errors) = measured.errors else { break };
             errors = measured_errors;
             start.set = measured.trial.header.set;
-            if round == WEIGHTED {
+            if round == WEIGHTED_ROUND {
                 kept.partition = measured.trial.into();
             }
             if keeps && measured.payload.len() < kept.payload.len() {
