@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Sourced by scripts/test and .ci/run: `stage NAME` begins a stage and prints the times of the one before it.
 
-stage_name="" stage_start=0 stage_cpu=0
+stage_name="" stage_start=0 stage_cpu=0 stage_times=""
 
 stage() {
     stage_end
@@ -11,14 +11,19 @@ stage() {
 
 stage_end() {
     cpu_seconds
-    [ -z "$stage_name" ] || printf -- '-- %s: %s s, %s s of processor time\n' "$stage_name" $((SECONDS - stage_start)) $((cpu - stage_cpu))
+    [ -n "$stage_name" ] || return 0
+    local line
+    line="$((SECONDS - stage_start)) s, $((cpu - stage_cpu)) s of processor time: $stage_name"
+    printf -- '-- %s\n' "$line"
+    stage_times+="   $line"$'\n'
     stage_name=""
 }
 
-# `stages_passed WORDS` ends the last stage and prints the total.
+# `stages_passed WORDS` ends the last stage and prints the total and what each stage took, the slowest first.
 stages_passed() {
     stage_end
     printf '\n== %s: %s s, %s s of processor time\n' "$1" "$SECONDS" "$cpu"
+    printf '%s' "$stage_times" | sort -rn
 }
 
 # Sets `cpu` to the processor time of this shell's finished children, in whole seconds.
