@@ -1,6 +1,63 @@
 //! lightfold: a codec toolkit for animated light fields.
 //!
 //! `ARCHITECTURE.md` lists the modules and the direction of their imports; `formats/` defines every byte of a file.
+//!
+//! Opens a container and decodes a frame into a slice:
+//!
+//! ```
+//! # fn main() -> lightfold::Result<()> {
+//! # use lightfold::{Encoder, Face, ProbePose};
+//! # let mut encoder = Encoder::new("film", 24.0);
+//! # let probe = encoder.add_probe("00", ProbePose::default())?;
+//! # let depth = encoder.add_depth(probe, Face::View, [8, 4])?;
+//! # encoder.push_depth(depth, &[1.5; 32])?;
+//! # let (file, _) = encoder.finish(Vec::new())?;
+//! use lightfold::{Decoder, PixelsMut, StreamKind};
+//!
+//! let container = Decoder::from_memory(file)?; // or Decoder::open("film.lfold")
+//! let stream = container.stream(StreamKind::Depth, "00", Face::View).unwrap();
+//! let [width, height] = stream.size();
+//! let mut metres = vec![0.0; width as usize * height as usize];
+//! container.face(stream).decode_into(stream.frames.first, PixelsMut::DepthMetres(&mut metres))?;
+//! assert_eq!(metres, [1.5; 32]);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Decodes from any source of byte ranges:
+//!
+//! ```
+//! # fn main() -> lightfold::Result<()> {
+//! # let mut encoder = lightfold::Encoder::new("film", 24.0);
+//! # let probe = encoder.add_probe("00", Default::default())?;
+//! # let depth = encoder.add_depth(probe, lightfold::Face::View, [8, 4])?;
+//! # encoder.push_depth(depth, &[1.5; 32])?;
+//! # let (object, _) = encoder.finish(Vec::new())?;
+//! use std::io::{Error, ErrorKind, Result};
+//!
+//! use lightfold::{ByteSource, Decoder};
+//!
+//! /// An object of a store with range requests.
+//! #[derive(Debug)]
+//! struct Object(Vec<u8>);
+//!
+//! impl ByteSource for Object {
+//!     fn byte_count(&self) -> Result<u64> {
+//!         Ok(self.0.len() as u64)
+//!     }
+//!
+//!     fn read_at(&self, offset: u64, bytes: &mut [u8]) -> Result<()> {
+//!         let range = offset as usize..offset as usize + bytes.len();
+//!         bytes.copy_from_slice(self.0.get(range).ok_or(Error::from(ErrorKind::UnexpectedEof))?);
+//!         Ok(())
+//!     }
+//! }
+//!
+//! let container = Decoder::from_source(Object(object), "store/film.lfold")?;
+//! assert_eq!(container.streams().len(), 1);
+//! # Ok(())
+//! # }
+//! ```
 
 // Items that only some features or tests use are not gated one by one.
 #![cfg_attr(not(all(feature = "cli", feature = "internals")), allow(dead_code, unused_imports))]

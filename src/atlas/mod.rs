@@ -4,8 +4,8 @@
 //! placed on the shelf that wastes the least height, or on a new shelf if that waste is more than a quarter of the
 //! rectangle's height. Rectangles of one size leave no gaps; for several sizes, allocate the highest first.
 
-/// A rectangle starts a new shelf if an existing one would waste more than 1 / `MAX_WASTE` of the rectangle's height.
-const MAX_WASTE: u32 = 4;
+/// A rectangle starts a new shelf if an existing one would waste more than 1 / `WASTE_DIVISOR` of the rectangle's height.
+const WASTE_DIVISOR: u32 = 4;
 
 /// Maximum size of a device's texture arrays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,7 +80,7 @@ impl Atlas {
         let best = fitting.map(|(at, shelf)| (shelf.height - height, at)).min();
         let fits = |used: &u32| width <= self.size[0] && used.saturating_add(height) <= self.size[1];
         let at = match (best, self.used_rows.iter().position(fits)) {
-            (Some((waste, at)), layer) if waste <= height / MAX_WASTE || layer.is_none() => at,
+            (Some((waste, at)), layer) if waste <= height / WASTE_DIVISOR || layer.is_none() => at,
             (_, Some(layer)) => {
                 self.shelves.push(Shelf { layer: layer as u32, top: self.used_rows[layer], height, used_columns: 0 });
                 self.used_rows[layer] += height;

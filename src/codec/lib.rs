@@ -1,6 +1,7 @@
 //! The codec of lightfold: containers, entropy coding, depth, colour, and the decoder of streams (`formats/`).
 //!
-//! The feature `encode` adds the encoders of payloads. Files of images, datasets and the program are in other crates.
+//! The feature `encode` adds the encoders and the container writer. Everything else is in `lightfold`. No stability is promised:
+//! use `lightfold`.
 
 // Modules are documented where a name does not say it all; the public API is re-exported by `lightfold`.
 #![allow(missing_docs)]

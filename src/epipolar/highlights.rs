@@ -15,7 +15,7 @@ use crate::scene::shading::Gloss;
 /// Default maximum number of splits of a line, not counting its ends.
 pub const DEFAULT_SPLITS: usize = 8;
 /// Tolerated radiance error of linear interpolation: half of the smallest step of 8-bit codes.
-const MIN_ERROR: f64 = 0.5 / 255.0 / 12.92;
+const ERROR_TOLERANCE: f64 = 0.5 / 255.0 / 12.92;
 
 /// Position from 0 at the first view to 1 at the last, and the radiance towards it.
 type Split = (f64, DVec3);
@@ -89,7 +89,7 @@ impl Highlight {
         let mut probes: Vec<(Split, f64)> = if has_more { splits.windows(2).map(probe).collect() } else { Vec::new() };
         while splits.len() < limit + 2 {
             let worst = probes.iter().enumerate().max_by(|a, b| a.1.1.total_cmp(&b.1.1));
-            let Some((before, &(split, _))) = worst.filter(|(_, (_, error))| *error > MIN_ERROR) else { break };
+            let Some((before, &(split, _))) = worst.filter(|(_, (_, error))| *error > ERROR_TOLERANCE) else { break };
             splits.insert(before + 1, split);
             probes[before] = probe(&splits[before..before + 2]);
             probes.insert(before + 1, probe(&splits[before + 1..before + 3]));

@@ -1,4 +1,4 @@
-//! Decodes streams of a container into image files, point clouds and picture streams, with a manifest beside them.
+//! Decodes streams of a container into image files and picture streams, with a manifest beside them.
 #![doc(hidden)]
 
 mod files;

@@ -1,4 +1,4 @@
-//! Measures of pictures and of depth.
+//! Measures of pictures and of depth: SSIM, SSIMULACRA2, butteraugli, PSNR-HVS-M, depth error in codes and metres.
 #![doc(hidden)]
 
 pub mod depth_error;

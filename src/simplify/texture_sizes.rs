@@ -58,7 +58,7 @@ pub enum Sizing {
 }
 
 /// Sets the number of sizes that are compared for large textures, which is 40 to 79.
-const MAX_SIZES: usize = 64;
+const SIZE_DIVISOR: usize = 64;
 
 /// Places textures in an atlas of at most `most` texels a side.
 pub fn layout(textures: &[TileTexture], most: u32, sizing: Sizing, monitor: &dyn Monitor) -> Result<Layout> {
@@ -155,7 +155,7 @@ fn variance(textures: &[TileTexture]) -> f64 {
 /// `alpha_weight`, twice the variance of display values.
 fn representations(texture: &TileTexture, alpha_weight: f64, monitor: &dyn Monitor) -> Result<Vec<Representation>> {
     let full = encoded(texture);
-    let step = (texture.side / MAX_SIZES).next_multiple_of(BLOCK).max(BLOCK);
+    let step = (texture.side / SIZE_DIVISOR).next_multiple_of(BLOCK).max(BLOCK);
     let sides = (1..).map(|at| at * step).take_while(|&side| side < texture.side).chain([texture.side]);
     let of = |side: usize| {
         monitor.check()?;

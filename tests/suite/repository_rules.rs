@@ -71,12 +71,12 @@ fn layers() -> BTreeMap<String, u32> {
     .collect()
 }
 
-/// Returns the module of a source file, with the prefix `codec::` if it is in that crate; `None` for lib.rs and main.rs.
+/// Returns the module of a source file, with the prefix `codec::` if it is in that crate; `None` for build.rs, lib.rs and main.rs.
 fn module_of(path: &Path) -> Option<String> {
     let inside = path.strip_prefix("src").unwrap();
     let (inside, prefix) = inside.strip_prefix("codec").map_or((inside, ""), |inside| (inside, "codec::"));
     let first = Path::new(inside.iter().next().unwrap()).file_stem().unwrap().to_str().unwrap();
-    (first != "lib" && first != "main").then(|| format!("{prefix}{first}"))
+    (!["build", "lib", "main"].contains(&first)).then(|| format!("{prefix}{first}"))
 }
 
 /// Returns the modules after `root` in a line of code, each with `prefix`. Accepts `use crate::{a, b::c}` on one line.

@@ -1,4 +1,4 @@
-//! Images: planes of pixels, image files, transfer functions, and projections.
+//! Images in memory: planes of pixels, channel names, file patterns, transfer functions, and the image model.
 
 pub mod channels;
 pub mod cube;

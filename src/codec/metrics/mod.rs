@@ -1,7 +1,6 @@
-//! Metrics of images and depth, each implemented once: PSNR, visible error, PSNR-HVS-M, SSIM, SSIMULACRA2, butteraugli, PU21
-//! codes, depth error in codes and metres.
+//! PSNR, PU21 codes and the visible error (color.md 5).
 //!
-//! Sums are exact integers or have a fixed order, so no result depends on the number of threads.
+//! Sums are exact integers or have a fixed order, so that no result depends on the number of threads.
 
 pub mod codes;
 pub mod psnr;

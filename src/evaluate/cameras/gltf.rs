@@ -25,7 +25,7 @@ use codec::math::Camera;
 /// Tolerance between the time of a key and a frame, in frames.
 const NEAR_FRAME: f64 = 1e-3;
 /// Near plane in metres of cameras without one; glTF requires a value above 0.
-const MIN_NEAR_M: f64 = 0.01;
+const DEFAULT_NEAR_M: f64 = 0.01;
 
 pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
     let Parsed { document, blob } = document::parse(content.bytes)?;
@@ -147,7 +147,7 @@ impl Parts {
         let mut perspective = json!({
             "yfov": lens.fov_y_deg.to_radians(),
             "aspectRatio": lens.aspect,
-            "znear": if lens.near_m > 0.0 { lens.near_m } else { MIN_NEAR_M },
+            "znear": if lens.near_m > 0.0 { lens.near_m } else { DEFAULT_NEAR_M },
         });
         if lens.far_m.is_finite() {
             perspective["zfar"] = lens.far_m.into();

@@ -168,7 +168,7 @@ impl<'a> Search<'a> {
     fn pass(&mut self, squares: &[Square], size: u16) -> Vec<Square> {
         let costs: Vec<_> = squares.chunks(LANES).map(|group| self.costs(&self.levels(group, size))).collect();
         let mut room = Vec::new();
-        let mut least = vec![[[i16::MAX_SUM; LANES]; 2]; self.lines.len()];
+        let mut least = vec![[[i16::INFINITE; LANES]; 2]; self.lines.len()];
         let ranges = &self.ranges;
         for (group, costs) in squares.chunks(LANES).zip(&costs) {
             let ends = ends(group, size);
@@ -182,7 +182,7 @@ impl<'a> Search<'a> {
             });
         }
         self.bounds =
-            least.iter().map(|sides| sides.map(|lanes| lanes.into_iter().fold(i16::MAX_SUM, lesser))).collect();
+            least.iter().map(|sides| sides.map(|lanes| lanes.into_iter().fold(i16::INFINITE, lesser))).collect();
         self.drop_lines();
         if size <= self.try_below {
             self.try_lines();
@@ -190,7 +190,7 @@ impl<'a> Search<'a> {
         }
         let mut kept = Vec::new();
         for (group, costs) in squares.chunks(LANES).zip(&costs) {
-            let mut total = [i16::MAX_SUM; LANES];
+            let mut total = [i16::INFINITE; LANES];
             let (bounds, ranges) = (&self.bounds, &self.ranges);
             let ends = ends(group, size);
             self.plan.for_each_line(costs, &mut room, |line, a, b| {
@@ -238,7 +238,7 @@ impl<'a> Search<'a> {
     }
 
     fn levels(&self, group: &[Square], size: u16) -> Levels {
-        let mut levels = Levels { least: [[0; LANES]; 8], most: [[0; LANES]; 8], background: [i16::MAX_SUM; LANES] };
+        let mut levels = Levels { least: [[0; LANES]; 8], most: [[0; LANES]; 8], background: [i16::INFINITE; LANES] };
         for lane in 0..LANES {
             let Square { mode, low, high } = group[lane.min(group.len() - 1)];
             let [most_low, most_high] = [low, high].map(|at| (at + size - 1).min(self.last));
@@ -277,7 +277,7 @@ impl<'a> Search<'a> {
                 for lane in 0..LANES {
                     let error = u32::from(nearest[lane].min(most));
                     let cost = ((error * error) >> self.shift) as i16;
-                    costs[lane] = if nearest[lane] > self.tile.bound { i16::MAX_SUM } else { cost };
+                    costs[lane] = if nearest[lane] > self.tile.bound { i16::INFINITE } else { cost };
                 }
             } else if self.tile.background >> pixel & 1 != 0 {
                 *costs = levels.background;
@@ -288,7 +288,7 @@ impl<'a> Search<'a> {
 
     fn exact(&self, squares: &[Square]) -> Option<Solution> {
         const FEW: usize = 4;
-        let mut best = vec![[(f64::MAX_SUM, Pair { e0: 0, e1: 0 }); 2]; self.lines.len()];
+        let mut best = vec![[(f64::INFINITE, Pair { e0: 0, e1: 0 }); 2]; self.lines.len()];
         let mut room = Vec::new();
         for group in squares.chunks(FEW) {
             let pairs: [Pair; FEW] = std::array::from_fn(|lane| group[lane.min(group.len() - 1)].pair());
@@ -313,13 +313,13 @@ impl<'a> Search<'a> {
     fn exact_costs<const L: usize>(&self, pairs: [Pair; L]) -> Costs<f64, L> {
         let palettes = pairs.map(Pair::palette);
         let levels = palettes.map(surface_codes);
-        let background = palettes.map(|palette| if palette.contains(&BACKGROUND_CODE) { 0.0 } else { f64::MAX_SUM });
+        let background = palettes.map(|palette| if palette.contains(&BACKGROUND_CODE) { 0.0 } else { f64::INFINITE });
         std::array::from_fn(|pixel| {
             if self.tile.surfaces >> pixel & 1 != 0 {
                 let code = self.tile.codes[pixel];
                 levels.map(|levels| {
                     let error = levels.iter().fold(u16::MAX, |least, level| least.min(level.abs_diff(code)));
-                    if error > self.tile.bound { f64::MAX_SUM } else { f64::from(error) * f64::from(error) }
+                    if error > self.tile.bound { f64::INFINITE } else { f64::from(error) * f64::from(error) }
                 })
             } else if self.tile.background >> pixel & 1 != 0 {
                 background
@@ -336,11 +336,11 @@ fn ends(group: &[Square], size: u16) -> [[i16; LANES]; 2] {
     [std::array::from_fn(|lane| (at(lane).low + size - 1) as i16), std::array::from_fn(|lane| at(lane).high as i16)]
 }
 
-/// Returns the costs of a side, with `MAX_SUM` for squares without a pair in the endpoint range of the side.
+/// Returns the costs of a side, with `INFINITE` for squares without a pair in the endpoint range of the side.
 #[inline(always)]
 fn within([first, last]: [i16; 2], [low, high]: &[[i16; LANES]; 2], mut costs: [i16; LANES]) -> [i16; LANES] {
     for lane in 0..LANES {
-        costs[lane] = if (low[lane] < first) | (high[lane] > last) { i16::MAX_SUM } else { costs[lane] };
+        costs[lane] = if (low[lane] < first) | (high[lane] > last) { i16::INFINITE } else { costs[lane] };
     }
     costs
 }

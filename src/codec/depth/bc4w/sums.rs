@@ -16,13 +16,13 @@ const LEAVES: usize = 8 * ROW_SUMS;
 pub trait Quantity: Copy + PartialOrd {
     const ZERO: Self;
     /// Larger than any valid sum.
-    const MAX_SUM: Self;
+    const INFINITE: Self;
     fn plus(self, other: Self) -> Self;
 }
 
 impl Quantity for i16 {
     const ZERO: i16 = 0;
-    const MAX_SUM: i16 = i16::MAX;
+    const INFINITE: i16 = i16::MAX;
     #[inline(always)]
     fn plus(self, other: i16) -> i16 {
         self.saturating_add(other)
@@ -31,7 +31,7 @@ impl Quantity for i16 {
 
 impl Quantity for f32 {
     const ZERO: f32 = 0.0;
-    const MAX_SUM: f32 = f32::MAX;
+    const INFINITE: f32 = f32::MAX;
     #[inline(always)]
     fn plus(self, other: f32) -> f32 {
         self + other
@@ -43,7 +43,7 @@ pub struct Greatest(pub f32);
 
 impl Quantity for Greatest {
     const ZERO: Greatest = Greatest(f32::MIN);
-    const MAX_SUM: Greatest = Greatest(f32::MAX);
+    const INFINITE: Greatest = Greatest(f32::MAX);
     #[inline(always)]
     fn plus(self, other: Greatest) -> Greatest {
         if self.0 > other.0 { self } else { other }
@@ -53,7 +53,7 @@ impl Quantity for Greatest {
 /// Exact for integers up to 2^53, which is above the sum of 64 squared differences.
 impl Quantity for f64 {
     const ZERO: f64 = 0.0;
-    const MAX_SUM: f64 = 1e14;
+    const INFINITE: f64 = 1e14;
     #[inline(always)]
     fn plus(self, other: f64) -> f64 {
         self + other

@@ -37,7 +37,7 @@ const COARSER_CHROMA: i32 = 4;
 /// Change of log2 of the squared error per step index.
 const OCTAVES_AN_INDEX: f64 = 0.09;
 /// The partition is searched again if the step changes by more indices than this.
-const RESEARCH_STEP_DELTA: i32 = 8;
+const REPARTITION_STEP_DELTA: i32 = 8;
 /// Number of trials whose step is predicted from the errors before.
 const MAX_PREDICTED_TRIALS: i32 = 6;
 /// Round in which the partition is searched again, with weights.
@@ -198,12 +198,12 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
         let (mut kept, mut too_coarse): (Option<Kept>, i32) = (None, most + 1);
         let mut partition: Option<Rc<Trial>> = None;
         for number in 0.. {
-            let near = partition.take_if(|trial| (trial.step - start.step).abs() <= RESEARCH_STEP_DELTA);
+            let near = partition.take_if(|trial| (trial.step - start.step).abs() <= REPARTITION_STEP_DELTA);
             let Measured { trial, payload, errors } = self.measure(start, &even, near.as_deref());
             start.set = trial.header.set;
             let worst = errors.as_ref().and_then(|errors| errors.iter().copied().max());
-            let finer =
-                worst.map_or(RESEARCH_STEP_DELTA, |worst| (log2_ratio(worst, limit) / OCTAVES_AN_INDEX).ceil() as i32);
+            let finer = worst
+                .map_or(REPARTITION_STEP_DELTA, |worst| (log2_ratio(worst, limit) / OCTAVES_AN_INDEX).ceil() as i32);
             let step = trial.step;
             partition = Some(near.unwrap_or_else(|| trial.into()));
             match errors.filter(|_| worst.is_some_and(|worst| worst <= limit)) {
@@ -218,7 +218,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
             };
             let between = too_coarse - coarsest_kept;
             if between <= 1
-                || (enough && kept.is_some() && (number <= MAX_PREDICTED_TRIALS || between <= RESEARCH_STEP_DELTA))
+                || (enough && kept.is_some() && (number <= MAX_PREDICTED_TRIALS || between <= REPARTITION_STEP_DELTA))
             {
                 break;
             }
@@ -227,7 +227,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
             start.step = match &kept {
                 _ if number < MAX_PREDICTED_TRIALS => (step - finer).clamp(coarsest_kept + 1, too_coarse - 1),
                 Some(_) => (coarsest_kept + too_coarse) / 2,
-                None => (too_coarse - (RESEARCH_STEP_DELTA << (number - MAX_PREDICTED_TRIALS).min(5))).max(0),
+                None => (too_coarse - (REPARTITION_STEP_DELTA << (number - MAX_PREDICTED_TRIALS).min(5))).max(0),
             };
         }
         kept
