@@ -22,18 +22,18 @@ const DOUBTFUL: f64 = 0.02;
 const DOUBTFUL_PROBE: f64 = 0.04;
 /// A hypothesis with less agreement than this share is doubtful, because almost all samples are hidden.
 const AGREES_TOO_LITTLE: f64 = 0.02;
-/// Min agreement of a preferred hypothesis if there are few contradictions but little agreement, as between probes around an
+/// Minimum agreement of a preferred hypothesis if there are few contradictions but little agreement, as between probes around an
 /// object. Any hypothesis that moves surfaces together makes some samples agree by chance.
 const FAIR_SHARE: f64 = 0.2;
-/// Min ratio of misfits for a hypothesis to be preferred.
+/// Minimum ratio of misfits for a hypothesis to be preferred.
 pub const DECISIVE: f64 = 3.0;
 /// Hypotheses with a misfit within this ratio of the lowest are equally good.
 const AS_GOOD: f64 = 1.3;
 /// Share of contradictions attributed to chance.
 const CHANCE: f64 = 0.005;
-/// Max number of simultaneous mistakes.
+/// Maximum number of simultaneous mistakes.
 const MAX_MISTAKES: usize = 3;
-/// Max number of probes for which all pairs are compared.
+/// Maximum number of probes for which all pairs are compared.
 const ALL_PAIRS: usize = 6;
 /// With more probes, each is compared with this many nearest ones.
 const NEIGHBOURS: usize = 4;

@@ -3,7 +3,7 @@
 use codec::image::Face;
 use codec::image::cube::{FacePoint, direction_to_face};
 
-/// Max length of a border in samples.
+/// Maximum length of a border in samples.
 const MAX_SAMPLES: u32 = 256;
 
 /// Sides of an image: first row, last row, first column, last column.

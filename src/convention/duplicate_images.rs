@@ -14,7 +14,7 @@ use crate::dataset::{DepthKind, StreamKind};
 
 /// With fewer samples of one face visible from the other, the comparison is inconclusive.
 const MIN_TESTED: u64 = 50;
-/// Min share of samples that agree between two probes that see the same surface.
+/// Minimum share of samples that agree between two probes that see the same surface.
 const IS_ONE_SURFACE: f64 = 0.5;
 
 /// Finds duplicate and blank images. `kind` is the declared kind of depth.

@@ -17,9 +17,9 @@ const SPANS: [f64; 2] = [0.125, 0.25];
 /// A triple is collinear if its middle 1/Z differs from the mean of both ends by at most this fraction of the middle value, times
 /// the square of the span. The two kinds differ by up to 0.5 in this measure.
 const STRAIGHT: f64 = 0.05;
-/// Min relative change of 1/stored over a triple, per unit of u or v. Inside a sphere of radius r, at distance e from its centre,
-/// distance changes by at most e / sqrt(r² - e²), almost without curvature, so that a dome is not counted up to e = 0.44 r. A
-/// plane reaches this change at a slant of 27 degrees.
+/// Minimum relative change of 1/stored over a triple, per unit of u or v. Inside a sphere of radius r, at distance e from its
+/// centre, distance changes by at most e / sqrt(r² - e²), almost without curvature, so that a dome is not counted up to
+/// e = 0.44 r. A plane reaches this change at a slant of 27 degrees.
 const SLOPE: f64 = 0.5;
 /// With fewer triples that are collinear under one kind only, the check is inconclusive.
 const MIN_TRIPLES: u64 = 400;

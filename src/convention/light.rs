@@ -8,10 +8,10 @@ use codec::image::{ColorPlane, Transfer};
 
 /// With fewer pixels the check is inconclusive.
 const MIN_PIXELS: u64 = 1000;
-/// Min share of values above 1, the maximum of sRGB codes, that is not accidental.
+/// Minimum share of values above 1, the maximum of sRGB codes, that is not accidental.
 const ABOVE_SHARE: f64 = 1e-4;
-/// Min share of dim values at multiples of 1/255 for which the file is taken to hold codes. Of evenly distributed half floats at
-/// most half are multiples.
+/// Minimum share of dim values at multiples of 1/255 for which the file is taken to hold codes. Of evenly distributed half floats
+/// at most half are multiples.
 const CODES_SHARE: f64 = 0.999;
 
 /// Sample type of colour files.

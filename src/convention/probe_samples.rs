@@ -6,7 +6,7 @@ use crate::dataset::DepthKind;
 use codec::image::cube::{FacePoint, direction_to_face};
 use codec::image::{DepthPlane, Face, ImageProjection, Plane};
 
-/// Max side of a face in samples.
+/// Maximum side of a face in samples.
 const MAX_SIDE: u32 = 256;
 /// A sample is at a depth edge, and is not compared, if distances in its neighbourhood differ by more than this factor.
 const EDGE_RATIO: f32 = 1.15;

@@ -25,7 +25,7 @@ const DARK: f32 = 1e-3;
 pub struct Choice {
     /// Names of the probes to check; all if empty.
     pub probes: Vec<String>,
-    /// Max number of probes to check, selected evenly.
+    /// Maximum number of probes to check, selected evenly.
     pub max_probes: usize,
     /// Frame to check; if `None`, the first frame of each probe.
     pub frame: Option<u32>,

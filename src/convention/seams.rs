@@ -9,9 +9,9 @@ use codec::image::Face;
 
 pub const DEPTH: Stream = Stream { check: "seams.depth", cap: 0.1 };
 pub const COLOR: Stream = Stream { check: "seams.color", cap: 0.7 };
-/// Min ratio of the cost of the declared permutation to that of a permutation that is preferred to it.
+/// Minimum ratio of the cost of the declared permutation to that of a permutation that is preferred to it.
 const DECISIVE: f64 = 3.0;
-/// Min decrease of the mismatch of a preferred permutation, as a share of the samples.
+/// Minimum decrease of the mismatch of a preferred permutation, as a share of the samples.
 const MIN_GAIN: f64 = 0.1;
 /// With fewer samples the check is inconclusive.
 const MIN_SAMPLES: u64 = 32;

@@ -4,7 +4,7 @@ use super::finding::{Finding, Verdict, listed, percent};
 use crate::dataset::{DepthRules, InvalidDepth};
 use codec::image::DepthPlane;
 
-/// Min share of all pixels that have exactly the largest value, for it to be an undeclared background.
+/// Minimum share of all pixels that have exactly the largest value, for it to be an undeclared background.
 const BACKGROUND_SHARE: f64 = 0.002;
 /// A frequent largest value is a background if all other values are below this fraction of it.
 const BACKGROUND_GAP: f32 = 0.1;
@@ -35,7 +35,7 @@ const MAX_U32: f32 = u32::MAX as f32;
 const ABSURD_METRES: f64 = 1e7;
 /// A smaller share of invalid pixels counts as isolated errors, not as a background value.
 const INVALID_SHARE: f64 = 1e-4;
-/// Min share of surfaces outside near and far that is not accidental.
+/// Minimum share of surfaces outside near and far that is not accidental.
 const OUTSIDE_SHARE: f64 = 0.001;
 /// Integer depths that reach this many metres are probably in a smaller unit.
 const WHOLE_METRES: f64 = 100.0;

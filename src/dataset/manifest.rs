@@ -19,9 +19,9 @@ use codec::math::camera::rotation;
 pub const MANIFEST_NAME: &str = "lightfield.json";
 /// Version of the schema that this program reads and writes.
 pub const MANIFEST_VERSION: u32 = 1;
-/// Max size of a manifest in bytes.
+/// Maximum size of a manifest in bytes.
 pub const MAX_MANIFEST_BYTES: u64 = 16 << 20;
-/// Max side in pixels of the images that a manifest may declare.
+/// Maximum side in pixels of the images that a manifest may declare.
 pub const MAX_SIDE: u32 = 65_536;
 
 /// The manifest. Unknown keys are errors, except inside `extra`.

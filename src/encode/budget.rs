@@ -20,11 +20,11 @@ use codec::streams::CodecHeader;
 
 const BATCH_FRAMES: usize = 16;
 const BATCH_PIXELS: usize = 64 << 20;
-/// Max bytes of depth images that a scan keeps to avoid reading them twice.
+/// Maximum bytes of depth images that a scan keeps to avoid reading them twice.
 const KEEP_BYTES: u64 = 512 << 20;
-/// Max bytes of pictures that the cells of a group hold until the next keyframe.
+/// Maximum bytes of pictures that the cells of a group hold until the next keyframe.
 const PENDING_BYTES: u64 = 768 << 20;
-/// Max bytes of keyframes in the open chunks of a group.
+/// Maximum bytes of keyframes in the open chunks of a group.
 const OPEN_BYTES: usize = 384 << 20;
 
 /// Bytes per pixel of a tile, for the thread that encodes it. For node codecs: the codes; one leaf per 16 pixels (1 byte a

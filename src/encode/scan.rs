@@ -13,7 +13,7 @@ use codec::depth::predictive::levels::MAX_LEVELS;
 use codec::depth::spread::Spread;
 use codec::streams::convert::DepthExtent;
 
-/// Min average number of surface pixels per level. With fewer, the small number of distances may be a coincidence.
+/// Minimum average number of surface pixels per level. With fewer, the small number of distances may be a coincidence.
 const MIN_OCCURRENCES: u64 = 64;
 
 /// Scans by probe number.

@@ -151,7 +151,7 @@ impl ScanFile {
                 monitor.advance(images);
                 continue;
             };
-            // For depth, `scan_probe` counts the images.
+            // `scan_probe` reports depth images to the monitor; do not count them twice.
             let uncounted = Uncounted(monitor);
             let is_depth = group.kind == StreamKind::Depth;
             let digests = known_files.read(source, &part, if is_depth { &uncounted } else { monitor })?;

@@ -482,7 +482,7 @@ mod tests {
         let single = DepthRange::new(2.0, 2.0).unwrap();
         assert_eq!(ErrorBound::Relative(0.1).codes(single).unwrap(), 0);
         assert_eq!(ErrorBound::Codes(7).codes(single).unwrap(), 7);
-        // Half a quantisation step is 0.1% of the distance.
+        // Half a quantisation step is 0.14% of the distance, more than the bound of 0.1%.
         let wide = DepthRange::new(1e-40, 1e38).unwrap();
         let refused = ErrorBound::Relative(0.001).codes(wide).unwrap_err().to_string();
         assert!(refused.contains("0.1%") && refused.contains("0.14%"), "{refused}");

@@ -8,7 +8,7 @@ use glam::Vec3;
 /// Length of an interval before the first step of a ray that starts on a surface, relative to its distance; the length is at
 /// least one texel.
 pub const GROWTH: f32 = 0.125;
-/// Maximum number of these intervals: they reach about ten thousand texels far.
+/// Maximum number of intervals of relative length [`GROWTH`] before the first step: they reach about 6,000 texels far.
 pub const MAX_BEFORE_STEPS: u32 = 64;
 
 /// A ray in metres relative to the eye, in world axes.

@@ -47,7 +47,7 @@ struct Entry {
     is_gain: bool,
 }
 
-/// Queue of candidates by the upper bounds of their gains.
+/// Priority queue of lazy greedy selection: candidates by the upper bound of their gain.
 #[derive(Debug, Clone)]
 pub struct Lazy {
     queue: BinaryHeap<Entry>,

@@ -79,7 +79,7 @@ fn durations(stages: &Stages) -> Drawing {
     };
     let marks: Vec<Mark> = all.iter().enumerate().map(mark).collect();
     let total: f64 = marks.iter().map(|mark| mark.y).sum();
-    // The axis has an empty word at each end, because a bar is as wide as the distance between two words.
+    // The axis has an empty tick label at each end, because a bar is as wide as the distance between two tick labels.
     let names = all.iter().map(|(name, _)| *name);
     let words: Vec<String> = std::iter::once("").chain(names).chain([""]).map(str::to_owned).collect();
     let y = Axis::linear("seconds", marks.iter().map(|mark| mark.y));

@@ -180,7 +180,7 @@ impl SceneAtTime {
         light
     }
 
-    /// Adds suns and lamps to `matt` one by one.
+    /// Adds the direct light of each sun and lamp to `matt`; also returns its glossy reflection.
     fn direct_upon(&self, surface: &Surface, direction: DVec3, mut matt: DVec3) -> Reflected {
         let mut gloss = DVec3::ZERO;
         let mirrored = (!surface.phong.is_matt()).then(|| reflect(direction, surface.normal));

@@ -50,7 +50,7 @@ pub struct CompleteChunk {
     pub last_frame: u32,
 }
 
-/// Chunks that can be recovered after the process ends.
+/// Journalled chunks that a restart can recover.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SafeChunks {
     pub count: u64,

@@ -29,7 +29,8 @@ pub struct Frustum {
     pub(super) reach: f64,
 }
 
-/// Maximum length in calculations.
+/// Frusta whose corners or near plane reach this length are unsound, and larger volumes count as intersecting, so that
+/// products of lengths stay finite.
 pub(super) const MAX_LENGTH: f64 = 1e100;
 
 impl Frustum {

@@ -352,8 +352,8 @@ impl CodecHeader {
         }
     }
 
-    /// Bytes of an uncompressed pixel as in table 1 of CALF: 32-bit depth, 24-bit colour, three 8-bit materials. 48 bits for
-    /// half-float colour and 8 for alpha, which the table does not have.
+    /// Bytes of an uncompressed pixel as in table 1 of CALF: 32-bit depth, 24-bit colour, three 8-bit materials.
+    /// Half-float colour has 48 bits and alpha 8; table 1 has neither.
     pub fn raw_pixel_bytes(&self) -> u64 {
         match self {
             CodecHeader::Depth(_) => 4,

@@ -2,8 +2,8 @@
 
 use codec::image::{Plane, StereoLayout};
 
-/// Min concordance (Lin 1989) of the pictures of two eyes, 1 for equal pictures. The halves of other images show sky and ground,
-/// or different walls.
+/// Minimum concordance (Lin 1989) of the pictures of two eyes, 1 for equal pictures. The halves of other images show sky and
+/// ground, or different walls.
 const ALIKE: f64 = 0.8;
 
 /// Returns the stereo layout that an image of this size could have, each eye with a panorama twice as wide as high, and a

@@ -13,9 +13,9 @@ use codec::image::{ChannelSelect, Pattern, ReadLimits, StreamKind};
 
 /// Names of the parts or views of stereo files.
 pub const EYES: [&str; 2] = ["left", "right"];
-/// Max nesting depth of folders.
+/// Maximum nesting depth of folders.
 const MAX_FOLDERS: usize = 8;
-/// Max number of image files.
+/// Maximum number of image files.
 const MAX_FILES: usize = 2_000_000;
 /// Words that mark depth files by name.
 const DEPTH_WORDS: [&str; 6] = ["depth", "zdepth", "z", "dist", "distance", "range"];

@@ -9,7 +9,7 @@ use serde::Serialize;
 use codec::error::{Error, Result};
 use codec::math::{Camera, Lens};
 
-/// Min determinant of an invertible matrix that is scaled so that the largest entry of each column is 1.
+/// Minimum determinant of an invertible matrix that is scaled so that the largest entry of each column is 1.
 const MIN_DETERMINANT: f64 = 1e-10;
 /// Entries smaller than this fraction of the last entry of their row are rounding errors of 0.
 const ROUNDING: f64 = 1e-9;
@@ -17,9 +17,9 @@ const ROUNDING: f64 = 1e-9;
 const INFINITE_W: f64 = 1e-12;
 /// As [`INFINITE_W`], for negative w: matrices rounded to 32 bits put a distant far plane slightly beyond infinity.
 const BEYOND_INFINITY: f64 = 1e-6;
-/// Max relative change of length by a pose that counts as a rotation, so that its rounding does not change a stored distance.
+/// Maximum relative change of length by a pose that counts as a rotation, so that its rounding does not change a stored distance.
 const RIGID: f64 = 1e-12;
-/// Max cosine of the angle between rows and columns of an image without skew.
+/// Maximum cosine of the angle between rows and columns of an image without skew.
 const MAX_SKEW: f64 = 1e-6;
 
 /// Quantity of a stored depth. For every type, 0 and +inf mean infinitely far.

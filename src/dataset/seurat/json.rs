@@ -6,9 +6,9 @@ use serde_json::{Map, Value};
 
 use codec::error::{Error, Result, escaped};
 
-/// Max characters of an unknown key in a note.
+/// Maximum characters of an unknown key in a note.
 const KEY_CHARACTERS: usize = 60;
-/// Max number of notes that are listed; further ones are only counted.
+/// Maximum number of notes that are listed; further ones are only counted.
 const MAX_NOTES: usize = 20;
 
 /// Notes about a document, with the number of occurrences of each.

@@ -17,9 +17,9 @@ use crate::gpu::pictures::{pack_halves, unpack_halves};
 /// Lines of some scanlines, and their runs.
 #[derive(Debug, Default)]
 pub struct LineWords {
-    /// First line of each scanline, then the end of the last scanline.
+    /// Index of each scanline's first line, then the total.
     pub starts: Vec<u32>,
-    /// First run of each scanline, then the end of the last scanline.
+    /// Index of each scanline's first run, then the total.
     pub run_starts: Vec<u32>,
     /// Words of [`SliceRun`]s.
     pub runs: Vec<u32>,

@@ -65,7 +65,8 @@ impl Agreement {
         })
     }
 
-    /// Returns the number of pixels that violate the tolerances; 0 if the pictures agree.
+    /// Returns 0 if the pictures agree; otherwise the largest count of pixels that exceeds its tolerance. If PSNR, SSIM or steps
+    /// disagree, the result is at least `differing` and at least 1.
     pub fn mismatches(&self) -> u64 {
         let allowed = (PIXELS * self.pixels as f64).ceil() as u64;
         let beyond = |count: u64| if count > allowed { count } else { 0 };

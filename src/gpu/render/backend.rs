@@ -28,7 +28,7 @@ const KEPT_WORDS: usize = 16 << 20;
 /// Range of depths in metres whose inverses remain normal floats after multiplication by a ray length.
 const MULTIPLIED_M: [f32; 2] = [1e-15, 1e15];
 
-/// Cost of decoding on the device. With [`GpuBackend::waits`] times include the device's work, otherwise only the host's.
+/// Cost of decoding on the device. With [`GpuBackend::waits`], times include the device's work, otherwise only the host's.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct UnitCost {
     /// Stored bytes read from the container.

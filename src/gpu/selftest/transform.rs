@@ -89,7 +89,7 @@ fn random_case<S: Keyed + CellSample>(sizes: &[[usize; 2]], lengths: &[u32], ran
     Ok(all)
 }
 
-/// Sample types with a test picture for the encoder.
+/// Sample types of the self-test, with a quality measure and a conversion from 8-bit levels.
 pub trait Coded: Keyed + CellSample {
     type Quality: Quality<Self>;
 

@@ -118,7 +118,7 @@ impl ViewSelector {
         }
     }
 
-    /// Returns all candidates in order of priority, without slots.
+    /// Returns all candidates in order of priority. Slots are 0 until assigned.
     fn by_priority(&self, candidates: &[Candidate], eye: DVec3) -> Vec<Active> {
         let middle = || candidates.iter().map(|candidate| candidate.position).sum::<DVec3>() / candidates.len() as f64;
         let pivot = self.settings.pivot.unwrap_or_else(middle);

@@ -199,7 +199,8 @@ struct Connected {
     small: SmallParts,
 }
 
-/// Parts of fewer texels than [`MIN_TEXELS`], which can only join others. Every other texel may be such a part.
+/// Parts of fewer texels than [`MIN_TEXELS`], which can only join others. Every texel can be such a part, so
+/// they share one list.
 #[derive(Default)]
 struct SmallParts {
     texels: Vec<u32>,

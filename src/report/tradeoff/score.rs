@@ -57,7 +57,7 @@ pub fn best(values: &[Option<f64>]) -> Option<usize> {
     there.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| at)
 }
 
-/// Returns the logarithm of the weighted product of bytes and decoding time.
+/// Returns the weighted sum of the logarithms of bytes and decoding time.
 fn product(point: &Measured, weights: Weights) -> Option<f64> {
     let seconds = point.number("decode_seconds")?.max(MIN_SECONDS);
     let bytes = point.number("bytes_container")?.max(1.0);

@@ -1,4 +1,4 @@
-//! OBJ files.
+//! Reads OBJ files.
 //!
 //! The text is normalised before it is parsed: continued lines are joined, elements without a surface are dropped, and invalid
 //! corner indices are rejected.

@@ -115,7 +115,7 @@ fn symbols_that_take_no_bits_end_with_the_tree() {
     const EMPTY: &[u8] = &[0, 0, 1, 0];
     for kind in [TRANSFORM, QUARTERS, PARTS, PALETTE, 4] {
         for other in 0..16 {
-            // For kind 4, nodes are split or coded depending on their distribution, in all ways.
+            // Kind 4: the node symbol depends on the cluster; `other` selects the assignment.
             let mixed = |cluster: usize| (other >> (cluster % 3)) + cluster;
             let tables = certain(|cluster| match (cluster < NODE.clusters, kind) {
                 (true, 4) => mixed(cluster) % 4,

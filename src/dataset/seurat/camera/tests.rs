@@ -62,7 +62,7 @@ fn transformed(matrix: &[f64; 16], point: DVec3) -> DVec3 {
     DVec3::new(row(0), row(1), row(2)) / row(3)
 }
 
-/// Max rounding error of a number of at most 1 as a 32-bit float.
+/// Maximum rounding error of a number of at most 1 as a 32-bit float.
 const HALF_ULP_OF_ONE: f64 = 1.0 / (1u64 << 25) as f64;
 
 /// Stores the depth of a point on the ray of each pixel and reads it back. `eye_point` returns the point of a pixel at a distance

@@ -17,8 +17,8 @@ const DECODER_PASSES: [u32; 2] = [9, 200];
 /// LZMA2 level of the sizes that are measured with LZMA2 on top.
 pub const LZMA2_LEVEL: u32 = 6;
 
-/// Returns the number of passes over all frames in one timed run of a point, given the seconds of one pass. The median
-/// of the passes counts.
+/// Returns how many passes over all frames to time in one run of a point, for a total of about `TIMED_SECONDS`. The median
+/// pass is reported.
 pub fn decoder_passes(pass_seconds: f64) -> u32 {
     let [least, most] = DECODER_PASSES;
     ((TIMED_SECONDS / pass_seconds.max(1e-9)) as u32).clamp(least, most)

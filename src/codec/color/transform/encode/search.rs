@@ -18,7 +18,7 @@ use crate::color::transform::scan::Magnitudes;
 use crate::color::transform::steps::Steps;
 use crate::effort::Effort;
 
-/// A palette of fewer bits is chosen without trying other ways.
+/// A palette estimated at fewer bits is taken without trying other modes.
 const FEW_BITS: f32 = 30.0;
 
 /// Parameters of the search of a region, besides its samples.
