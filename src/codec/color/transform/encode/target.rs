@@ -32,8 +32,6 @@ const USUAL_SET: usize = 1;
 const LAMBDA: f32 = 0.09;
 /// λ without a PSNR target: a larger λ drops textures visibly.
 const LAMBDA_BY_EYE: f32 = 0.063;
-/// Step indices by which chroma is coarser than luma without a PSNR target: a quarter of an octave.
-const COARSER_CHROMA: i32 = 4;
 /// Change of log2 of the squared error per step index.
 const OCTAVES_AN_INDEX: f64 = 0.09;
 /// The partition is searched again if the step changes by more indices than this.
@@ -294,8 +292,7 @@ impl<S: Keyed, Q: Quality<S>> Trials<'_, S, Q> {
             Some(trial) => trial.header.colors.clone(),
             None => self.frequent_colors(),
         };
-        let coarser_chroma = if self.by_eye { COARSER_CHROMA } else { 0 };
-        let steps = step_indices(start.step + self.moved, self.slopes, coarser_chroma);
+        let steps = step_indices(start.step + self.moved, self.slopes);
         let mut header =
             Header { set: start.set, steps, slopes: self.slopes, offset_set: usize::from(self.by_eye), colors };
         let tree = |(at, region): (usize, &RegionSource)| {
@@ -429,7 +426,7 @@ fn fit_slopes<S: Keyed>(cell: &CellSource<'_, S>) -> ChromaSlopes {
 
 /// Step indices of luma and chroma. The luma step accounts for the slopes, so that an error of a step counts the same in red,
 /// green and blue; chroma is coarser by `coarser_chroma` indices.
-fn step_indices(step: i32, slopes: ChromaSlopes, coarser_chroma: i32) -> StepIndices {
+fn step_indices(step: i32, slopes: ChromaSlopes) -> StepIndices {
     let (green, orange) = (f64::from(slopes.green) / 32.0, f64::from(slopes.orange) / 32.0);
     // Change of red, green and blue per unit of luma.
     let change = [1.0 + orange - green, 1.0 + green, 1.0 - orange - green];
@@ -439,7 +436,7 @@ fn step_indices(step: i32, slopes: ChromaSlopes, coarser_chroma: i32) -> StepInd
         energy >= f64::from(OCTAVE[(2 * at - 1) % 16]) / 4096.0 * f64::from(1u32 << ((2 * at - 1) / 16))
     });
     let clamp = |index: i32| index.clamp(0, 255) as u8;
-    StepIndices { luma: clamp(step - finer.count() as i32), chroma: clamp(step + coarser_chroma) }
+    StepIndices { luma: clamp(step - finer.count() as i32), chroma: clamp(step) }
 }
 
 /// Converts a visible error to units of 2^-16, in which errors are compared.
