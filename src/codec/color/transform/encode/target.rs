@@ -425,7 +425,7 @@ fn fit_slopes<S: Keyed>(cell: &CellSource<'_, S>) -> ChromaSlopes {
 }
 
 /// Step indices of luma and chroma. The luma step accounts for the slopes, so that an error of a step counts the same in red,
-/// green and blue; chroma is coarser by `coarser_chroma` indices.
+/// green and blue.
 fn step_indices(step: i32, slopes: ChromaSlopes) -> StepIndices {
     let (green, orange) = (f64::from(slopes.green) / 32.0, f64::from(slopes.orange) / 32.0);
     // Change of red, green and blue per unit of luma.
