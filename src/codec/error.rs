@@ -48,7 +48,7 @@ pub enum Error {
     Unfinished {
         /// Error that stopped the operation.
         cause: Box<Error>,
-        /// What was kept, where it is, and how to resume.
+        /// Files that were kept, where they are, and how to resume.
         safe: String,
     },
 }

@@ -33,7 +33,7 @@ pub struct Need<'a> {
     /// Bytes that do not depend on the number of jobs.
     pub fixed: u64,
     pub each: u64,
-    /// What to change instead of allowing more memory, such as `` a smaller `lookahead` ``; may be empty.
+    /// Advice other than allowing more memory, such as `` a smaller `lookahead` ``; may be empty.
     pub instead: &'a str,
 }
 

@@ -181,7 +181,7 @@ fn orders() -> Result<Measured> {
     Ok(wrong.with_interpolations(cases))
 }
 
-/// Of two layers at equal depth, the first is visible.
+/// Coplanar layers: the first of two at equal depth is visible.
 fn coplanar() -> Result<Measured> {
     let views = views(5, 0.3, f64::INFINITY, SIZE)?;
     let mut doubled = source(0.0, -60..110, &[&|_| Some(2.0), &|_| Some(2.0)]);

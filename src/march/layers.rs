@@ -117,7 +117,7 @@ pub(crate) struct Primary<'a> {
 pub(crate) enum Query {
     /// Interpolated colour of the point at this distance in metres.
     Color(f32),
-    /// Whether the point at this step is on or behind a surface.
+    /// True if the point at this step is on or behind a surface.
     Occupancy(usize),
     /// Distance at which the ray meets a surface, searched from this step on.
     Hit(usize),

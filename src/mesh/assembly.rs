@@ -10,7 +10,7 @@ use codec::error::counted;
 pub struct Part<'a> {
     /// World space, metres.
     pub positions: &'a [DVec3],
-    /// Of any length; empty for a flat-shaded part.
+    /// Normals of any length; empty for a flat-shaded part.
     pub normals: &'a [DVec3],
     pub uvs: &'a [Vec2],
     pub colors: &'a [Vec4],

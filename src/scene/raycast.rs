@@ -1,6 +1,6 @@
 //! A scene at a fixed time: nearest hit of a ray, and visibility between two points.
 //!
-//! The same scene and ray give the same bits, so surfaces that neither move nor change illumination are bit-identical over
+//! A ray in a scene always gives the same bits, so surfaces that neither move nor change illumination are bit-identical over
 //! time. Static objects are in meshes that all times share; moving ones get a new bounding volume hierarchy for each time.
 
 use std::collections::BTreeMap;

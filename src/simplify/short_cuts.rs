@@ -1,6 +1,6 @@
 //! Switch for skipping work whose result is known.
 
-/// Whether work whose result is known is skipped.
+/// Setting that skips work whose result is known.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ShortCuts {
     #[default]

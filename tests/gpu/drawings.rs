@@ -29,7 +29,7 @@ fn case(label: &str, compositing: Compositing) -> Result<DrawingCase, Failed> {
     Ok(cases.into_iter().find(|case| case.label == label).ok_or("no such case")?)
 }
 
-/// Of two triangles at the same depth, the later one is shown; counts of layers are exact, and too many layers are refused.
+/// The later of two triangles at the same depth is shown; counts of layers are exact, and too many layers are refused.
 pub fn equal_depths_and_many_layers() -> Result<(), Failed> {
     with_gpu(|gpu| {
         let said = |error: Error| error.to_string();

@@ -51,7 +51,7 @@ pub mod chunk_flags {
 pub enum ChunkOrder {
     /// The next unit, because encoders close the chunks of one time together.
     ByTime = 0,
-    /// The same unit, until its frames are complete.
+    /// Unit of the chunk before, until its frames are complete.
     ByUnit = 1,
 }
 

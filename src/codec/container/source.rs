@@ -15,7 +15,7 @@ pub trait ByteSource: std::fmt::Debug + Send + Sync {
     /// Fills `bytes` with the bytes from `offset` on.
     ///
     /// # Errors
-    /// Of kind [`io::ErrorKind::UnexpectedEof`] if the source ends before; of any other kind if reading fails.
+    /// Kind [`io::ErrorKind::UnexpectedEof`] if the source ends before; any other kind if reading fails.
     fn read_at(&self, offset: u64, bytes: &mut [u8]) -> io::Result<()>;
 
     /// Returns all bytes if they are in shared memory: chunks are then ranges of it, and nothing is copied.

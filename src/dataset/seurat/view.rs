@@ -38,7 +38,7 @@ pub struct CaptureRay {
 /// Source of the values of a channel.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Channel {
-    /// The same value for all pixels.
+    /// One value for all pixels.
     Constant(f32),
     /// The channel with this name in the file.
     Named(String),

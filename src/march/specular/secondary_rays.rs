@@ -6,7 +6,7 @@
 //! and the interpolated colour. As in the paper, a ray that finds nothing gives its share to the interpolated colour. Therefore
 //! no image is brighter than its brightest input.
 //!
-//! What a refractive solid shows is mostly hidden from the views. A ray that leaves a proxy ([`crate::march::specular::proxy`])
+//! Surfaces seen through a refractive solid are mostly hidden from the views. A ray that leaves a proxy ([`crate::march::specular::proxy`])
 //! ends in the proxy's environment map, with the colour that views see at that point, or that they captured through the solid.
 //! For other solids, the interpolated colour of the solid replaces what is hidden.
 //!

@@ -59,7 +59,7 @@ impl Sweep {
 pub enum Preset {
     /// The studies of CALF figures 7 and 8 and GDC figures 5, 6 and 8.
     Paper,
-    /// The same studies with fewer values.
+    /// Studies of `Paper` with fewer values.
     Quick,
 }
 
