@@ -12,10 +12,13 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 /// Files that determine an encoder's output: two builds with the same contents of these write the same bytes.
-const SOURCES: [&str; 2] = ["Cargo.lock", "src"];
+const SOURCES: [&str; 4] = ["Cargo.lock", "src", "formats/color-tables.txt", "formats/depth-tables.txt"];
 
-/// Returns the files below a path, or the path itself if it is a file.
+/// Returns the files below a path, or the path itself if it is a file. Links are not followed.
 fn files(path: &Path) -> Vec<PathBuf> {
+    if path.is_symlink() {
+        return Vec::new();
+    }
     let Ok(entries) = fs::read_dir(path) else { return vec![path.to_path_buf()] };
     entries.flatten().flat_map(|entry| files(&entry.path())).collect()
 }
