@@ -6,14 +6,15 @@ use crate::hard_cases::clip::{Clip, Sequence, noise};
 use crate::hard_cases::paths::paths;
 use codec::depth::BACKGROUND_CODE;
 use codec::depth::mode_decision::Decide;
+use codec::depth::predictive::levels;
 use codec::depth::quantise::FAR_CODE;
 use codec::error::Result;
 
 /// Width and height: not multiples of 4, and at least as many pixels as the maximum number of levels.
 const SIZE: [u32; 2] = [83, 50];
 const FRAMES: u32 = 5;
-/// Maximum number of levels of a stream (depth.md 3).
-const MAX_LEVELS: u32 = 4096;
+/// Maximum number of levels of a stream, as codes count.
+const MAX_LEVELS: u32 = levels::MAX_LEVELS as u32;
 
 struct Footage {
     name: &'static str,
