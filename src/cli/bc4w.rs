@@ -5,18 +5,17 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::cli::encode::{self, Encode};
-use crate::cli::options::{DepthUnitArgs, DomainArgs, SequenceInputArgs, StoreArgs, Target, Unfinished};
-use crate::cli::output;
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::dataset::source::{Source, SourceOptions};
-use crate::encode::tile_quality::{self, TileQualityReport};
-use crate::encode::{DepthCodec, EncodeReport, EncodeSettings};
+use crate::encode::{self, Encode};
+use crate::options::{DepthUnitArgs, DomainArgs, SequenceInputArgs, StoreArgs, Target, Unfinished};
+use crate::progress::Progress;
 use crate::report::Table;
+use crate::{ExitStatus, GlobalArgs, output, refuse};
 use codec::depth::tile_psnr::{BIN_DB, TileModel, TilePsnr};
 use codec::error::{Result, counted};
 use codec::image::StreamKind;
+use footage::dataset::source::{Source, SourceOptions};
+use footage::encode::tile_quality::{self, TileQualityReport};
+use footage::encode::{DepthCodec, EncodeReport, EncodeSettings};
 
 const BAR_COLUMNS: u64 = 8;
 

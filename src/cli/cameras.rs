@@ -5,17 +5,16 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use crate::cli::capture::parse_size;
-use crate::cli::options::{Choices, check_report, one_of, parse_positive, word_of};
-use crate::cli::output;
-use crate::cli::{ExitStatus, GlobalArgs, outputs, refuse};
-use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
-use crate::evaluate::cameras::{self, CameraFormat, FileCamera, WriteSettings, Written};
-use crate::files::{OutputFile, OutputFolder};
+use crate::capture::parse_size;
+use crate::options::{Choices, check_report, one_of, parse_positive, word_of};
 use crate::report::coding_map::counted;
+use crate::{ExitStatus, GlobalArgs, output, outputs, refuse};
 use codec::container::header::is_container;
 use codec::decode::Decoder;
 use codec::error::{Error, Result};
+use evaluate::cameras::{self, CameraFormat, FileCamera, WriteSettings, Written};
+use footage::dataset::manifest::{MANIFEST_NAME, Manifest};
+use footage::files::{OutputFile, OutputFolder};
 
 const FPS: f64 = 24.0;
 const HEIGHT: u32 = 1080;

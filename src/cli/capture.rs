@@ -6,19 +6,19 @@ mod options;
 use std::path::Path;
 use std::time::Instant;
 
-use crate::cli::output::human_bytes;
-use crate::cli::progress::Progress;
-use crate::cli::unfinished_folder::UnfinishedFolder;
-use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
-use crate::encode::Shard;
-use crate::files::PartialFolder;
-use crate::fingerprint::Fingerprint;
+use crate::output::human_bytes;
+use crate::progress::Progress;
 use crate::report::coding_map::counted;
-use crate::scene::capture::CaptureReport;
-use crate::scene::capture::write::UNFINISHED;
-use crate::scene::{CapturePlan, CaptureSummary, Pass, Play, Scene};
+use crate::unfinished_folder::UnfinishedFolder;
+use crate::{ExitStatus, GlobalArgs, refuse};
 use codec::error::{Error, Result};
+use footage::dataset::manifest::{MANIFEST_NAME, Manifest};
+use footage::encode::Shard;
+use footage::files::PartialFolder;
+use footage::fingerprint::Fingerprint;
+use scene::capture::CaptureReport;
+use scene::capture::write::UNFINISHED;
+use scene::{CapturePlan, CaptureSummary, Pass, Play, Scene};
 
 pub use args::{Args, parse_size};
 

@@ -5,15 +5,15 @@ use std::path::{Path, PathBuf};
 
 use clap::{ArgMatches, CommandFactory, Parser, Subcommand};
 
-use crate::cli::encode::{EncodeSequence, Encodes};
-use crate::cli::global::GlobalArgs;
-use crate::cli::tradeoff::Args as TradeoffArgs;
-use crate::cli::{
+use crate::encode::{EncodeSequence, Encodes};
+use crate::global::GlobalArgs;
+use crate::tradeoff::Args as TradeoffArgs;
+use crate::{
     bc4w, cameras, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, init, inspect,
     interpolate, man, pack, place, quadtree, quilt, render, scan, schema, selftest, simplify, train, view,
 };
-use crate::files;
 use codec::error::Result;
+use footage::files;
 
 /// Codec toolkit for animated light fields: probes of colour and depth.
 #[derive(Debug, Parser)]

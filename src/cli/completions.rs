@@ -1,6 +1,6 @@
 //! `lightfold completions SHELL`: prints a completion script.
 
-use crate::cli::{ExitStatus, output};
+use crate::{ExitStatus, output};
 use codec::error::Result;
 
 #[derive(Debug, clap::Args)]

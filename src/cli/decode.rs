@@ -10,25 +10,23 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::cli::damage;
-use crate::cli::device;
-use crate::cli::output::{self, human_bytes};
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
-use crate::export;
-use crate::export::{DecodeReport, DecodeTimes, Destination, FileCoding, FileFormat};
-use crate::files::{OutputFolder, parent_of};
-use crate::gpu::Gpu;
-use crate::gpu::device::DeviceChoice;
-use crate::gpu::verify::{self, Verification};
+use crate::output::{self, human_bytes};
+use crate::progress::Progress;
 use crate::report::coding_map::counted;
 use crate::report::timing::{Spread, median, spread};
-use crate::views::camera_units::CameraUnitsReport;
+use crate::{ExitStatus, GlobalArgs, damage, device, refuse};
 use codec::decode::{self, DecodeSummary, Decoded, Decoder, ImageSource, OnCpu, OnDamage, Request};
 use codec::error::{Error, Result};
 use codec::image::sequence::Pattern;
 use codec::memory::Budget;
+use footage::dataset::manifest::{MANIFEST_NAME, Manifest};
+use footage::export;
+use footage::export::{DecodeReport, DecodeTimes, Destination, FileCoding, FileFormat};
+use footage::files::{OutputFolder, parent_of};
+use gpu::Gpu;
+use gpu::device::DeviceChoice;
+use gpu::verify::{self, Verification};
+use render::views::camera_units::CameraUnitsReport;
 
 pub use args::Args;
 

@@ -5,24 +5,24 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::cli::decode::Export;
-use crate::cli::encode::Encode;
-use crate::cli::options::{Target, Unfinished};
-use crate::cli::output::{self, human_bytes};
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs};
-use crate::compare::{self, CompareSettings, Comparison, Pairing, SideOptions, SsimFrames};
-use crate::dataset::source::{Source, SourceOptions};
-use crate::encode::{EncodeSettings, ErrorBound};
-use crate::export::{Destination, FileCoding};
-use crate::inspect::{self, InspectSettings, percent};
-use crate::json::Number;
+use crate::decode::Export;
+use crate::encode::Encode;
+use crate::options::{Target, Unfinished};
+use crate::output::{self, human_bytes};
+use crate::progress::Progress;
 use crate::report::Table;
 use crate::report::tradeoff::runner::shell_word;
-use crate::scene::{CapturePlan, DemoKind, DemoScene, FootagePlan, Scene};
+use crate::{ExitStatus, GlobalArgs};
 use codec::decode::{self, Decoder, OnCpu, OnDamage, Selection, StreamInfo};
 use codec::error::Result;
 use codec::image::StreamKind;
+use footage::compare::{self, CompareSettings, Comparison, Pairing, SideOptions, SsimFrames};
+use footage::dataset::source::{Source, SourceOptions};
+use footage::encode::{EncodeSettings, ErrorBound};
+use footage::export::{Destination, FileCoding};
+use footage::inspect::{self, InspectSettings, percent};
+use footage::json::Number;
+use scene::{CapturePlan, DemoKind, DemoScene, FootagePlan, Scene};
 
 #[derive(Debug, clap::Args)]
 #[command(

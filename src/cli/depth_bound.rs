@@ -1,10 +1,10 @@
 //! Text about the depth error bound, and about the outlier pixels that increase it.
 
-use crate::depth_bound::{DepthBound, STATED_DISTANCES_M};
-use crate::encode::{NamedPixel, NamedStrays, ProbePrecision};
 use crate::report::coding_map::counted;
 use codec::depth::quantise::{metres_in_words, rounded_up};
 use codec::error::escaped;
+use footage::depth_bound::{DepthBound, STATED_DISTANCES_M};
+use footage::encode::{NamedPixel, NamedStrays, ProbePrecision};
 
 /// Maximum number of probes that get a line each.
 pub const FEW_PROBES: usize = 4;

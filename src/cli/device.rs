@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
-use crate::cli::options::Choices;
-use crate::cli::{ExitStatus, GlobalArgs, output};
-use crate::gpu::device::{self, DeviceChoice, DeviceInfo, Gpu, Pick};
+use crate::options::Choices;
 use crate::report::Table;
+use crate::{ExitStatus, GlobalArgs, output};
 use codec::error::{Error, Result};
+use gpu::device::{self, DeviceChoice, DeviceInfo, Gpu, Pick};
 
 /// Number or part of the name of a graphics device, used without `--gpu-index`.
 const VARIABLE: &str = "LIGHTFOLD_GPU";

@@ -1,16 +1,15 @@
 //! `lightfold diff A B`: compares two containers, datasets or image sequences.
 
-use crate::cli::options::{self, Choices, FrameArgs, MemoryArgs, SideArgs, one_of};
-use crate::cli::output;
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, diff_text};
-use crate::compare::{self, Bounds, ColorDomain, CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};
+use crate::options::{self, Choices, FrameArgs, MemoryArgs, SideArgs, one_of};
+use crate::progress::Progress;
 use crate::report::coding_map::counted;
+use crate::{ExitStatus, GlobalArgs, diff_text, output};
 use codec::color::quality::MAX_QUALITY;
 use codec::decode::Selection;
 use codec::error::{Error, Result};
 use codec::image::StreamKind;
 use codec::image::cube::Face;
+use footage::compare::{self, Bounds, ColorDomain, CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};
 
 #[derive(Debug, clap::Args)]
 #[command(

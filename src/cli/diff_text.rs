@@ -2,17 +2,17 @@
 
 use comfy_table::{Table, presets};
 
-use crate::compare::{
-    Bound, Coding, Comparison, Domain, Judgement, Lowest, Measured, Origin, SampleErrors, SampleTotal, Side,
-    StreamReport, Violation, side_name,
-};
-use crate::metrics::depth_error::DepthErrors;
 use crate::report::coding_map::counted;
 use codec::color::quality::PU_STEPS;
 use codec::image::StreamKind;
 use codec::image::sequence::FrameRange;
 use codec::image::transfer::Transfer;
 use codec::streams::ColorFormat;
+use footage::compare::{
+    Bound, Coding, Comparison, Domain, Judgement, Lowest, Measured, Origin, SampleErrors, SampleTotal, Side,
+    StreamReport, Violation, side_name,
+};
+use footage::metrics::depth_error::DepthErrors;
 
 /// Maximum number of streams that get a row each by default.
 pub const FEW_ROWS: usize = 12;

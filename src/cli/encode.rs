@@ -3,24 +3,22 @@
 use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime};
 
-use crate::cli::options::{
-    CodingArgs, EncodeOutputArgs, SequenceInputArgs, ShardArgs, Target, Unfinished, check_stdout,
-};
-use crate::cli::output::{self, human_bytes};
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, depth_bound, encode_advice, refuse};
-use crate::dataset::manifest;
-use crate::dataset::source::{Source, SourceOptions};
-use crate::encode::{
-    self, EncodeReport, EncodeSettings, EncodeSummary, Footage, FrameSource, Kept, Part, Resumable, ScanFile, Scans,
-    Stopped,
-};
-use crate::files::{IntactBytes, OutputFile};
+use crate::options::{CodingArgs, EncodeOutputArgs, SequenceInputArgs, ShardArgs, Target, Unfinished, check_stdout};
+use crate::output::{self, human_bytes};
+use crate::progress::Progress;
 use crate::report::coding_map::counted;
+use crate::{ExitStatus, GlobalArgs, depth_bound, encode_advice, refuse};
 use codec::container::{Recovered, journal};
 use codec::error::{Error, Result};
 use codec::image::StreamKind;
 use codec::monitor::Monitor;
+use footage::dataset::manifest;
+use footage::dataset::source::{Source, SourceOptions};
+use footage::encode::{
+    self, EncodeReport, EncodeSettings, EncodeSummary, Footage, FrameSource, Kept, Part, Resumable, ScanFile, Scans,
+    Stopped,
+};
+use footage::files::{IntactBytes, OutputFile};
 
 const SMALLER: &str = "a lower --quality or a higher --max-error";
 

@@ -2,15 +2,15 @@
 
 use std::collections::HashSet;
 
-use crate::cli::output::human_bytes;
-use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, depth_bound};
-use crate::convention::{self, Choice, MAX_PROBES, Verdict};
-use crate::dataset::Source;
-use crate::encode::{self, EncodeSettings, EncodeSummary, FrameSource};
+use crate::output::human_bytes;
+use crate::progress::Progress;
 use crate::report::coding_map::counted;
+use crate::{GlobalArgs, depth_bound};
 use codec::error::{Error, Result};
 use codec::image::StreamKind;
+use footage::convention::{self, Choice, MAX_PROBES, Verdict};
+use footage::dataset::Source;
+use footage::encode::{self, EncodeSettings, EncodeSummary, FrameSource};
 
 /// Notes suspicious values of the first frames before encoding. Unreadable files are reported by the encoder.
 ///

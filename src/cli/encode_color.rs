@@ -1,12 +1,12 @@
 //! `lightfold encode-color SEQ -o OUT`: encodes one colour sequence.
 
-use crate::cli::encode::SequenceCodec;
-use crate::cli::options::{COLOR_SPACES, ColorArgs, one_of};
-use crate::dataset::source::SourceOptions;
-use crate::encode::EncodeSettings;
-use crate::image_files::ColorSpace;
+use crate::encode::SequenceCodec;
+use crate::options::{COLOR_SPACES, ColorArgs, one_of};
 use codec::error::Result;
 use codec::image::StreamKind;
+use footage::dataset::source::SourceOptions;
+use footage::encode::EncodeSettings;
+use footage::image_files::ColorSpace;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode-color face_px/color.%04d.exr --face px -o px.lfold\n  \

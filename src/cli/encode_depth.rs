@@ -1,11 +1,11 @@
 //! `lightfold encode-depth SEQ -o OUT`: encodes one depth sequence.
 
-use crate::cli::encode::SequenceCodec;
-use crate::cli::options::DepthArgs;
-use crate::dataset::source::SourceOptions;
-use crate::encode::EncodeSettings;
+use crate::encode::SequenceCodec;
+use crate::options::DepthArgs;
 use codec::error::Result;
 use codec::image::StreamKind;
+use footage::dataset::source::SourceOptions;
+use footage::encode::EncodeSettings;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode-depth face_px/depth.%04d.exr --face px -o px.lfold\n  \

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use crate::cli::global::{EXIT_INTERRUPTED, EXIT_RETRY, exit_code};
-use crate::cli::output;
+use crate::global::{EXIT_INTERRUPTED, EXIT_RETRY, exit_code};
+use crate::output;
 use codec::error::Error;
 
 /// JSON document that is printed instead of a report.

@@ -4,8 +4,8 @@ use std::io::ErrorKind;
 
 use serde::Serialize;
 
-use crate::cli::options::{PROGRESS_FORMS, ProgressForm, one_of};
-use crate::cli::output;
+use crate::options::{PROGRESS_FORMS, ProgressForm, one_of};
+use crate::output;
 use codec::error::{Error, Result};
 
 #[derive(Debug, Clone, Default, clap::Args)]

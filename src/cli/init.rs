@@ -4,15 +4,15 @@ mod cameras;
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
-use crate::convention::{self, Verdict};
-use crate::dataset::discover::{self, Proposal};
-use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
-use crate::dataset::{DepthKind, Projection, Source, SourceOptions};
+use crate::progress::Progress;
 use crate::report::coding_map::counted;
+use crate::{ExitStatus, GlobalArgs, output, refuse};
 use codec::error::{Error, Result};
 use codec::image::StreamKind;
+use footage::convention::{self, Verdict};
+use footage::dataset::discover::{self, Proposal};
+use footage::dataset::manifest::{MANIFEST_NAME, Manifest};
+use footage::dataset::{DepthKind, Projection, Source, SourceOptions};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  lightfold init my-renders\n  lightfold encode my-renders -o film.lfold\n\n\

@@ -10,15 +10,14 @@ mod text;
 
 use serde::Serialize;
 
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
-use crate::dataset::manifest;
-use crate::dataset::seurat::is_manifest as is_seurat_manifest;
-use crate::inspect::{self, Check, ChunksReport, ContainerReport, FrameReport, FrameRows, InspectSettings};
-use crate::report;
-use crate::scene::Scene;
+use crate::progress::Progress;
+use crate::{ExitStatus, GlobalArgs, output, refuse, report};
 use codec::decode::{Decoder, StreamInfo};
 use codec::error::{Error, Result, counted};
+use footage::dataset::manifest;
+use footage::dataset::seurat::is_manifest as is_seurat_manifest;
+use footage::inspect::{self, Check, ChunksReport, ContainerReport, FrameReport, FrameRows, InspectSettings};
+pub use scene::Scene;
 
 pub use args::Args;
 use args::Report;

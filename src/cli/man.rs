@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::ExitStatus;
-use crate::files::OutputFolder;
+use crate::ExitStatus;
 use codec::error::{Error, Result};
+use footage::files::OutputFolder;
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -64,7 +64,7 @@ mod tests {
 
     #[test]
     fn cited_pages_exist_and_values_have_names_and_help() {
-        let pages = pages(crate::cli::command()).unwrap();
+        let pages = pages(crate::command()).unwrap();
         let text = |page: &Page| String::from_utf8(page.text.clone()).unwrap();
         let mut citations = 0;
         for page in &pages {

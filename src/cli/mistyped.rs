@@ -2,7 +2,7 @@
 //!
 //! A path that was typed and does not exist is bad input: the same command fails again. Images of a sequence, files
 //! named by a manifest and shards of a capture may still be written, so their absence is a temporary failure
-//! ([`crate::cli::global::EXIT_RETRY`]). A pattern such as `depth.%04d.exr` names a sequence, but its folder counts as
+//! ([`crate::global::EXIT_RETRY`]). A pattern such as `depth.%04d.exr` names a sequence, but its folder counts as
 //! typed.
 
 use std::ffi::OsString;

@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
 
-use crate::files::OutputFile;
-use crate::json;
 use crate::report::machine;
 use crate::report::plot::number::bytes_unit;
 use codec::error::{Error, Result};
+use footage::files::OutputFile;
+use footage::json;
 
 /// Adds the path of the output to a write error.
 pub fn name_output(error: Error, path: &Path) -> Error {

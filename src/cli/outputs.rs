@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use crate::cli::refuse;
-use crate::files::parent_of;
+use crate::refuse;
 use codec::error::Result;
+use footage::files::parent_of;
 
 pub type Output = (&'static str, PathBuf);
 

@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use crate::cli::options::{BoundArgs, DepthStepArgs, EffortArgs, ModelArgs, OutputArgs, check_stdout};
-use crate::cli::output::{self, human_bytes};
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs};
-use crate::files::OutputFile;
-use crate::pack::{self, FlattenSettings, PackReport, PackSettings, Repack};
+use crate::options::{BoundArgs, DepthStepArgs, EffortArgs, ModelArgs, OutputArgs, check_stdout};
+use crate::output::{self, human_bytes};
+use crate::progress::Progress;
 use crate::report::coding_map::counted;
+use crate::{ExitStatus, GlobalArgs};
 use codec::container::Reader;
 use codec::error::Result;
+use footage::files::OutputFile;
+use footage::pack::{self, FlattenSettings, PackReport, PackSettings, Repack};
 
 #[derive(Debug, clap::Args)]
 #[command(

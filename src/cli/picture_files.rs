@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 
 use super::GlobalArgs;
 use super::unfinished_folder::UnfinishedFolder;
-use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
-use crate::export::FileFormat;
-use crate::files::{FileFolder, FolderKind, OutputFolder, PartialFolder};
-use crate::fingerprint::Fingerprint;
-use crate::image_files::{exr, png};
 use codec::error::{Error, Result};
 use codec::image::sequence::Pattern;
 use codec::image::transfer::ToneMap;
+use footage::export::FileFormat;
+use footage::files::{FileFolder, FolderKind, OutputFolder, PartialFolder};
+use footage::fingerprint::Fingerprint;
+use footage::image_files::{exr, png};
+use render::rendered_image::{HoleFill, RenderedImage};
 
 /// Placeholder of the word.
 pub const WORD_FIELD: &str = "%V";

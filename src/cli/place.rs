@@ -8,19 +8,18 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use crate::cli::options::{EFFORTS, word_of};
-use crate::cli::output;
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::dataset::cameras::{CameraSet, PlacedCamera};
-use crate::files::OutputFolder;
-use crate::placement::report::DecayPlacement;
-use crate::placement::search::{self, Extent};
-use crate::placement::{Lighting, Placement, Region, Search};
+use crate::options::{EFFORTS, word_of};
+use crate::progress::Progress;
 use crate::report::placement as figures;
 use crate::report::plot::save;
-use crate::scene::{Play, Scene};
+use crate::{ExitStatus, GlobalArgs, output, refuse};
 use codec::error::Result;
+use footage::dataset::cameras::{CameraSet, PlacedCamera};
+use footage::files::OutputFolder;
+use scene::placement::report::DecayPlacement;
+use scene::placement::search::{self, Extent};
+use scene::placement::{Lighting, Placement, Region, Search};
+use scene::{Play, Scene};
 
 pub use args::Args;
 use args::SPECULAR;

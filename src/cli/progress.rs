@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde::Serialize;
 
-use crate::cli::options::ProgressForm;
-use crate::cli::{GlobalArgs, refuse};
+use crate::options::ProgressForm;
+use crate::{GlobalArgs, refuse};
 use codec::error::Result;
 use codec::monitor::Monitor;
 

@@ -1,11 +1,11 @@
 //! `lightfold quadtree SEQ -o OUT`: encodes one depth sequence as quadtrees, which can be packed at any error bound.
 
-use crate::cli::encode::SequenceCodec;
-use crate::cli::options::{DepthUnitArgs, DomainArgs, ModelArgs};
-use crate::dataset::source::SourceOptions;
-use crate::encode::{DepthCodec, EncodeSettings, ErrorBound};
+use crate::encode::SequenceCodec;
+use crate::options::{DepthUnitArgs, DomainArgs, ModelArgs};
 use codec::error::Result;
 use codec::image::StreamKind;
+use footage::dataset::source::SourceOptions;
+use footage::encode::{DepthCodec, EncodeSettings, ErrorBound};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold quadtree face_px/depth.%04d.exr --face px -o px.tree.lfold\n  \

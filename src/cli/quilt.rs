@@ -7,15 +7,11 @@ use std::time::Instant;
 use half::f16;
 use serde::Serialize;
 
-use crate::cli::options::{MemoryArgs, check_stdout, parse_aspect};
-use crate::cli::output::{self, human_bytes};
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, outputs, refuse};
-use crate::export::FileFormat;
-use crate::files::OutputFile;
-use crate::image_files::quilt::{Quilt, QuiltLayout, quilt_path};
-use crate::image_files::{exr, png};
+use crate::options::{MemoryArgs, check_stdout, parse_aspect};
+use crate::output::{self, human_bytes};
+use crate::progress::Progress;
 use crate::report::coding_map::counted;
+use crate::{ExitStatus, GlobalArgs, outputs, refuse};
 use codec::error::{Error, Result};
 use codec::image::plane::Plane;
 use codec::image::sequence::{FrameRange, Sequence};
@@ -23,6 +19,10 @@ use codec::image::{Primaries, ReadLimits};
 use codec::memory::Need;
 use codec::monitor::Monitor;
 use codec::ordered::try_map_ordered;
+use footage::export::FileFormat;
+use footage::files::OutputFile;
+use footage::image_files::quilt::{Quilt, QuiltLayout, quilt_path};
+use footage::image_files::{exr, png};
 
 #[derive(Debug, clap::Args)]
 #[command(

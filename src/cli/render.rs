@@ -15,17 +15,17 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use crate::cli::options::check_stdout;
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, device, outputs, refuse};
-use crate::evaluate::camera_path::TimedCamera;
-use crate::evaluate::frame_requests::{self, FrameRequest};
-use crate::files::OutputFile;
+use crate::options::check_stdout;
+use crate::progress::Progress;
 use crate::report::coding_map::counted;
+use crate::{ExitStatus, GlobalArgs, device, outputs, refuse};
 use codec::decode::Decoder;
 use codec::error::{Error, Result};
 use codec::image::FrameRange;
 use codec::math::Camera;
+use footage::files::OutputFile;
+use render::camera_path::TimedCamera;
+use render::frame_requests::{self, FrameRequest};
 
 pub use args::Args;
 use light_field::LightFieldSubject;

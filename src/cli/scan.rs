@@ -5,15 +5,14 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::cli::encode::is_one_of;
-use crate::cli::options::{CodingArgs, StoreArgs, check_report, parse_shard};
-use crate::cli::output;
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::dataset::manifest;
-use crate::encode::{self, ScanFile, Shard};
+use crate::encode::is_one_of;
+use crate::options::{CodingArgs, StoreArgs, check_report, parse_shard};
+use crate::progress::Progress;
 use crate::report::coding_map::counted;
+use crate::{ExitStatus, GlobalArgs, output, refuse};
 use codec::error::{Error, Result};
+use footage::dataset::manifest;
+use footage::encode::{self, ScanFile, Shard};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold scan film -o scan.json\n  \

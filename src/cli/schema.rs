@@ -1,12 +1,15 @@
 //! `lightfold schema NAME`: prints JSON Schemas of files.
 
-use crate::cli::options::{Choices, one_of};
-use crate::cli::{ExitStatus, output};
+use crate::options::{Choices, one_of};
+use crate::{ExitStatus, output};
 use codec::error::Result;
 
 /// Names of schemas, their texts, and descriptions.
-const SCHEMAS: &Choices<&str> =
-    &[("manifest", include_str!("../../formats/schemas/manifest.json"), "lightfield.json, the manifest of a dataset")];
+const SCHEMAS: &Choices<&str> = &[(
+    "manifest",
+    include_str!(concat!(env!("LIGHTFOLD_FORMATS"), "/schemas/manifest.json")),
+    "lightfield.json, the manifest of a dataset",
+)];
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  lightfold schema manifest > manifest.schema.json\n\n\

@@ -2,21 +2,20 @@
 
 use serde::Serialize;
 
-use crate::cli::device::{self, GpuArgs};
-use crate::cli::output;
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs};
-use crate::gpu::device::{DeviceInfo, Gpu, Pick, list};
-use crate::gpu::kernels::DRAWINGS;
-use crate::gpu::selftest::drawings::test_drawing;
-use crate::gpu::selftest::streams::{StreamsReport, test_streams};
-use crate::gpu::selftest::{KernelReport, ROWS, SEED, test_kernel};
-use crate::hard_cases::device::DeviceFigures;
-use crate::hard_cases::{self, CaseReport, CaseRow, Family, FamilyReport, FamilyRow, Inputs, family_rows};
+use crate::device::{self, GpuArgs};
+use crate::progress::Progress;
 use crate::report::Table;
 use crate::report::coding_map::counted;
+use crate::{ExitStatus, GlobalArgs, output};
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
+use gpu::device::{DeviceInfo, Gpu, Pick, list};
+use gpu::kernels::DRAWINGS;
+use gpu::selftest::drawings::test_drawing;
+use gpu::selftest::streams::{StreamsReport, test_streams};
+use gpu::selftest::{KernelReport, ROWS, SEED, test_kernel};
+use verify::device::DeviceFigures;
+use verify::{CaseReport, CaseRow, Family, FamilyReport, FamilyRow, Inputs, family_rows};
 
 #[derive(Debug, clap::Args)]
 #[command(
@@ -72,10 +71,10 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if picks.is_empty() && !args.hard_cases {
         return Err(Error::unsupported("no graphics device was found: install a Vulkan driver to test one"));
     }
-    let mut cases = hard_cases::table();
+    let mut cases = verify::table();
     cases.retain(|case| args.family.is_empty() || args.family.iter().any(|name| name == case.family.name()));
     let progress = Progress::start(global, "hard cases", cases.len() as u64)?;
-    let (cases, inputs): (Vec<CaseReport>, Vec<Inputs>) = hard_cases::run_all(&cases, &progress)?.into_iter().unzip();
+    let (cases, inputs): (Vec<CaseReport>, Vec<Inputs>) = verify::run_all(&cases, &progress)?.into_iter().unzip();
     drop(progress);
     let test = |pick| test_device(&Gpu::open(pick)?, args, &inputs, global);
     let all = picks.iter().map(test).collect::<Result<Vec<_>>>()?;
@@ -88,7 +87,7 @@ fn test_device(gpu: &Gpu, args: &Args, inputs: &[Inputs], global: &GlobalArgs) -
     let count = inputs.iter().map(|inputs| inputs.clips.len()).sum::<usize>() as u64;
     let more = if args.hard_cases { 0 } else { (ROWS.len() + DRAWINGS.len()) as u64 + args.streams };
     let progress = Progress::start(global, "testing", count + more)?;
-    let hard_cases = hard_cases::device::compare(gpu, inputs, &progress)?;
+    let hard_cases = verify::device::compare(gpu, inputs, &progress)?;
     let (mut kernels, mut streams) = (Vec::new(), None);
     if !args.hard_cases {
         let kernel = |row| {
@@ -151,7 +150,7 @@ impl<'a> Document<'a> {
             device_tested: !all.is_empty(),
             hard_cases,
             families: family_rows(cases).iter().map(FamilyRow::report).collect(),
-            notes: hard_cases::notes(cases),
+            notes: verify::notes(cases),
             streams: streams.collect(),
             failed,
         }
@@ -162,12 +161,12 @@ fn text(all: &[Tested], cases: &[CaseReport]) -> String {
     let mut table = Table::new("Family|Through|>Cases|Bound|>Worst|Unit");
     for row in family_rows(cases) {
         let worst = row.worst;
-        let measured = hard_cases::number(worst.measured);
+        let measured = verify::number(worst.measured);
         let cells = [worst.family.name().to_owned(), worst.pipeline.clone(), row.cases.to_string()];
         table.row(cells.into_iter().chain([worst.bound.to_string(), measured, worst.unit.to_owned()]));
     }
     let failed = cases.iter().filter(|case| !case.passed());
-    let notes: String = hard_cases::notes(cases).iter().map(|note| format!("{note}\n")).collect();
+    let notes: String = verify::notes(cases).iter().map(|note| format!("{note}\n")).collect();
     let mut out = format!("{table}\n{notes}\n{} hard cases, {} failed\n", cases.len(), failed.clone().count());
     failed.for_each(|case| out += &format!("{}\n", case.sentence()));
     if all.is_empty() {

@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn short_help_fits_a_screen_and_names_the_long_one() {
-        let root = crate::cli::command();
+        let root = crate::command();
         let names = root.get_subcommands().filter(|command| !command.is_hide_set()).map(|command| command.get_name());
         let names: Vec<Option<&str>> = std::iter::once(None).chain(names.map(Some)).collect();
         assert!(names.len() > 20);
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn options_that_are_shown_exist() {
-        let root = crate::cli::command();
+        let root = crate::command();
         for (name, shown) in SHOWN {
             let command = root.find_subcommand(name).unwrap_or_else(|| panic!("{name}"));
             for option in *shown {

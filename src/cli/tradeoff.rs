@@ -13,10 +13,10 @@ mod simplification;
 mod text;
 mod tiles;
 
-use crate::cli::{ExitStatus, GlobalArgs, refuse};
 use crate::report::tradeoff::knob::Stage;
-use crate::scene::Scene;
+use crate::{ExitStatus, GlobalArgs, refuse};
 use codec::error::Result;
+use scene::Scene;
 
 pub use args::Args;
 pub use child::end_with_parent;

@@ -6,14 +6,14 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::cli::options::{MemoryArgs, check_report};
-use crate::cli::output::{self, human_bytes};
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::train::{self, Footage, HeldOut, TrainSettings, TrainSummary, Trained, TrainedCodec};
+use crate::options::{MemoryArgs, check_report};
+use crate::output::{self, human_bytes};
+use crate::progress::Progress;
+use crate::{ExitStatus, GlobalArgs, refuse};
 use codec::decode::Decoder;
 use codec::entropy::tables::MAX_OWN;
 use codec::error::{Result, counted};
+use footage::train::{self, Footage, HeldOut, TrainSettings, TrainSummary, Trained, TrainedCodec};
 
 pub const COLOR_HELP: &str = "Examples:\n  lightfold train-color kitchen.lfold hall.lfold -o house.txt\n  \
     lightfold encode garden/lightfield.json --color-tables house.txt -o garden.lfold\n  \

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::{GlobalArgs, output};
-use crate::files::{Kept, Left, PartialFolder};
-use crate::fingerprint::Fingerprint;
 use crate::report::coding_map::counted;
 use codec::error::{Error, Result};
+use footage::files::{Kept, Left, PartialFolder};
+use footage::fingerprint::Fingerprint;
 
 /// An unfinished output folder.
 #[derive(Debug)]

@@ -5,17 +5,17 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use crate::cli::failure::Failure;
-use crate::cli::global::EXIT_FAILED;
-use crate::cli::output::{self, human_bytes};
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, damage, refuse};
-use crate::inspect::{self, Check, FrameRows, InspectSettings};
+use crate::failure::Failure;
+use crate::global::EXIT_FAILED;
+use crate::output::{self, human_bytes};
+use crate::progress::Progress;
 use crate::report::coding_map::counted;
 use crate::serve::{self, Description, Film, Limits, Server, Site, Stop};
+use crate::{ExitStatus, GlobalArgs, damage, refuse};
 use codec::decode::{Decoder, StreamInfo};
 use codec::error::{Error, Result};
 use codec::memory::Budget;
+use footage::inspect::{self, Check, FrameRows, InspectSettings};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold view film.lfold --open\n  lightfold view room.glb --port 8000\n  \

@@ -1,10 +1,11 @@
-//! Links the C++ library that the block encoder needs, as `build.rs` of `lightfold` does for the program.
+//! Sets the folder of the table files and the hash of sources; links the C++ library.
 
 fn main() {
-    println!("cargo::rerun-if-changed=build.rs");
-    let target = |name| std::env::var(name).unwrap_or_default();
-    let is_encoder = std::env::var_os("CARGO_FEATURE_ENCODE").is_some();
-    if is_encoder && target("CARGO_CFG_TARGET_OS") == "linux" && target("CARGO_CFG_TARGET_ENV") == "gnu" {
-        println!("cargo::rustc-link-arg=-l:libstdc++.so.6");
+    let formats = build::shared_folder("formats", "../../formats");
+    println!("cargo::rustc-env=LIGHTFOLD_FORMATS={}", formats.display());
+    let tables = ["color-tables.txt", "depth-tables.txt"].map(|name| formats.join(name));
+    build::hash_sources(&tables);
+    if std::env::var_os("CARGO_FEATURE_ENCODE").is_some() {
+        build::link_cxx();
     }
 }

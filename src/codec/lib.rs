@@ -3,8 +3,6 @@
 //! The feature `encode` adds the encoders and the container writer. Everything else is in `lightfold`. No stability is promised:
 //! use `lightfold`.
 
-// Modules are documented where a name does not say it all; the public API is re-exported by `lightfold`.
-#![allow(missing_docs)]
 // Tests make their inputs as they like (`clippy.toml`).
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
@@ -23,3 +21,6 @@ pub mod metrics;
 pub mod monitor;
 pub mod ordered;
 pub mod streams;
+
+/// Hash of the sources and tables of this package.
+pub const SOURCES: &str = env!("LIGHTFOLD_SOURCES");

@@ -5,11 +5,12 @@ use rayon::prelude::*;
 
 use super::drawing::{DrawnScene, PixelWindow};
 use super::views::OutputViews;
-use crate::scene::SceneAtTime;
-use crate::scene::capture::{Pass, PassSettings, PixelTracer, SamplePattern, capture_view, mean_light};
 use codec::error::{Error, Result};
-use codec::image::{DepthKind, Plane, plane::ColorPlane};
+use codec::image::plane::ColorPlane;
+use codec::image::{DepthKind, Plane};
 use codec::monitor::Monitor;
+use scene::SceneAtTime;
+use scene::capture::{Pass, PassSettings, PixelTracer, SamplePattern, capture_view, mean_light};
 
 /// Renders the view from a position on the line, with the same result as `capture`.
 pub fn render(

@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::source::{SourceView, in_order};
-use crate::evaluate::reference::{Reference, ReferenceImage};
 use codec::error::{Error, Result};
 use codec::image::{Face, FrameRange};
 use codec::math::Camera;
+use evaluate::reference::{Reference, ReferenceImage};
 
 /// Maximum distance of a camera from the line, as a fraction of the line's length.
 const BESIDE_LINE: f64 = 1e-4;

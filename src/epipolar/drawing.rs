@@ -9,11 +9,11 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::mesh::Ray;
-use crate::scene::capture::{PixelTracer, Viewpoint};
-use crate::scene::{FirstHit, SceneAtTime};
 use codec::error::Result;
 use codec::monitor::Monitor;
+use scene::capture::{PixelTracer, Viewpoint};
+use scene::mesh::Ray;
+use scene::{FirstHit, SceneAtTime};
 
 /// Maximum number of triangles drawn behind each other. Pixels that reach it are traced.
 pub const MAX_DRAWN: usize = 32;

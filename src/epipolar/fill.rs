@@ -5,12 +5,12 @@ use rayon::prelude::*;
 
 use super::interpolate::{Coverage, InterpolatedView};
 use super::views::OutputViews;
-use crate::evaluate::RenderedImage;
-use crate::scene::SceneAtTime;
-use crate::scene::capture::{PixelTracer, SamplePattern};
 use codec::error::Result;
 use codec::image::Plane;
 use codec::monitor::Monitor;
+use render::rendered_image::RenderedImage;
+use scene::SceneAtTime;
+use scene::capture::{PixelTracer, SamplePattern};
 
 /// Number of columns that share a list of objects in view.
 const TILE: usize = PixelTracer::TILE as usize;

@@ -10,7 +10,7 @@
 use glam::DVec3;
 
 use super::views::OutputViews;
-use crate::scene::shading::Gloss;
+use scene::shading::Gloss;
 
 /// Default maximum number of splits of a line, not counting its ends.
 pub const DEFAULT_SPLITS: usize = 8;
@@ -122,9 +122,9 @@ impl Highlight {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Ray;
-    use crate::scene::trace::EyeLight;
-    use crate::scene::{Lamp, Light, Material, Object, Phong, Quad, SceneAtTime, Shape, Sky, Texture, Window};
+    use scene::mesh::Ray;
+    use scene::trace::EyeLight;
+    use scene::{Lamp, Light, Material, Object, Phong, Quad, SceneAtTime, Shape, Sky, Texture, Window};
 
     const EYES: EyeLine = EyeLine { first: DVec3::new(-1.0, 1.0, 0.0), along: DVec3::new(2.0, 0.0, 0.0) };
 

@@ -15,11 +15,11 @@ use super::slice::{Slice, Winner};
 use super::source::{Light, SourcePixel, SourceRow, SourceView};
 use super::stages::{Lap, Stages};
 use super::views::OutputViews;
-use crate::scene::shading::Gloss;
 use codec::color::blend::{HalfKey, Sample};
 use codec::error::Result;
 use codec::image::Plane;
 use codec::monitor::Monitor;
+use scene::shading::Gloss;
 
 /// Coverage of a pixel of an output view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -278,7 +278,7 @@ impl<'a> Shader<'a> {
             (a, b) => {
                 let light = a.unwrap_or(DVec3::ZERO).lerp(b.unwrap_or(DVec3::ZERO), f64::from(weight) / 255.0);
                 let light = DVec3::from_array(steady.map(f16::to_f64)) + light;
-                (crate::scene::capture::halves(light), Coverage::Covered)
+                (scene::capture::halves(light), Coverage::Covered)
             }
         }
     }

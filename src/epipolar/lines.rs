@@ -145,11 +145,11 @@ mod tests {
     use half::f16;
 
     use super::*;
-    use crate::epipolar::coalesce::{Coalescing, LineRuns};
-    use crate::epipolar::counters::Counters;
-    use crate::epipolar::slice::Slice;
-    use crate::epipolar::source::{Light, SourceRow};
-    use crate::epipolar::views::Spread;
+    use crate::coalesce::{Coalescing, LineRuns};
+    use crate::counters::Counters;
+    use crate::slice::Slice;
+    use crate::source::{Light, SourceRow};
+    use crate::views::Spread;
     use codec::math::{Camera, Lens};
 
     #[test]

@@ -13,10 +13,10 @@ use super::pipeline::RowsAtOnce;
 use super::source::{SourcePixel, SourceRow, SourceView};
 use super::view_store::Storage;
 use super::views::OutputViews;
-use crate::scene::SceneAtTime;
 use codec::error::Result;
 use codec::memory::{Budget, Need};
 use codec::monitor::Monitor;
+use scene::SceneAtTime;
 
 /// Number of scanlines that are acquired to measure the need of all.
 const MEASURED_ROWS: u32 = 8;
@@ -185,7 +185,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::epipolar::views::Spread;
+    use crate::views::Spread;
     use codec::math::{Camera, Lens};
 
     fn views(size: [u32; 2], count: u32) -> OutputViews {

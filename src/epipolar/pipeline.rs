@@ -15,9 +15,9 @@ use super::source::SourceView;
 use super::stages::Stages;
 use super::view_store::{Storage, ViewStore};
 use super::views::OutputViews;
-use crate::evaluate::RenderedImage;
 use codec::error::Result;
 use codec::monitor::Monitor;
+use render::rendered_image::RenderedImage;
 
 #[derive(Debug, Clone)]
 pub struct Settings {

@@ -195,10 +195,10 @@ mod tests {
     use half::f16;
 
     use super::*;
-    use crate::epipolar::coalesce::Coalescing;
-    use crate::epipolar::lines::Line;
-    use crate::epipolar::source::{Light, SourcePixel, SourceRow, SourceView};
-    use crate::epipolar::views::{OutputViews, Spread};
+    use crate::coalesce::Coalescing;
+    use crate::lines::Line;
+    use crate::source::{Light, SourcePixel, SourceRow, SourceView};
+    use crate::views::{OutputViews, Spread};
     use codec::math::{Camera, Lens};
 
     const WIDTH: u32 = 64;

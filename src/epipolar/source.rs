@@ -2,7 +2,7 @@
 
 use half::f16;
 
-use crate::scene::shading::Gloss;
+use scene::shading::Gloss;
 
 /// Maximum number of layers of a source view.
 pub const MAX_LAYERS: usize = 10;

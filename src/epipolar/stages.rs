@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use crate::json;
 use codec::math::add_members;
+use footage::json;
 
 /// A duration for each stage: elapsed time, or the sum over all threads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]

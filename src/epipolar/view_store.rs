@@ -9,9 +9,9 @@ use half::f16;
 use rayon::prelude::*;
 
 use super::interpolate::{Coverage, InterpolatedView};
-use crate::files::DiskFile;
 use codec::error::{Error, Result};
 use codec::image::Plane;
+use footage::files::DiskFile;
 
 /// Bytes per pixel in a file: three half floats, and the coverage.
 const PIXEL_BYTES: usize = 8;

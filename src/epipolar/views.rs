@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-use crate::scene::capture::Viewpoint;
 use codec::error::{Error, Result};
 use codec::image::ImageProjection;
 use codec::math::Camera;
 use codec::math::camera::rotation;
+use scene::capture::Viewpoint;
 
 /// Maximum number of output views.
 pub const MAX_VIEWS: u32 = 4096;

@@ -3,12 +3,11 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::dataset::{CameraSet, PlacedCamera};
-use crate::evaluate::TimedCamera;
-use crate::evaluate::camera_path::{self, KeyPose};
 use codec::error::{Error, Result};
 use codec::image::FrameRange;
 use codec::math::{Camera, Lens};
+use footage::dataset::{CameraSet, PlacedCamera};
+use render::camera_path::{self, KeyPose, TimedCamera};
 
 /// Maximum size of a file in bytes.
 pub const MAX_CAMERA_FILE_BYTES: u64 = 16 << 20;

@@ -1,6 +1,5 @@
 //! Decoded images of a container, in metres and linear RGB.
 
-use crate::dataset::{Pose, ProbeInfo, planar_to_distance};
 use codec::container::ProbeEntry;
 use codec::decode::{Decoder, Picture};
 use codec::depth::CodeTable;
@@ -8,6 +7,7 @@ use codec::error::{Error, Result};
 use codec::image::{ColorPlane, DecodeTable, DepthKind, DepthPlane, FrameRange, MaterialPlane, Primaries};
 use codec::streams::convert::{color_light, material_values};
 use codec::streams::{CodecHeader, ColorFormat, FootageInfo, FramePose, StreamInfo};
+use footage::dataset::{Pose, ProbeInfo, planar_to_distance};
 
 #[derive(Debug)]
 pub struct DecodedImages {

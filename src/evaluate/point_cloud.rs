@@ -7,7 +7,7 @@ use std::io::Write;
 
 use rayon::prelude::*;
 
-use crate::evaluate::reference::Reference;
+use crate::reference::Reference;
 use codec::error::{Error, Result};
 use codec::image::{CodeSteps, ToneMap};
 use codec::monitor::Monitor;
@@ -70,8 +70,8 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::scene::{DemoKind, FootagePlan};
     use codec::monitor::Silent;
+    use scene::{DemoKind, FootagePlan};
 
     #[test]
     fn points_lie_on_the_rays_of_pixels_at_their_distances() {

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use crate::dataset::{Pose, ProbeInfo, Source, SourceOptions};
-use crate::evaluate::decoded_images::{DecodedImages, pose, still_probe};
+use crate::decoded_images::{DecodedImages, pose, still_probe};
 use codec::container::header::is_container;
 use codec::decode::Decoder;
 use codec::error::{Error, Result};
@@ -15,6 +14,7 @@ use codec::image::{
 use codec::math::camera::rotation;
 use codec::math::{Camera, Lens};
 use codec::streams::StreamInfo;
+use footage::dataset::{Pose, ProbeInfo, Source, SourceOptions};
 
 /// Maximum offset in pixels of a principal point from the image centre at which it is set to the centre.
 const CENTRE_TOLERANCE: f64 = 0.01;
@@ -284,11 +284,11 @@ fn cached<T: Clone>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::cameras::PlacedCamera;
-    use crate::encode::{EncodeSettings, encode};
-    use crate::scene::{DemoKind, DemoScene, FootagePlan, Pass, Scene};
     use codec::image::ImageProjection;
     use codec::monitor::Silent;
+    use footage::dataset::cameras::PlacedCamera;
+    use footage::encode::{EncodeSettings, encode};
+    use scene::{DemoKind, DemoScene, FootagePlan, Pass, Scene};
 
     const PLAN: FootagePlan = FootagePlan { kind: DemoKind::Courtyard, frames: 2, face_size: 8, probes: 2 };
 
@@ -322,7 +322,7 @@ mod tests {
     }
 
     /// Writes a dataset of perspective images of one rotated probe.
-    fn perspective(folder: &Path) -> crate::dataset::Manifest {
+    fn perspective(folder: &Path) -> footage::dataset::Manifest {
         let mut plan = PLAN.capture().unwrap();
         let half = 0.5f64.sqrt();
         let camera = PlacedCamera { orientation: Some([0.0, half, 0.0, half]), ..PlacedCamera::at([0.0, 1.5, 0.0]) };

@@ -2,14 +2,14 @@
 
 use serde::Serialize;
 
-use crate::evaluate::RenderedImage;
-use crate::evaluate::reference::Truth;
-use crate::json::Number;
-use crate::metrics::{HvsError, ssim_rgb8};
+use crate::reference::Truth;
 use codec::error::{Error, Result};
 use codec::image::{EncodeTable, MaterialPlane, Plane, ToneMap};
 use codec::metrics::{SquaredError, U8_PEAK};
 use codec::streams::convert::color_codes;
+use footage::json::Number;
+use footage::metrics::{HvsError, ssim_rgb8};
+use render::rendered_image::RenderedImage;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Similarity {

@@ -1,6 +1,6 @@
 //! Decodes streams of one family on a graphics device: all their tiles and cells together.
 //!
-//! Input: units, each with a frame. The device keeps the chunks ([`crate::gpu::resident`]), the pictures, and the frame that
+//! Input: units, each with a frame. The device keeps the chunks ([`crate::resident`]), the pictures, and the frame that
 //! each picture shows; a call sends only the list of units. A planning kernel finds the next record of each unit and sums up
 //! the work. The decoding kernel is dispatched indirectly with the planned size; its invocations find their part of the work by
 //! bisection. Units more than a window behind the requested frame take several rounds.
@@ -13,14 +13,14 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::gpu::Gpu;
-use crate::gpu::device::Pipeline;
-use crate::gpu::family::{Family, PixelWords};
-use crate::gpu::kernels::Kernel;
-use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, SCRATCH_WORDS, State, Unit, list_of, words_of};
-use crate::gpu::prepare::{self, KernelOf, Prepared, Timeline};
-use crate::gpu::resident::{Growing, Resident, ResidentChunk};
-use crate::gpu::transform_tables::TransformTables;
+use crate::Gpu;
+use crate::device::Pipeline;
+use crate::family::{Family, PixelWords};
+use crate::kernels::Kernel;
+use crate::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, SCRATCH_WORDS, State, Unit, list_of, words_of};
+use crate::prepare::{self, KernelOf, Prepared, Timeline};
+use crate::resident::{Growing, Resident, ResidentChunk};
+use crate::transform_tables::TransformTables;
 use codec::color::cells::MISSING_NEXT_KEYFRAME;
 use codec::color::transform::blocks::REGION;
 use codec::container::ChunkEntry;

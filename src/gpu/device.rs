@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use crate::gpu::kernels::{Binding, BindingKind, Kernel};
+use crate::kernels::{Binding, BindingKind, Kernel};
 use codec::error::{Error, Result};
 
 /// Maximum size in bytes of a kernel's buffer on any device: byte offsets must fit 32 bits.

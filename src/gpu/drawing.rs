@@ -3,9 +3,9 @@
 use glam::DVec3;
 use half::f16;
 
-use crate::gpu::Gpu;
-use crate::gpu::kernels::{Blending, Drawing};
-use crate::gpu::layout::DrawnPicture;
+use crate::Gpu;
+use crate::kernels::{Blending, Drawing};
+use crate::layout::DrawnPicture;
 use codec::error::{Error, Result};
 
 /// Linear RGB and alpha: the most precise format that every device can blend.

@@ -14,20 +14,19 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::epipolar::backend::Backend;
-use crate::epipolar::coalesce::LineRuns;
-use crate::epipolar::counters::Counters;
-use crate::epipolar::erosion::Moves;
-use crate::epipolar::interpolate::{Coverage, InterpolatedView, Interpolator};
-use crate::epipolar::stages::Lap;
-use crate::gpu::Gpu;
-use crate::gpu::harness::dispatch;
-use crate::gpu::kernels;
-use crate::gpu::layout::{SLICE_COLUMNS, SliceBlock, words_of};
+use crate::harness::dispatch;
+use crate::layout::{SLICE_COLUMNS, SliceBlock, words_of};
+use crate::{Gpu, kernels};
 use block::{LineWords, color_of, coverage_of, places};
 use codec::error::Result;
 use codec::image::Plane;
 use codec::monitor::Monitor;
+use epipolar::backend::Backend;
+use epipolar::coalesce::LineRuns;
+use epipolar::counters::Counters;
+use epipolar::erosion::Moves;
+use epipolar::interpolate::{Coverage, InterpolatedView, Interpolator};
+use epipolar::stages::Lap;
 use highlights::{Highlights, SplitWords};
 
 /// Maximum lines that are sent at once; a single scanline may have more. At most 64 MiB of runs, and as much of radiance.

@@ -1,8 +1,8 @@
 //! Families of streams that one kernel decodes together.
 
-use crate::gpu::kernels::{self, Kernel};
-use crate::gpu::layout::Unit;
-use crate::gpu::pictures::code_stride;
+use crate::kernels::{self, Kernel};
+use crate::layout::Unit;
+use crate::pictures::code_stride;
 use codec::image::StreamKind;
 use codec::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding};
 

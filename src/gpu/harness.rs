@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-use crate::gpu::Gpu;
-use crate::gpu::kernels::Kernel;
-use crate::gpu::layout::MAX_GROUPS;
+use crate::Gpu;
+use crate::kernels::Kernel;
+use crate::layout::MAX_GROUPS;
 use codec::error::{Error, Result};
 
 /// One dispatch with its input and expected output; buffers are given as words by binding name.

@@ -92,7 +92,7 @@ mod tests {
     use wgpu::naga;
 
     use super::*;
-    use crate::gpu::kernels::{Binding, BindingKind, DRAWINGS, KERNELS};
+    use crate::kernels::{Binding, BindingKind, DRAWINGS, KERNELS};
     use codec::depth::domain::DomainKind;
     use codec::depth::runtime;
 
@@ -174,11 +174,9 @@ mod tests {
     fn constants_are_those_of_the_format() {
         assert_eq!([DOMAIN_LOG, DOMAIN_LINEAR, DOMAIN_INVERSE], DomainKind::ALL.map(|kind| kind as u32));
         assert_eq!(LEVELS as usize, runtime::LEVELS);
-        #[cfg(feature = "simplify")]
-        assert_eq!(DEPTH_BITS_LEFT_OUT, crate::simplify::raster::DEPTH_BITS_LEFT_OUT);
-        #[cfg(feature = "epipolar")]
+        assert_eq!(DEPTH_BITS_LEFT_OUT, simplify::raster::DEPTH_BITS_LEFT_OUT);
         {
-            use crate::epipolar::erosion;
+            use epipolar::erosion;
             assert_eq!(EROSION_REACH as usize, erosion::REACH);
             assert_eq!((MOVE_BITS, EROSION_TOLERANCE as i32), (erosion::MOVE_BITS, erosion::TOLERANCE));
         }

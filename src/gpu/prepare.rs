@@ -1,14 +1,14 @@
 //! Converts chunks to the form that the device reads: the bytes of the stream, and tables of offsets into them.
 //!
-//! Takes a payload; returns rows whose offsets are relative to the chunk's first byte, word or row. [`crate::gpu::resident`]
+//! Takes a payload; returns rows whose offsets are relative to the chunk's first byte, word or row. [`crate::resident`]
 //! adds the chunk's position.
 
-use crate::gpu::layout::{
+use crate::layout::{
     BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, PASS_ITERATIONS, Record,
     STEP_ITERATIONS,
 };
-use crate::gpu::pictures::{code_stride, pack_halves};
-use crate::gpu::transform_tables::SET_WORDS;
+use crate::pictures::{code_stride, pack_halves};
+use crate::transform_tables::SET_WORDS;
 use codec::block;
 use codec::color::cells::Blend;
 use codec::color::transform::blocks::{Shape, regions};

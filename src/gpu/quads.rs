@@ -6,17 +6,16 @@
 use glam::DVec3;
 use half::f16;
 
-use crate::gpu::Gpu;
-use crate::gpu::drawing::{
+use crate::drawing::{
     self, COUNT_FORMAT, DEPTH_FORMAT, DrawingPipeline, LIGHT_FORMAT, Window, cleared, farthest_m, read_halves,
 };
-use crate::gpu::kernels;
-use crate::gpu::layout::{DrawnPicture, words_of};
-use crate::simplify::quad_mesh::QuadMesh;
-use crate::simplify::raster::{Compositing, DrawSettings, Drawn, Sample, light_of_codes, texture_coordinates};
+use crate::layout::{DrawnPicture, words_of};
+use crate::{Gpu, kernels};
 use codec::error::Result;
 use codec::math::Camera;
 use codec::monitor::Monitor;
+use simplify::quad_mesh::QuadMesh;
+use simplify::raster::{Compositing, DrawSettings, Drawn, Sample, light_of_codes, texture_coordinates};
 
 /// Words per corner: position and homogeneous texture coordinates.
 const CORNER_WORDS: usize = 6;

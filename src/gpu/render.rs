@@ -16,24 +16,24 @@ pub mod texels;
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-use crate::evaluate::RenderedImage;
-use crate::gpu::Gpu;
-use crate::gpu::kernels::{self, Kernel};
-use crate::gpu::layout::{Face, View, words_of};
-use crate::gpu::render::backend::{GpuBackend, UnitCost};
-use crate::gpu::render::scene::{FIRST_ROW_WORD, ImageId, ROWS_WORD, SceneRows};
-use crate::gpu::render::texels::{DeviceTexels, Transferred};
-use crate::march::render::has_secondary_rays;
-use crate::march::specular::secondary_rays::MIN_SHARE;
-use crate::march::{
-    Acceleration, ActiveViews, Counters, MAX_BOUNCES, MIN_M, Proxies, Proxy, RenderSettings, Rendered, SphereFit,
-    proxies_in_sight,
-};
-use crate::views::{ColorCoding, FaceTexels};
+use crate::Gpu;
+use crate::kernels::{self, Kernel};
+use crate::layout::{Face, View, words_of};
+use crate::render::backend::{GpuBackend, UnitCost};
+use crate::render::scene::{FIRST_ROW_WORD, ImageId, ROWS_WORD, SceneRows};
+use crate::render::texels::{DeviceTexels, Transferred};
 use codec::error::{Error, Result};
 use codec::image::StreamKind;
 use codec::math::Camera;
 use codec::monitor::Monitor;
+use render::march::render::has_secondary_rays;
+use render::march::specular::secondary_rays::MIN_SHARE;
+use render::march::{
+    Acceleration, ActiveViews, Counters, MAX_BOUNCES, MIN_M, Proxies, Proxy, RenderSettings, Rendered, SphereFit,
+    proxies_in_sight,
+};
+use render::rendered_image::RenderedImage;
+use render::views::{ColorCoding, FaceTexels};
 
 /// Alpha of a pixel whose loops were terminated by the device.
 pub const GIVEN_UP: f32 = -1.0;

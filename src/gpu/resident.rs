@@ -7,9 +7,9 @@ use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::gpu::Gpu;
-use crate::gpu::layout::{BoxRow, Chunk, Record, words_of};
-use crate::gpu::prepare::{KernelOf, Prepared, Timeline};
+use crate::Gpu;
+use crate::layout::{BoxRow, Chunk, Record, words_of};
+use crate::prepare::{KernelOf, Prepared, Timeline};
 use codec::error::Result;
 
 const FIRST_WORDS: usize = 1 << 14;

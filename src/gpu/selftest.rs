@@ -3,33 +3,27 @@
 mod blocks;
 mod boxes;
 mod cells;
-#[cfg(feature = "simplify")]
 pub mod drawings;
 mod gathered;
-#[cfg(feature = "epipolar")]
 pub mod highlights;
 mod nodes;
 pub mod pictures;
 mod plans;
 mod predictive;
-#[cfg(feature = "simplify")]
 mod rooms;
-#[cfg(feature = "epipolar")]
 mod rows;
-#[cfg(feature = "epipolar")]
 pub mod slices;
 pub mod streams;
 mod texels;
 pub mod transform;
-#[cfg(all(feature = "epipolar", feature = "simplify"))]
 pub mod triangles;
 
 use std::time::Duration;
 
-use crate::gpu::Gpu;
-use crate::gpu::harness::Case;
-pub use crate::gpu::harness::KernelReport;
-use crate::gpu::kernels::{self, Kernel};
+use crate::Gpu;
+use crate::harness::Case;
+pub use crate::harness::KernelReport;
+use crate::kernels::{self, Kernel};
 use codec::color::{HalfKey, KeyframeBlocks};
 use codec::depth::block_tiles::Layout;
 use codec::error::Result;
@@ -54,7 +48,6 @@ pub enum Inputs {
     Pictures,
     /// Views with highlights, which must agree with the CPU's within the same tolerances; without highlights all bits must be
     /// equal.
-    #[cfg(feature = "epipolar")]
     Highlights,
 }
 
@@ -83,19 +76,12 @@ pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::RENDER, inputs: Inputs::Pictures },
     Row { kernel: &kernels::RENDER_PYRAMID, inputs: Inputs::Pictures },
     Row { kernel: &kernels::RENDER_EFFECTS, inputs: Inputs::Pictures },
-    #[cfg(feature = "epipolar")]
     Row { kernel: &kernels::SLICES, inputs: Words(slices::winners) },
-    #[cfg(feature = "epipolar")]
     Row { kernel: &kernels::LINE_LIGHT, inputs: Words(slices::light) },
-    #[cfg(feature = "epipolar")]
     Row { kernel: &kernels::LINE_HIGHLIGHTS, inputs: Inputs::Highlights },
-    #[cfg(feature = "epipolar")]
     Row { kernel: &kernels::ACTIVE_COUNTS, inputs: Words(rows::active_counts) },
-    #[cfg(feature = "epipolar")]
     Row { kernel: &kernels::COMPACT, inputs: Words(rows::compacted) },
-    #[cfg(feature = "epipolar")]
     Row { kernel: &kernels::EROSION_EDGES, inputs: Words(rows::erosion_edges) },
-    #[cfg(feature = "epipolar")]
     Row { kernel: &kernels::EROSION, inputs: Words(rows::erosion) },
 ];
 
@@ -103,7 +89,6 @@ pub fn test_kernel(gpu: &Gpu, row: &Row, seed: u64) -> Result<KernelReport> {
     let cases = match row.inputs {
         Words(cases) => cases(seed),
         Inputs::Pictures => return pictures::test(gpu, row.kernel),
-        #[cfg(feature = "epipolar")]
         Inputs::Highlights => return highlights::test(gpu, row.kernel.name),
     };
     let mut report = KernelReport::new(row.kernel.name);
@@ -117,7 +102,7 @@ pub fn test_kernel(gpu: &Gpu, row: &Row, seed: u64) -> Result<KernelReport> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::kernels::{Binding, KERNELS};
+    use crate::kernels::{Binding, KERNELS};
 
     #[test]
     fn every_kernel_has_inputs_that_fit_its_bindings() {

@@ -1,12 +1,11 @@
 //! Tables of the transform codec in device memory: those of the format, then the table sets of the streams (color.md 6, 7).
 
-use codec::color::transform::Tables;
 use codec::color::transform::basis::{LENGTHS, basis, length_index};
 use codec::color::transform::blocks::MAX_FRAMES;
 use codec::color::transform::contexts::{CLASSES_OF_SUMS, CLUSTERS};
-use codec::color::transform::scan;
 use codec::color::transform::steps::{INVERSE_ROOTS, OCTAVE, OFFSET_SETS};
 use codec::color::transform::tables::CLUSTER_OF;
+use codec::color::transform::{Tables, scan};
 use codec::entropy::SYMBOLS;
 use codec::streams::{CodecHeader, StreamInfo};
 
@@ -78,7 +77,7 @@ pub fn of_format() -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::layout;
+    use crate::layout;
     use codec::color::transform::contexts::{CONTEXTS, FAMILIES};
     use codec::color::transform::tables::BUILT_IN;
 

@@ -3,18 +3,15 @@
 
 use glam::DVec3;
 
-use crate::epipolar::compact::spread;
-use crate::epipolar::drawing::{PixelWindow, TriangleDrawing, TriangleLayers, axes};
-use crate::gpu::Gpu;
-use crate::gpu::drawing::{
-    self, DEPTH_FORMAT, DrawingPipeline, INDEX_FORMAT, Window, cleared, farthest_m, read_indices,
-};
-use crate::gpu::epipolar::compact::active_pixels;
-use crate::gpu::kernels;
-use crate::gpu::layout::{DrawnPicture, words_of};
-use crate::scene::SceneAtTime;
-use crate::scene::capture::Viewpoint;
+use crate::drawing::{self, DEPTH_FORMAT, DrawingPipeline, INDEX_FORMAT, Window, cleared, farthest_m, read_indices};
+use crate::epipolar::compact::active_pixels;
+use crate::layout::{DrawnPicture, words_of};
+use crate::{Gpu, kernels};
 use codec::error::Result;
+use epipolar::compact::spread;
+use epipolar::drawing::{PixelWindow, TriangleDrawing, TriangleLayers, axes};
+use scene::SceneAtTime;
+use scene::capture::Viewpoint;
 
 /// Words per corner: its position.
 const CORNER_WORDS: usize = 3;

@@ -1,9 +1,9 @@
 //! Decodes a selection on a graphics device, to measure its speed or to compare it with the CPU, and as a source of images.
 
-use crate::gpu::decode::{UnitFrame, picture_words};
-use crate::gpu::family::{self, Family};
-use crate::gpu::pictures::mismatched_words;
-use crate::gpu::{Gpu, GpuDecoder};
+use crate::decode::{UnitFrame, picture_words};
+use crate::family::{self, Family};
+use crate::pictures::mismatched_words;
+use crate::{Gpu, GpuDecoder};
 use codec::decode::{
     DecodeCost, DecodeSummary, Decoder, FaceDecoder, ImageSource, Images, Picture, Request, StreamFrames, StreamInfo,
     UnitFilter, check_windows, decoded_pixel_bytes,

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::mesh::{Optics, Phong};
+use super::mesh_scene::{Optics, Phong};
 
 /// A pattern of albedos in linear Rec. 709, 0..=1.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -91,8 +91,8 @@ impl DemoScene {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture_face;
     use crate::mesh::AxisBox;
-    use crate::scene::capture_face;
     use codec::image::Face;
 
     #[test]

@@ -218,7 +218,7 @@ impl SceneAtTime {
 mod tests {
     use super::*;
     use crate::mesh::Mesh;
-    use crate::scene::{DemoKind, DemoScene, MeshMaterial};
+    use crate::{DemoKind, DemoScene, MeshMaterial};
     use codec::math::random::Random;
 
     /// Depth peeling (Epipolar listings 3.1 to 3.3): repeatedly finds the nearest surface behind the last one.

@@ -11,7 +11,7 @@ mod tests;
 use glam::DVec3;
 
 use super::light::Lamp;
-use super::mesh::{Optics, Phong};
+use super::mesh_scene::{Optics, Phong};
 use super::raycast::SceneAtTime;
 use super::surface::Surface;
 use crate::mesh::Ray;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::scene::{MeshMaterial, Scene, SceneAtTime};
+use crate::{MeshMaterial, Scene, SceneAtTime};
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SceneSummary {

@@ -5,7 +5,7 @@ mod tests;
 
 use glam::DVec3;
 
-use super::mesh::Optics;
+use super::mesh_scene::Optics;
 use super::raycast::{FirstHit, HitSurface, SceneAtTime};
 use super::shading::{Gloss, OPAQUE, Path, Radiance};
 use crate::mesh::Ray;

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use half::slice::HalfFloatSliceExt;
 
-use crate::dataset::seurat::{CaptureRay, SeuratCapture, SeuratView, is_manifest};
-use crate::evaluate::reference::Reference;
 use codec::error::{Error, Result};
 use codec::image::{DepthPlane, MaterialPlane, NormalPlane, ReadLimits};
 use codec::math::Camera;
+use evaluate::reference::Reference;
+use footage::dataset::seurat::{CaptureRay, SeuratCapture, SeuratView, is_manifest};
 
 #[derive(Debug, Clone)]
 pub struct CaptureImage {

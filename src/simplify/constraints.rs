@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::samples::Sample;
 use super::tiles::{TileHit, TileSet};
 use super::tree::project;
-use crate::mesh::Ray;
+use scene::mesh::Ray;
 
 /// A constraint at a place on a tile, 0 to 1 along each side of the tile's texture.
 #[derive(Debug, Clone, Copy, PartialEq)]

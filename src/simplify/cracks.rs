@@ -16,10 +16,10 @@ use super::samples::{Background, PixelChoice, Sample, SampleRules};
 use super::texture_sizes::Layout;
 use super::tiles::TileSet;
 use super::tree::project;
-use crate::mesh::Ray;
 use codec::error::Result;
 use codec::image::Face;
 use codec::math::{Camera, Lens};
+use scene::mesh::Ray;
 
 /// Alpha below which a pixel is a crack.
 pub const CRACK_ALPHA: f32 = 0.5;

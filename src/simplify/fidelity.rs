@@ -15,15 +15,15 @@ use super::raster::{Drawn, draw};
 use super::region::ViewingRegion;
 use super::samples::Background;
 use super::settings::Settings;
-use crate::evaluate::RenderedImage;
-use crate::evaluate::reference::Truth;
-use crate::evaluate::similarity::{Similarity, truth_codes};
 use codec::error::Result;
 use codec::image::{ColorPlane, Plane, ToneMap};
 use codec::math::random::Random;
 use codec::math::{Camera, Lens};
 use codec::metrics::{SquaredError, U8_PEAK};
 use codec::monitor::Monitor;
+use evaluate::reference::Truth;
+use evaluate::similarity::{Similarity, truth_codes};
+use render::rendered_image::RenderedImage;
 
 /// Decibels that the released evaluator added to the PSNR: 10 log10 255.
 const RELEASED_OFFSET_DB: f64 = 24.065_401_804_339_55;

@@ -13,8 +13,8 @@ use super::cost::{CostModel, ViewShares};
 use super::selection::{Use, add_cost, keeps};
 use super::tiles::{QuadTile, TileSet};
 use super::tree::{PlaneRect, TreeCell, direction, project};
-use crate::mesh::Ray;
 use codec::math::Camera;
+use scene::mesh::Ray;
 
 /// Maximum distance in pixels at which the border of a gap is searched.
 const BORDER_PIXELS: i32 = 32;

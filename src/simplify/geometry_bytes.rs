@@ -59,8 +59,8 @@ mod tests {
     use serde_json::{Value, json};
 
     use super::*;
-    use crate::mesh::{ImageTexture, Mesh, Wrap};
-    use crate::simplify::export::glb;
+    use crate::export::glb;
+    use scene::mesh::{ImageTexture, Mesh, Wrap};
 
     /// Returns quads side by side.
     fn quads(count: u32) -> QuadMesh {

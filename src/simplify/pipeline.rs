@@ -22,10 +22,10 @@ use super::settings::{Settings, SurfaceAtlases};
 use super::short_cuts::ShortCuts;
 use super::texturing::{Textured, Texturing};
 use super::tiles::TileSet;
-use crate::json;
 use codec::effort::Effort;
 use codec::error::Result;
 use codec::monitor::Monitor;
+use footage::json;
 
 /// Durations of the stages.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
@@ -297,14 +297,14 @@ fn solid_threshold(capture: &Capture, notes: &mut Vec<String>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::placement::Region;
-    use crate::scene::{DemoKind, FootagePlan};
-    use crate::simplify::cost::TextureCoordinates;
-    use crate::simplify::export::{self, Outputs, Scene};
-    use crate::simplify::selection::{Budgets, CONSTRAINTS};
-    use crate::simplify::settings::TilingKind;
-    use crate::simplify::tree::{MAX_LEVEL, TreeCell};
+    use crate::cost::TextureCoordinates;
+    use crate::export::{self, Outputs, Scene};
+    use crate::selection::{Budgets, CONSTRAINTS};
+    use crate::settings::TilingKind;
+    use crate::tree::{MAX_LEVEL, TreeCell};
     use codec::monitor::Silent;
+    use scene::placement::Region;
+    use scene::{DemoKind, FootagePlan};
 
     const BUDGETS: Budgets = Budgets { triangles: 3000.0, area: 2.0, peak_overdraw: 4.0 };
 

@@ -9,8 +9,8 @@ use super::cost::TextureCoordinates;
 use super::texture_sizes::{Layout, Place, resized};
 use super::textures::TileTexture;
 use super::tiles::{QuadTile, TileSet};
-use crate::mesh::{ImageTexture, Mesh, Wrap};
 use codec::image::{CodeSteps, ToneMap};
+use scene::mesh::{ImageTexture, Mesh, Wrap};
 
 /// A mesh whose triangles are drawn in order, over each other, and its texture: sRGB codes, not multiplied by alpha. Triangles
 /// are counter-clockwise for an eye at the centre of the viewing region.

@@ -6,13 +6,13 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use super::quad_mesh::QuadMesh;
-use crate::mesh::budget::Budget;
-use crate::mesh::folder::{self, Folder};
-use crate::mesh::gltf::buffers::Buffers;
-use crate::mesh::gltf::document::{self, Parsed};
-use crate::mesh::gltf::{materials, primitives};
-use crate::mesh::{Material, Mesh};
 use codec::error::{Error, Result};
+use scene::mesh::budget::Budget;
+use scene::mesh::folder::{self, Folder};
+use scene::mesh::gltf::buffers::Buffers;
+use scene::mesh::gltf::document::{self, Parsed};
+use scene::mesh::gltf::{materials, primitives};
+use scene::mesh::{Material, Mesh};
 
 /// A simplified scene read from a file.
 #[derive(Debug)]
@@ -122,9 +122,9 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::mesh::gltf::write::{self, Additions};
-    use crate::mesh::{ImageTexture, Wrap};
-    use crate::simplify::export::glb;
+    use crate::export::glb;
+    use scene::mesh::gltf::write::{self, Additions};
+    use scene::mesh::{ImageTexture, Wrap};
 
     fn scene() -> QuadMesh {
         let mut mesh = Mesh::default();
@@ -209,7 +209,7 @@ mod tests {
             other[at] ^= 0x41;
             if let Ok(found) = read(&other) {
                 read_again += 1;
-                crate::simplify::raster::draw(&found.quads, &camera, [4, 4]);
+                crate::raster::draw(&found.quads, &camera, [4, 4]);
             }
         }
         assert!(read_again > 0);

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::placement::Region;
+use scene::placement::Region;
 
 /// Half of the edge of the sky's cube, in region radii: 200 m for a region of 0.5 m.
 const SKY_RADII: f64 = 400.0;

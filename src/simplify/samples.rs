@@ -6,9 +6,9 @@ use glam::DVec3;
 
 use super::capture::{Capture, ImageRays};
 use super::region::ViewingRegion;
-use crate::dataset::seurat::CaptureRay;
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
+use footage::dataset::seurat::CaptureRay;
 
 /// A ray: its origin and its end, relative to the centre of the region in metres, and linear RGB.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -8,9 +8,9 @@ use super::selection::Budgets;
 use super::short_cuts::ShortCuts;
 use super::texture_filter::TextureFilter;
 use super::texture_sizes::Sizing;
-use crate::placement::Region;
 use codec::effort::Effort;
 use codec::memory::Budget;
+use scene::placement::Region;
 
 /// Maximum number of texels of all tiles before reduction, as a multiple of those of the atlas.
 const TEXELS_BEFORE_ATLAS: f64 = 2.0;

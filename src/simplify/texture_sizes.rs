@@ -7,9 +7,9 @@
 use rayon::prelude::*;
 
 use super::textures::TileTexture;
-use crate::atlas::{Allocation, Atlas};
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
+use render::atlas::{Allocation, Atlas};
 
 /// Sides are multiples of this, so that no two tiles share a block of a compressed texture.
 pub const BLOCK: usize = 4;

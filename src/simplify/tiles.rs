@@ -7,8 +7,8 @@ use super::cost::CostModel;
 use super::fit::TilePlane;
 use super::selection::SelectedTiling;
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell, direction, project};
-use crate::mesh::{Bvh, Ray};
 use codec::image::Face;
+use scene::mesh::{Bvh, Ray};
 
 /// A quad tile: the part of a plane inside the dilated frustum of a tree cell (Seurat 4).
 #[derive(Debug, Clone, Copy, PartialEq)]

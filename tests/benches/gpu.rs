@@ -22,13 +22,13 @@ use codec::image::StreamKind;
 use codec::math::Camera;
 use codec::math::camera::Lens;
 use codec::monitor::Silent;
-use lightfold::evaluate::frame_requests::FrameRequest;
-use lightfold::gpu::decode::{GpuDecoder, picture_words};
-use lightfold::gpu::device::{Gpu, Pick};
-use lightfold::gpu::render::RenderCost;
-use lightfold::gpu::render::playback::DeviceRenderer;
-use lightfold::march::playback::frames::{PictureOptions, Playback, PlaybackOptions};
+use gpu::decode::{GpuDecoder, picture_words};
+use gpu::device::{Gpu, Pick};
+use gpu::render::RenderCost;
+use gpu::render::playback::DeviceRenderer;
 use lightfold::{Error, Result};
+use render::frame_requests::FrameRequest;
+use render::march::playback::frames::{PictureOptions, Playback, PlaybackOptions};
 
 /// Number of runs over all frames.
 const TURNS: usize = 9;

@@ -14,8 +14,8 @@ use std::time::Instant;
 
 use clock::Clock;
 use glam::{DVec3, Vec3};
-use lightfold::mesh::{Mesh, Ray};
-use lightfold::scene::{Light, MeshMaterial, Play, Scene, SceneAtTime, SceneMesh};
+use scene::mesh::{Mesh, Ray};
+use scene::{Light, MeshMaterial, Play, Scene, SceneAtTime, SceneMesh};
 
 /// Face widths in pixels.
 const SIZES: [u32; 3] = [256, 512, 1024];

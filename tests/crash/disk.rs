@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-use lightfold::files::record::Operation;
+use footage::files::record::Operation;
 
 /// File contents by path; `None` for folders.
 pub type Names = BTreeMap<PathBuf, Option<Vec<u8>>>;

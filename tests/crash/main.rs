@@ -1,6 +1,6 @@
 //! Crash tests of every command that writes files: power fails after each of its file operations.
 //!
-//! A command runs in this process while `lightfold::files` records its operations. Each prefix of the record is a point at which
+//! A command runs in this process while `footage::files` records its operations. Each prefix of the record is a point at which
 //! power may fail. The states that the disk may then have are given by a model in which everything that was not synced may be
 //! lost ([`disk`]). In each state, every output is the previous file, the complete new file, or missing. After the command has
 //! ended it is the new file, and `--resume` produces the bytes of an uninterrupted run.
@@ -19,8 +19,8 @@ use std::process::ExitCode;
 
 use cases::{CAMERAS, CASES, Case, INPUTS};
 use disk::{Disk, Names};
+use footage::files::record::{Operation, record};
 use libtest_mimic::{Arguments, Failed, Trial};
-use lightfold::files::record::{Operation, record};
 
 type Outcome = Result<(), Box<dyn Error>>;
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use codec::container::journal::MAGIC;
 use codec::container::{ChunkEntry, ChunkKey, Index, StreamEntry};
-use lightfold::evaluate::cameras::CameraFormat;
+use evaluate::cameras::CameraFormat;
 use serde_json::Value;
 
 use crate::mutate::{self, number, pick, place};

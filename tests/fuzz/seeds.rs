@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
+use cli::report::tradeoff::coding::CODING;
 use codec::container::{
     ChunkKey, Compression as Stored, Journal, PackedChunk, PayloadKind, Reader, StreamEntry, Writer, compression,
 };
@@ -11,22 +12,21 @@ use codec::image::Plane;
 use codec::monitor::Silent;
 use codec::streams::shard::{ShardEntry, WholeStream};
 use codec::streams::{CodecHeader, ColorCoding};
+use evaluate::cameras::{self as camera_formats, CameraFormat, Content, FileCamera, Written};
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds, Layer,
     LayerAttributes, LineOrder, Vec2, WritableImage,
 };
+use footage::dataset::{Source, SourceOptions};
+use footage::encode::{EncodeSettings, ScanFile, Shard};
+use footage::image_files::png;
 use glam::DVec3;
 use half::f16;
 use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
-use lightfold::dataset::{Source, SourceOptions};
-use lightfold::encode::{EncodeSettings, ScanFile, Shard};
-use lightfold::evaluate::cameras::{self as camera_formats, CameraFormat, Content, FileCamera, Written};
-use lightfold::image_files::png;
-use lightfold::mesh::{ImageTexture, Mesh, Wrap};
-use lightfold::report::tradeoff::coding::CODING;
-use lightfold::simplify::export::glb as quads_glb;
-use lightfold::simplify::quad_mesh::QuadMesh;
+use scene::mesh::{ImageTexture, Mesh, Wrap};
+use simplify::export::glb as quads_glb;
+use simplify::quad_mesh::QuadMesh;
 
 use crate::model_files::{Gltf, MTL, OBJ, rich};
 use crate::samples::{self, Random, Shape};
@@ -397,9 +397,9 @@ pub fn scans() -> Vec<Vec<u8>> {
     for frame in 0..2 {
         let depth = Plane::from_fn(8, 4, |x, y| 1.0 + (x * 3 + y + frame) as f32);
         let color = Plane::from_fn(8, 4, |x, y| [f16::from_f32((x + y + frame) as f32 / 16.0); 3]);
-        lightfold::image_files::exr::write_depth(&folder.path().join(format!("d.{frame:04}.exr")), &depth)
+        footage::image_files::exr::write_depth(&folder.path().join(format!("d.{frame:04}.exr")), &depth)
             .expect("depth");
-        lightfold::image_files::exr::write_color(&folder.path().join(format!("c.{frame:04}.exr")), &color)
+        footage::image_files::exr::write_color(&folder.path().join(format!("c.{frame:04}.exr")), &color)
             .expect("colour");
     }
     let source = Source::open(folder.path(), &SourceOptions::default()).expect("footage");

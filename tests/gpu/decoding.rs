@@ -9,22 +9,22 @@ use codec::math::camera::Lens;
 use codec::monitor::Silent;
 use codec::streams::CodecHeader;
 use glam::DVec3;
+use gpu::Gpu;
+use gpu::render::backend::{GpuBackend, buffer_bytes};
+use gpu::render::depth_planes::ROW_WORDS;
+use gpu::render::playback::DeviceRenderer;
+use gpu::render::scene::{ImageId, Origin};
+use gpu::render::texels::{DeviceTexels, Textures};
 use libtest_mimic::Failed;
-use lightfold::evaluate::frame_requests::FrameRequest;
-use lightfold::gpu::Gpu;
-use lightfold::gpu::render::backend::{GpuBackend, buffer_bytes};
-use lightfold::gpu::render::depth_planes::ROW_WORDS;
-use lightfold::gpu::render::playback::DeviceRenderer;
-use lightfold::gpu::render::scene::{ImageId, Origin};
-use lightfold::gpu::render::texels::{DeviceTexels, Textures};
-use lightfold::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions};
-use lightfold::march::playback::selection::SelectionSettings;
-use lightfold::march::pyramid::{DepthPyramid, Level, ViewPyramids};
-use lightfold::march::settings::SpecularMode;
-use lightfold::views::catalogue::ProbeChoice;
-use lightfold::views::light_field::{ColorTexels, FaceTexels, LightField};
-use lightfold::views::player::{Player, UnitRequest};
 use lightfold::{Error, Result};
+use render::frame_requests::FrameRequest;
+use render::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions};
+use render::march::playback::selection::SelectionSettings;
+use render::march::pyramid::{DepthPyramid, Level, ViewPyramids};
+use render::march::settings::SpecularMode;
+use render::views::catalogue::ProbeChoice;
+use render::views::light_field::{ColorTexels, FaceTexels, LightField};
+use render::views::player::{Player, UnitRequest};
 
 use crate::{lightfold, pick, with_gpu};
 
@@ -189,7 +189,7 @@ fn compare_walk(
         if on_device.pictures != sent.pictures {
             return Err(format!("request {at}: pictures differ").into());
         }
-        let counts = |of: &lightfold::views::player::ShowCounts| {
+        let counts = |of: &render::views::player::ShowCounts| {
             [of.cells_decoded, of.cells_unchanged, of.cells_unseen, of.bytes_all]
         };
         if counts(&on_device.counts) != counts(&shown.counts) {

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use codec::monitor::Silent;
+use gpu::kernels::Drawing;
+use gpu::quads::GpuQuads;
+use gpu::selftest::drawings::{self, DrawingCase};
 use libtest_mimic::Failed;
 use lightfold::Error;
-use lightfold::gpu::kernels::Drawing;
-use lightfold::gpu::quads::GpuQuads;
-use lightfold::gpu::selftest::drawings::{self, DrawingCase};
-use lightfold::mesh::ImageTexture;
-use lightfold::simplify::raster::{Compositing, draw};
+use scene::mesh::ImageTexture;
+use simplify::raster::{Compositing, draw};
 
 use crate::{lightfold, with_gpu};
 

@@ -13,6 +13,8 @@ mod projection;
 use std::path::Path;
 use std::process::Command;
 
+use cli::GlobalArgs;
+use cli::device::or_on_cpu;
 use codec::color::cells::MISSING_NEXT_KEYFRAME;
 use codec::container::{ChunkKey, Compression, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer};
 use codec::decode::{AllUnits, Decoder, Request, Selection, StreamInfo, UnitFilter};
@@ -20,16 +22,13 @@ use codec::depth::{DepthRange, TemporalSettings};
 use codec::image::{DepthKind, StreamKind};
 use codec::monitor::{Monitor, Silent};
 use codec::streams::{CodecHeader, DepthCoding, DepthHeader};
+use gpu::decode::GpuDecoder;
+use gpu::device::Pick;
+use gpu::kernels::{DRAWINGS, Kernel, ShaderFile};
+use gpu::selftest::{self, ROWS, SEED, streams};
+use gpu::{Gpu, device};
 use libtest_mimic::{Arguments, Failed, Trial};
 use lightfold::Error;
-use lightfold::cli::GlobalArgs;
-use lightfold::cli::device::or_on_cpu;
-use lightfold::gpu::decode::GpuDecoder;
-use lightfold::gpu::device::Pick;
-use lightfold::gpu::kernels::{DRAWINGS, Kernel, ShaderFile};
-use lightfold::gpu::selftest::{self, ROWS, SEED, streams};
-use lightfold::gpu::{Gpu, device, verify};
-use lightfold::hard_cases;
 
 /// Number of random streams that are decoded; `lightfold selftest --streams` accepts more.
 const STREAMS: u64 = 400;
@@ -65,10 +64,10 @@ fn random_streams() -> Result<(), Failed> {
 /// Compares the streams of all hard cases, decoded in order and with random access, and their rendered images.
 fn hard_cases() -> Result<(), Failed> {
     with_gpu(|gpu| {
-        let cases = hard_cases::table();
-        let ran = hard_cases::run_all(&cases, &Silent).map_err(|error| error.to_string())?;
+        let cases = verify::table();
+        let ran = verify::run_all(&cases, &Silent).map_err(|error| error.to_string())?;
         let inputs: Vec<_> = ran.into_iter().map(|(_, inputs)| inputs).collect();
-        let figures = hard_cases::device::compare(gpu, &inputs, &Silent).map_err(|error| error.to_string())?;
+        let figures = verify::device::compare(gpu, &inputs, &Silent).map_err(|error| error.to_string())?;
         let differs = cases.iter().zip(&figures).find(|(_, figures)| figures.mismatched_words > 0);
         let pictures: u64 = figures.iter().map(|figures| figures.pictures).sum();
         let rendered: u64 = figures.iter().map(|figures| figures.rendered).sum();
@@ -106,7 +105,7 @@ fn vectors() -> Result<(), Failed> {
             let Ok(chosen) = Selection::default().choose(&decoder) else { continue };
             for filter in [&AllUnits as &dyn UnitFilter, &TwoOfThree] {
                 let request = Request { filter, ..Request::all(&chosen) };
-                let (_, found) = verify::verify(gpu, &decoder, request, &Silent).map_err(|error| error.to_string())?;
+                let (_, found) = gpu::verify::verify(gpu, &decoder, request, &Silent).map_err(|error| error.to_string())?;
                 if found.mismatched_words > 0 {
                     return Err(format!("{}: {found:?}", path.display()).into());
                 }
@@ -170,7 +169,7 @@ fn commands() -> Result<(), Failed> {
     let report: serde_json::Value = serde_json::from_str(&lightfold(&["selftest", "--streams", "24", "--json"])?)?;
     let kernels = report["kernels"].as_array().map_or(0, Vec::len);
     let passed = |cases: &Vec<serde_json::Value>| {
-        cases.len() >= hard_cases::table().len() && cases.iter().all(|c| c["passed"] == true)
+        cases.len() >= verify::table().len() && cases.iter().all(|c| c["passed"] == true)
     };
     let all_passed = report["hard_cases"].as_array().is_some_and(passed);
     match report["failed"] == false && kernels >= ROWS.len() && all_passed && report["streams"][0]["streams"] == 24 {

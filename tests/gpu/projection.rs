@@ -3,11 +3,11 @@
 use codec::image::transfer::ToneMap;
 use codec::image::{Face, ImageProjection, TexelMap};
 use glam::{DMat3, DVec3, Vec3};
+use gpu::Gpu;
+use gpu::harness::groups;
+use gpu::kernels::{Binding, BindingKind, Kernel, ShaderFile};
 use libtest_mimic::Failed;
-use lightfold::gpu::Gpu;
-use lightfold::gpu::harness::groups;
-use lightfold::gpu::kernels::{Binding, BindingKind, Kernel, ShaderFile};
-use lightfold::views::light_field::{ColorCoding, FaceTexels, View};
+use render::views::light_field::{ColorCoding, FaceTexels, View};
 
 const NO_FACE: u32 = u32::MAX;
 const POINTS: u32 = 20_000;

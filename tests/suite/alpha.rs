@@ -4,9 +4,9 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use codec::image::{Plane, ReadLimits};
+use footage::dataset::{InvalidColor, Manifest, Missing, Source, SourceOptions, StreamKind};
+use footage::image_files::{exr, png};
 use half::f16;
-use lightfold::dataset::{InvalidColor, Manifest, Missing, Source, SourceOptions, StreamKind};
-use lightfold::image_files::{exr, png};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 

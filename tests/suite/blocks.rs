@@ -11,11 +11,11 @@ use codec::effort::Effort;
 use codec::image::{ColorPlane, Face, MaterialPlane, Plane};
 use codec::monitor::Silent;
 use codec::streams::{CodecHeader, ColorBlocks, ColorFormat, convert};
-use half::f16;
-use lightfold::Error;
-use lightfold::encode::{
+use footage::encode::{
     ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode,
 };
+use half::f16;
+use lightfold::Error;
 use tempfile::TempDir;
 
 use crate::commands::{fine, refused};

@@ -3,8 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
+use evaluate::cameras;
 use glam::DVec3;
-use lightfold::evaluate::cameras;
 use serde_json::Value;
 use tempfile::TempDir;
 

@@ -6,14 +6,13 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use codec::image::StreamKind;
-use codec::image::{Face, ReadLimits};
+use codec::image::{Face, ReadLimits, StreamKind};
 use codec::monitor::Silent;
-use lightfold::convention::Verdict;
-use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::dataset::{DepthKind, Manifest};
-use lightfold::image_files::exr;
-use lightfold::scene::{DemoKind, DemoScene, FootagePlan};
+use footage::convention::Verdict;
+use footage::dataset::source::{Source, SourceOptions};
+use footage::dataset::{DepthKind, Manifest};
+use footage::image_files::exr;
+use scene::{DemoKind, DemoScene, FootagePlan};
 use tempfile::TempDir;
 
 use crate::commands::{fine, lightfold, refused};

@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
-use codec::image::Face;
-use codec::image::StreamKind;
-use lightfold::dataset::source::{Source, SourceOptions};
+use codec::image::{Face, StreamKind};
+use footage::dataset::source::{Source, SourceOptions};
 use tempfile::TempDir;
 
 use crate::commands::fine;

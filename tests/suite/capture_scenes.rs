@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use lightfold::scene::Scene;
+use scene::Scene;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 

@@ -8,10 +8,10 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use clap::Parser;
+use cli::Cli;
 use codec::container::Reader;
 use codec::monitor::Silent;
-use lightfold::cli::Cli;
-use lightfold::scene::{DemoKind, FootagePlan};
+use scene::{DemoKind, FootagePlan};
 use tempfile::TempDir;
 
 /// Help and error messages are equal to those under tests/cmd/.
@@ -350,7 +350,7 @@ fn a_full_disk_is_named() {
 #[cfg(unix)]
 fn long_dataset(folder: &Path) {
     use codec::image::StreamKind;
-    use lightfold::dataset::manifest::{MANIFEST_NAME, Manifest};
+    use footage::dataset::manifest::{MANIFEST_NAME, Manifest};
 
     const FRAMES: u32 = 1200;
     let mut manifest = Manifest::read(dataset()).unwrap();

@@ -3,13 +3,13 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use cli::report::coding_map::{Request, plot};
 use codec::decode::{Decoder, Picture, StreamInfo};
 use codec::image::{DepthPlane, Face, Plane};
 use codec::monitor::Silent;
+use footage::compare::{CompareSettings, Coverage, Measured, Pairing, SideOptions, compare, error_map, open_both};
+use footage::inspect::{CodingMap, FrameRows, InspectSettings, Writing, coding_map, inspect, steps, survey};
 use half::f16;
-use lightfold::compare::{CompareSettings, Coverage, Measured, Pairing, SideOptions, compare, error_map, open_both};
-use lightfold::inspect::{CodingMap, FrameRows, InspectSettings, Writing, coding_map, inspect, steps, survey};
-use lightfold::report::coding_map::{Request, plot};
 use serde_json::Value;
 use tempfile::TempDir;
 

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use codec::image::{ChannelSelect, ColorPlane, Face, Plane, Primaries, ReadLimits};
+use footage::image_files::{exr, png};
 use half::f16;
-use lightfold::image_files::{exr, png};
 use tempfile::TempDir;
 
 use crate::commands::{fine, lightfold, refused};

@@ -2,15 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use codec::image::ImageProjection;
-use codec::image::{DepthPlane, Face, Plane};
+use codec::image::{DepthPlane, Face, ImageProjection, Plane};
 use codec::monitor::Silent;
-use lightfold::convention::{Choice, Finding, MAX_PROBES, Report, Verdict, check};
-use lightfold::dataset::cameras::{CameraSet, PlacedCamera};
-use lightfold::dataset::manifest::Background;
-use lightfold::dataset::{DepthKind, Manifest, Source, SourceOptions};
-use lightfold::image_files::exr;
-use lightfold::scene::{DemoKind, DemoScene, FootagePlan, Scene};
+use footage::convention::{Choice, Finding, MAX_PROBES, Report, Verdict, check};
+use footage::dataset::cameras::{CameraSet, PlacedCamera};
+use footage::dataset::manifest::Background;
+use footage::dataset::{DepthKind, Manifest, Source, SourceOptions};
+use footage::image_files::exr;
+use scene::{DemoKind, DemoScene, FootagePlan, Scene};
 use tempfile::TempDir;
 
 const SIDE: u32 = 64;
@@ -130,11 +129,11 @@ fn data_labelled_right_is_fine() {
     }
 }
 
-fn place(probe: &mut lightfold::dataset::manifest::Probe) -> &mut [f64; 3] {
+fn place(probe: &mut footage::dataset::manifest::Probe) -> &mut [f64; 3] {
     probe.position.as_mut().unwrap()
 }
 
-fn depth(manifest: &mut Manifest) -> &mut lightfold::dataset::manifest::DepthInfo {
+fn depth(manifest: &mut Manifest) -> &mut footage::dataset::manifest::DepthInfo {
     manifest.depth.as_mut().unwrap()
 }
 

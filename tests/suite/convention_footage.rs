@@ -4,10 +4,10 @@
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
+use footage::convention::{Report, Verdict};
+use footage::dataset::manifest::{Background, Probe};
+use footage::dataset::{DepthKind, Manifest};
 use glam::{DMat3, DQuat, DVec3};
-use lightfold::convention::{Report, Verdict};
-use lightfold::dataset::manifest::{Background, Probe};
-use lightfold::dataset::{DepthKind, Manifest};
 use tempfile::TempDir;
 
 use crate::convention::checked;
@@ -59,7 +59,7 @@ fn assert_suspects(report: &Report, what: &str, names: &[&str]) {
     assert!(names.iter().any(|name| found.contains(name)), "{what}: {report:#?}");
 }
 
-fn depth(manifest: &mut Manifest) -> &mut lightfold::dataset::manifest::DepthInfo {
+fn depth(manifest: &mut Manifest) -> &mut footage::dataset::manifest::DepthInfo {
     manifest.depth.as_mut().unwrap()
 }
 

@@ -9,11 +9,11 @@ use codec::decode::Decoder;
 use codec::image::{ColorPlane, DepthPlane, Face, Plane, ReadLimits};
 use codec::monitor::Silent;
 use codec::streams::ColorFormat;
+use footage::dataset::{Source, SourceOptions};
+use footage::encode::{DepthCodec, EncodeSettings, encode};
+use footage::export;
+use footage::image_files::{exr, png};
 use half::f16;
-use lightfold::dataset::{Source, SourceOptions};
-use lightfold::encode::{DepthCodec, EncodeSettings, encode};
-use lightfold::export;
-use lightfold::image_files::{exr, png};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -324,7 +324,7 @@ fn pictures_are_scored_where_it_is_asked_for() {
 fn what_one_side_lacks_is_a_difference_unless_only_the_common_is_asked_for() {
     let bench = Bench::new();
     bench.write_set("short", LAST - 1);
-    bench.encode("set", "depth.lfold", |settings| settings.kinds = vec![lightfold::dataset::StreamKind::Depth]);
+    bench.encode("set", "depth.lfold", |settings| settings.kinds = vec![footage::dataset::StreamKind::Depth]);
     let (code, report) = bench.json("set short --max-error 0");
     assert_eq!(code, 1);
     assert_eq!((&report["equal"], &report["within_bounds"]), (&false.into(), &false.into()));

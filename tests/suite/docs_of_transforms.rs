@@ -11,9 +11,8 @@ use codec::color::transform::region::{Region, Setting};
 use codec::color::transform::steps::{OFFSET_SETS, StepIndices, Steps};
 use codec::color::transform::tables::BUILT_IN;
 use codec::color::transform::{Tables, TransformChunk};
-use codec::entropy::Encoder;
-use codec::entropy::Family;
 use codec::entropy::tables::MAX_OWN;
+use codec::entropy::{Encoder, Family};
 
 use crate::docs::{hex_bytes, read, table};
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use codec::image::channels;
-use lightfold::dataset::Manifest;
+use footage::dataset::Manifest;
 
 use crate::repository_rules::{blocks, files_below, read, root, subcommands};
 

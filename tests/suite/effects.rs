@@ -2,30 +2,29 @@
 
 use codec::container::ProbeEntry;
 use codec::depth::DepthRange;
-use codec::image::DepthKind;
 use codec::image::transfer::{EncodeTable, ToneMap, Transfer};
-use codec::image::{Face, ImageProjection, TexelMap};
+use codec::image::{DepthKind, Face, ImageProjection, TexelMap};
 use codec::math::{Camera, Lens};
 use codec::metrics::psnr::SquaredError;
 use codec::monitor::Silent;
 use codec::streams::convert::{color_codes, material_codes};
 use glam::{DVec3, Vec3};
-use lightfold::evaluate::rendered_image::{BackgroundFill, HoleFill};
-use lightfold::march::active_views::ActiveViews;
-use lightfold::march::counters::Counters;
-use lightfold::march::intersect::intersect;
-use lightfold::march::ray::{Ray, Steps};
-use lightfold::march::render::{Rendered, render, render_plainly};
-use lightfold::march::settings::{Acceleration, Refinements, RenderSettings, SpecularMode};
-use lightfold::march::specular::normal::patch;
-use lightfold::march::specular::proxy::Proxies;
-use lightfold::march::specular::sphere_fit::SphereFit;
-use lightfold::march::synthetic::SyntheticProbe;
-use lightfold::scene::capture::{Images, Pass, PassSettings, SamplePattern, Viewpoint, capture_view};
-use lightfold::scene::procedural::{DemoKind, DemoScene};
-use lightfold::scene::raycast::SceneAtTime;
-use lightfold::views::inverse_depth::InverseDepth;
-use lightfold::views::light_field::{ColorCoding, ColorTexels, FaceTexels, LightField, View};
+use render::march::active_views::ActiveViews;
+use render::march::counters::Counters;
+use render::march::intersect::intersect;
+use render::march::ray::{Ray, Steps};
+use render::march::render::{Rendered, render, render_plainly};
+use render::march::settings::{Acceleration, Refinements, RenderSettings, SpecularMode};
+use render::march::specular::normal::patch;
+use render::march::specular::proxy::Proxies;
+use render::march::specular::sphere_fit::SphereFit;
+use render::march::synthetic::SyntheticProbe;
+use render::rendered_image::{BackgroundFill, HoleFill};
+use render::views::inverse_depth::InverseDepth;
+use render::views::light_field::{ColorCoding, ColorTexels, FaceTexels, LightField, View};
+use scene::capture::{Images, Pass, PassSettings, SamplePattern, Viewpoint, capture_view};
+use scene::procedural::{DemoKind, DemoScene};
+use scene::raycast::SceneAtTime;
 
 /// Centre and radius in metres of the glass ball in the built-in scene.
 const GLASS: (DVec3, f64) = (DVec3::new(0.1, 0.5, -0.5), 0.45);

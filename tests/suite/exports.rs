@@ -218,7 +218,7 @@ fn frames_become_point_clouds() {
     assert_eq!(report["points"], points.len());
     fine("decode a.lfold --probe 00 --face nx --frames 1 -o decoded", at);
     fine("decode a.lfold --probe 00 --face nx --stream color --frames 1 --format png -o c.png", at);
-    let depth = lightfold::image_files::exr::read_depth(
+    let depth = footage::image_files::exr::read_depth(
         &at.join("decoded/probe_00/face_nx/depth.0001.exr"),
         &codec::image::ChannelSelect::default(),
         &codec::image::ReadLimits::default(),

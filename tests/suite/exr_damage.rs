@@ -7,8 +7,8 @@ use std::path::Path;
 use codec::image::{ChannelSelect, ReadLimits};
 use exr::meta::MetaData;
 use exr::prelude::{Blocks, Compression, FlatSamples, IntegerBounds, Vec2};
+use footage::image_files::exr as ours;
 use half::f16;
-use lightfold::image_files::exr as ours;
 use tempfile::TempDir;
 
 use crate::exr_files::{Part, write_parts};

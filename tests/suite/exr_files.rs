@@ -7,8 +7,8 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds, Layer,
     LayerAttributes, LineOrder, Vec2, WritableImage,
 };
+use footage::image_files::exr as ours;
 use half::f16;
-use lightfold::image_files::exr as ours;
 use tempfile::TempDir;
 
 use crate::input::{assert_says, message, ramp};

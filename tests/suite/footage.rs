@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use codec::image::{AlphaPlane, ColorPlane, DepthPlane, Face, MaterialPlane, Plane};
+use footage::dataset::source::{Source, SourceOptions};
+use footage::image_files::exr;
 use half::f16;
-use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::image_files::exr;
 
 /// A dataset to be written. Each closure returns the image of a face and a frame.
 pub struct Footage<'a> {

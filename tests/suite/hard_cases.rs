@@ -7,7 +7,7 @@ use std::path::Path;
 
 use codec::depth::block::{Block, BlockMut};
 use codec::monitor::Silent;
-use lightfold::hard_cases::{CaseReport, FamilyRow, family_rows, notes, number, run_all, table};
+use verify::{CaseReport, FamilyRow, family_rows, notes, number, run_all, table};
 
 /// Pipelines whose blocks come from a library that computes in floating point, with results that depend on the instruction set.
 const BY_PROCESSOR: [&str; 4] = ["CCB1", "CCB7", "CCB6", "MAB1"];

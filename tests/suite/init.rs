@@ -8,11 +8,11 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
     WritableImage,
 };
+use footage::dataset::manifest::{Background, FaceFiles, Unit};
+use footage::dataset::{DepthKind, Manifest, Projection};
+use footage::image_files::{ColorSpace, exr as ours, png};
 use half::f16;
-use lightfold::dataset::manifest::{Background, FaceFiles, Unit};
-use lightfold::dataset::{DepthKind, Manifest, Projection};
-use lightfold::image_files::{ColorSpace, exr as ours, png};
-use lightfold::scene::{DemoKind, FootagePlan};
+use scene::{DemoKind, FootagePlan};
 use tempfile::TempDir;
 
 use crate::commands::{fine, refused};
@@ -63,7 +63,7 @@ fn a_captured_scene_gets_its_manifest_back() {
     assert_eq!((found.frames, found.size, found.projection), (before.frames, before.size, before.projection));
     assert_eq!(found.depth.unwrap().kind, before.depth.unwrap().kind);
     let names =
-        |of: &[lightfold::dataset::manifest::Probe]| of.iter().map(|probe| probe.name.clone()).collect::<Vec<_>>();
+        |of: &[footage::dataset::manifest::Probe]| of.iter().map(|probe| probe.name.clone()).collect::<Vec<_>>();
     assert_eq!(names(&found.probes), names(&before.probes));
     assert_says(&said, &["unsure: no file states its frame rate", "unsure: no file states where 2 of 2 probes stand"]);
     assert!(!said.contains("depth.kind") && !said.contains("seams"), "{said}");

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use codec::image::{ColorPlane, DepthPlane, Face, FrameRange, ImageProjection, Plane};
-use glam::DVec3;
-use half::f16;
-use lightfold::dataset::{
+use footage::dataset::{
     Arrangement, DepthKind, InvalidColor, InvalidDepth, Projection, SequenceLayout, Source, SourceOptions, StreamKind,
 };
-use lightfold::image_files::{exr as ours, png};
+use footage::image_files::{exr as ours, png};
+use glam::DVec3;
+use half::f16;
 use tempfile::TempDir;
 
 pub(crate) fn ramp(width: u32, height: u32) -> DepthPlane {
@@ -375,7 +375,7 @@ fn probes_keep_their_own_frames() {
     assert_eq!(ranges, [(0, "0-1".to_string()), (1, "2-3".to_string())]);
     assert_eq!((source.probes().len(), source.fps()), (3, 12.5));
     let again = source.manifest.as_ref().unwrap().to_json().unwrap();
-    assert_eq!(&lightfold::dataset::Manifest::from_json(again.as_bytes()).unwrap(), source.manifest.as_ref().unwrap());
+    assert_eq!(&footage::dataset::Manifest::from_json(again.as_bytes()).unwrap(), source.manifest.as_ref().unwrap());
 }
 
 #[test]
@@ -383,7 +383,7 @@ fn manifests_that_contradict_themselves() {
     let good = r#"{"lightfield": 1, "name": "t", "fps": 24, "frames": [0, 1], "projection": "cubemap", "size": [4, 4],
         "depth": {"kind": "distance", "unit": "m", "background": "inf", "near": 0.5, "far": 9},
         "files": {"depth": "{probe}/{face}.%04d.exr"}, "probes": [{"name": "a", "position": [0, 0, 0]}]}"#;
-    let read = |text: &str| lightfold::dataset::Manifest::from_json(text.as_bytes());
+    let read = |text: &str| footage::dataset::Manifest::from_json(text.as_bytes());
     read(good).unwrap();
     for (from, to, words) in [
         (r#""lightfield": 1"#, r#""lightfield": 2"#, "version"),

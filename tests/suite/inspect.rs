@@ -12,12 +12,12 @@ use codec::depth::TemporalSettings;
 use codec::image::{ColorPlane, DepthPlane, FrameRange, Plane};
 use codec::memory::Budget;
 use codec::monitor::Silent;
+use footage::dataset::manifest::{ColorInfo, Files, MaterialChannels, MaterialInfo, Probe};
+use footage::dataset::{Manifest, Projection, Source, SourceOptions, StreamKind};
+use footage::encode::{ColorCodec, DepthCodec, EncodeSettings, encode};
+use footage::image_files::{ColorSpace, exr};
+use footage::inspect::{Check, FrameRows, InspectSettings, Inspection, inspect};
 use half::f16;
-use lightfold::dataset::manifest::{ColorInfo, Files, MaterialChannels, MaterialInfo, Probe};
-use lightfold::dataset::{Manifest, Projection, Source, SourceOptions, StreamKind};
-use lightfold::encode::{ColorCodec, DepthCodec, EncodeSettings, encode};
-use lightfold::image_files::{ColorSpace, exr};
-use lightfold::inspect::{Check, FrameRows, InspectSettings, Inspection, inspect};
 use tempfile::TempDir;
 
 use crate::input::{assert_says, message};
@@ -190,7 +190,7 @@ fn rows_of_frames_are_what_a_decoder_does() {
                     updates[unit].push(frame);
                 }
             }
-            let sum = |count: fn(&lightfold::inspect::FrameCost) -> u64| -> u64 {
+            let sum = |count: fn(&footage::inspect::FrameCost) -> u64| -> u64 {
                 rows.iter().map(|row| count(&row.cost)).sum()
             };
             assert_eq!(stats.updated_pixels, sum(|cost| cost.updated_pixels));

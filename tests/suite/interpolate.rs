@@ -5,25 +5,24 @@ use std::path::Path;
 use codec::image::{Plane, ReadLimits, ToneMap};
 use codec::math::{Camera, Lens};
 use codec::monitor::Silent;
-use lightfold::epipolar::acquire::{AcquireSettings, Acquisition, Culling, acquire};
-use lightfold::epipolar::backend::Cpu;
-use lightfold::epipolar::brute_force;
-use lightfold::epipolar::coalesce::Coalescing;
-use lightfold::epipolar::counters::Counters;
-use lightfold::epipolar::fill::HoleFilling;
-use lightfold::epipolar::interpolate::{InterpolateSettings, Interpolator};
-use lightfold::epipolar::pipeline::{Request, RowsAtOnce, Settings, Summary, interpolate};
-use lightfold::epipolar::source::in_order;
-use lightfold::epipolar::view_store::Storage;
-use lightfold::epipolar::views::{OutputViews, Spread};
-use lightfold::evaluate::reference::Truth;
-use lightfold::evaluate::similarity::Similarity;
-use lightfold::evaluate::{RenderedImage, TimedCamera};
-use lightfold::image_files::{exr, png};
-use lightfold::scene::capture::SamplePattern;
-use lightfold::scene::{
-    Lamp, Light, Material, Object, Phong, Play, Quad, Scene, SceneAtTime, Shape, Sky, Texture, Window,
-};
+use epipolar::acquire::{AcquireSettings, Acquisition, Culling, acquire};
+use epipolar::backend::Cpu;
+use epipolar::brute_force;
+use epipolar::coalesce::Coalescing;
+use epipolar::counters::Counters;
+use epipolar::fill::HoleFilling;
+use epipolar::interpolate::{InterpolateSettings, Interpolator};
+use epipolar::pipeline::{Request, RowsAtOnce, Settings, Summary, interpolate};
+use epipolar::source::in_order;
+use epipolar::view_store::Storage;
+use epipolar::views::{OutputViews, Spread};
+use evaluate::reference::Truth;
+use evaluate::similarity::Similarity;
+use footage::image_files::{exr, png};
+use render::camera_path::TimedCamera;
+use render::rendered_image::RenderedImage;
+use scene::capture::SamplePattern;
+use scene::{Lamp, Light, Material, Object, Phong, Play, Quad, Scene, SceneAtTime, Shape, Sky, Texture, Window};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -212,7 +211,7 @@ fn coalesced_runs_are_drawn_as_one_primitive_and_stay_close() {
 fn the_order_of_sources_does_not_matter_and_doubled_ones_are_one() {
     let (scene, views) = (scene("interior"), views(VIEWS, Spread::Baseline(0.4), f64::INFINITY));
     let (sources, _) = acquire(&scene, &views, &settings(|_| {}).acquire, (&Cpu, &Silent)).unwrap();
-    let of = |sources: Vec<lightfold::epipolar::source::SourceView>| {
+    let of = |sources: Vec<epipolar::source::SourceView>| {
         let sources = in_order(sources);
         let interpolator = Interpolator::new(&views, &sources, InterpolateSettings::default());
         let found = interpolator.views(0..VIEWS as usize, &Silent).unwrap();
@@ -266,7 +265,7 @@ fn the_brightest_pixel_of_a_highlight_is_right_in_every_view() {
 
 #[test]
 fn matt_scenes_and_empty_ones_cost_nothing_more() {
-    let empty = SceneAtTime::new(Vec::new(), lightfold::scene::Light::default());
+    let empty = SceneAtTime::new(Vec::new(), scene::Light::default());
     let views = views(5, Spread::Baseline(0.5), 2.0);
     let found = run(&empty, &views, &settings(|_| {}));
     let counters = found.summary.counters;

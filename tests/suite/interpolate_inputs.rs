@@ -5,14 +5,14 @@ use std::path::Path;
 use codec::image::ReadLimits;
 use codec::math::{Camera, Lens};
 use codec::monitor::Silent;
-use lightfold::epipolar::acquire::{
+use epipolar::acquire::{
     AcquireSettings, Acquisition, Hierarchy, SourcePlacement, StoppingRule, acquire, hierarchical,
 };
-use lightfold::epipolar::backend::Cpu;
-use lightfold::epipolar::views::{OutputViews, Spread};
-use lightfold::image_files::{exr, png};
-use lightfold::scene::capture::SamplePattern;
-use lightfold::scene::{Play, Scene, SceneAtTime};
+use epipolar::backend::Cpu;
+use epipolar::views::{OutputViews, Spread};
+use footage::image_files::{exr, png};
+use scene::capture::SamplePattern;
+use scene::{Play, Scene, SceneAtTime};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -337,9 +337,9 @@ fn a_film_is_interpolated_from_its_first_frame_on() {
 }
 
 /// Runs `lightfold cameras` on a file and returns the cameras of its output.
-fn converted(from: &str, at: &Path) -> Vec<lightfold::evaluate::TimedCamera> {
+fn converted(from: &str, at: &Path) -> Vec<render::camera_path::TimedCamera> {
     fine(&format!("cameras {from} -o read.json"), at);
-    lightfold::evaluate::camera_file::CameraFile::parse(&bytes(&at.join("read.json"))).unwrap()
+    evaluate::camera_file::CameraFile::parse(&bytes(&at.join("read.json"))).unwrap()
 }
 
 #[test]

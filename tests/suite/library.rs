@@ -4,8 +4,8 @@ use codec::color::Target;
 use codec::image::Plane;
 use codec::monitor::Silent;
 use codec::streams::convert;
+use footage::dataset::source::{Source, SourceOptions};
 use half::f16;
-use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::{ColorFormat, Decoder, EncodeSettings, Encoder, Face, PixelsMut, ProbePose, StreamKind};
 use tempfile::TempDir;
 
@@ -73,7 +73,7 @@ fn frames_from_memory_come_to_the_bytes_of_files() {
     footage.write(folder.path());
     let source = Source::open(folder.path(), &SourceOptions::default()).unwrap();
     let settings = EncodeSettings::default();
-    let (files, _) = lightfold::encode::encode(&source, &settings, Vec::new(), &Silent).unwrap();
+    let (files, _) = footage::encode::encode(&source, &settings, Vec::new(), &Silent).unwrap();
     assert_eq!(from_memory(source.name(), source.fps(), &settings), files);
 }
 
@@ -152,7 +152,7 @@ fn pixels_are_written_into_slices_whole_and_by_unit() {
             assert!(face.decode_into(0, PixelsMut::DepthCodes(&mut codes)).is_err());
         }
     }
-    assert_eq!(lightfold::inspect::statistics(&decoder).unwrap().streams.len(), 8);
+    assert_eq!(footage::inspect::statistics(&decoder).unwrap().streams.len(), 8);
 }
 
 #[test]

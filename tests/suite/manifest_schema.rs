@@ -3,12 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use codec::image::{Eye, StereoLayout};
-use jsonschema::Validator;
-use lightfold::dataset::manifest::{
+use footage::dataset::manifest::{
     AlphaInfo, Background, ColorInfo, DepthInfo, FaceFiles, Files, MaterialChannels, MaterialInfo, Pose, Probe, Unit,
 };
-use lightfold::dataset::{DepthKind, Manifest, Missing, Projection};
-use lightfold::image_files::ColorSpace;
+use footage::dataset::{DepthKind, Manifest, Missing, Projection};
+use footage::image_files::ColorSpace;
+use jsonschema::Validator;
 use serde_json::{Value, json};
 
 use crate::commands::fine;

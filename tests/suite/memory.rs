@@ -12,10 +12,10 @@ use codec::decode::Decoder;
 use codec::depth::TemporalSettings;
 use codec::image::{Face, Plane};
 use codec::monitor::Silent;
+use footage::dataset::source::{Source, SourceOptions};
+use footage::encode::{self, EncodeSettings};
+use footage::image_files::png;
 use half::f16;
-use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::encode::{self, EncodeSettings};
-use lightfold::image_files::png;
 use serde_json::Value;
 use tempfile::TempDir;
 

@@ -4,8 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
-use lightfold::mesh::Mesh;
-use lightfold::scene::{MeshMaterial, Model, Play, SceneAtTime};
+use scene::mesh::Mesh;
+use scene::{MeshMaterial, Model, Play, SceneAtTime};
 use serde_json::{Value, json};
 
 use crate::model_files::{Gltf, MTL, OBJ, TRIANGLE, rich};

@@ -1,6 +1,6 @@
 //! Broken or hostile mesh files: an error of one line, no panic, and bounded memory.
 
-use lightfold::scene::{Model, Play};
+use scene::{Model, Play};
 use serde_json::{Value, json};
 
 use crate::model_files::{Gltf, rich};

@@ -1,8 +1,8 @@
 //! Materials, textures and lights of mesh files.
 
 use glam::{DVec2, DVec3};
-use lightfold::mesh::Wrap;
-use lightfold::scene::{MeshMaterial, Model, Optics, Window, trace};
+use scene::mesh::Wrap;
+use scene::{MeshMaterial, Model, Optics, Window, trace};
 use serde_json::{Value, json};
 
 use crate::model_files::{Gltf, TRIANGLE, base64, png};

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use codec::monitor::Silent;
-use lightfold::scene::{DemoKind, FootagePlan};
+use scene::{DemoKind, FootagePlan};
 use tempfile::TempDir;
 
 use crate::commands::{fine, lightfold, refused};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use codec::image::{ChannelSelect, Plane, ReadLimits};
-use lightfold::image_files::exr;
+use footage::image_files::exr;
 use tempfile::TempDir;
 
 use crate::commands::{fine, refused};

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use lightfold::dataset::CameraSet;
-use lightfold::dataset::cameras::PlacedCamera;
+use footage::dataset::CameraSet;
+use footage::dataset::cameras::PlacedCamera;
 use serde_json::Value;
 use tempfile::TempDir;
 

@@ -10,13 +10,12 @@ use codec::depth::domain::DomainKind;
 use codec::depth::node_encoder::NodeSettings;
 use codec::depth::quantise::Quantiser;
 use codec::depth::{DepthRange, TemporalSettings};
-use codec::image::{DepthKind, Projection};
-use codec::image::{FrameRange, Pattern};
+use codec::image::{DepthKind, FrameRange, Pattern, Projection};
 use codec::streams::ColorBlocks;
+use evaluate::camera_file::{CameraEntry, CameraFile};
+use footage::dataset::Manifest;
+use footage::dataset::manifest::{Background, DepthInfo, Files, MaterialChannels, MaterialInfo, Probe, Unit};
 use half::f16;
-use lightfold::dataset::Manifest;
-use lightfold::dataset::manifest::{Background, DepthInfo, Files, MaterialChannels, MaterialInfo, Probe, Unit};
-use lightfold::evaluate::camera_file::{CameraEntry, CameraFile};
 use proptest::collection::vec;
 use proptest::prelude::*;
 

@@ -15,11 +15,11 @@ use codec::image::transfer::{EncodeTable, ToneMap};
 use codec::metrics::psnr::SquaredError;
 use codec::monitor::Silent;
 use codec::streams::{CodecHeader, ColorBlocks, convert};
-use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::encode::{
+use footage::dataset::source::{Source, SourceOptions};
+use footage::encode::{
     ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode,
 };
-use lightfold::scene::{DemoKind, FootagePlan};
+use scene::{DemoKind, FootagePlan};
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/footage.csv");
 const HEAD: &str = "set,kind,lzma2,bytes,max_error_codes,min_psnr_db";
@@ -114,7 +114,7 @@ fn distance(source: &Source, container: &[u8]) -> (u16, f64) {
     let table = EncodeTable::new(&ToneMap::default());
     let (mut worst, mut lowest) = (0, f64::INFINITY);
     for stream in decoder.streams() {
-        let same = |group: &&lightfold::dataset::source::SourceGroup| {
+        let same = |group: &&footage::dataset::source::SourceGroup| {
             (group.kind, group.probe) == (stream.kind, stream.probe) && group.faces.contains(&stream.face)
         };
         let group = source.groups().iter().find(same).unwrap();

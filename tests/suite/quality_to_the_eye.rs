@@ -11,10 +11,10 @@ use codec::image::transfer::{EncodeTable, ToneMap};
 use codec::image::{ColorPlane, Face, Plane, StreamKind};
 use codec::monitor::Silent;
 use codec::streams::{ColorFormat, convert};
+use footage::dataset::{Source, SourceGroup, SourceOptions};
+use footage::encode::EncodeSettings;
 use half::f16;
-use lightfold::dataset::{Source, SourceGroup, SourceOptions};
-use lightfold::encode::EncodeSettings;
-use lightfold::scene::{DemoKind, FootagePlan};
+use scene::{DemoKind, FootagePlan};
 use serde_json::Value;
 use tempfile::TempDir;
 

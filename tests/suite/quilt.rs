@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use codec::image::{Plane, ReadLimits};
+use footage::image_files::{exr, png};
 use half::f16;
-use lightfold::image_files::{exr, png};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 

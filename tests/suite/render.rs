@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use codec::image::{ReadLimits, Transfer};
-use lightfold::image_files::exr;
+use footage::image_files::exr;
 use serde_json::Value;
 use tempfile::TempDir;
 

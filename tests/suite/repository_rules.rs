@@ -5,9 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
-use lightfold::cli::{self, Cli};
-use lightfold::gpu::kernels::{DRAWINGS, KERNELS, ShaderFile};
-use lightfold::gpu::selftest::ROWS;
+use cli::Cli;
+use gpu::kernels::{DRAWINGS, KERNELS, ShaderFile};
+use gpu::selftest::ROWS;
 
 use crate::documents::DOCUMENTS;
 

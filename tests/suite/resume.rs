@@ -14,11 +14,11 @@ use codec::container::Compression;
 use codec::container::journal::{self, Recovered};
 use codec::image::{Plane, StreamKind};
 use codec::monitor::{Monitor, Silent};
-use lightfold::Error;
-use lightfold::encode::{
+use footage::encode::{
     self, DepthCodec, EncodeSettings, EncodeSummary, ErrorBound, Kept, Resumable, Stopped, TileSize,
 };
-use lightfold::image_files::exr;
+use footage::image_files::exr;
+use lightfold::Error;
 
 use crate::resume_footage::{Footage, all, color, dataset, depth, few_depths, transform};
 use crate::samples::Random;

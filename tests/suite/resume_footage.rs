@@ -8,9 +8,9 @@ use codec::container::Compression;
 use codec::depth::predictive::tables::Tables;
 use codec::image::{Plane, StreamKind};
 use codec::streams::{ColorBlocks, ColorFormat};
-use lightfold::dataset::source::{SequenceLayout, Source, SourceOptions};
-use lightfold::encode::{ColorBlockSettings, ColorCodec, DepthCodec, EncodeSettings, ErrorBound};
-use lightfold::image_files::{exr, png};
+use footage::dataset::source::{SequenceLayout, Source, SourceOptions};
+use footage::encode::{ColorBlockSettings, ColorCodec, DepthCodec, EncodeSettings, ErrorBound};
+use footage::image_files::{exr, png};
 use tempfile::TempDir;
 
 use crate::roundtrip::{decoder, encoded};

@@ -16,10 +16,10 @@ use codec::image::{Face, Plane, StreamKind};
 use codec::metrics::SquaredError;
 use codec::monitor::Silent;
 use codec::streams::{CodecHeader, ColorFormat, DepthCoding, convert};
+use footage::dataset::{InvalidDepth, SequenceLayout, Source, SourceOptions};
+use footage::encode::{ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, TileSize, encode};
+use footage::image_files::exr;
 use half::f16;
-use lightfold::dataset::{InvalidDepth, SequenceLayout, Source, SourceOptions};
-use lightfold::encode::{ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, TileSize, encode};
-use lightfold::image_files::exr;
 
 use crate::footage::{Footage, Random, drifting_color};
 use crate::samples;

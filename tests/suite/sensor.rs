@@ -8,7 +8,7 @@ use codec::container::Reader;
 use codec::decode::Decoder;
 use codec::image::{DepthKind, Plane, ReadLimits};
 use codec::streams::{CodecHeader, DepthCoding};
-use lightfold::image_files::png;
+use footage::image_files::png;
 use tempfile::TempDir;
 
 use crate::commands::fine;

@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use codec::image::{Face, Plane};
-use lightfold::image_files::png;
+use footage::image_files::png;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use lightfold::serve::{self, Film, Limits, Stop};
+use cli::serve::{self, Film, Limits, Stop};
 use tempfile::TempDir;
 
 use crate::serve::{LARGE, PATIENCE, Server, write_glb};

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use codec::image::ReadLimits;
-use lightfold::dataset::seurat::SeuratCapture;
+use footage::dataset::seurat::SeuratCapture;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 

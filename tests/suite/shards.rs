@@ -4,9 +4,9 @@ use codec::color::Target;
 use codec::container::Reader;
 use codec::image::{FrameRange, StreamKind};
 use codec::monitor::Silent;
+use footage::encode::{self, Footage as Content, Part, ScanFile, Shard, ShardBy, ShardChoice};
+use footage::pack::{PackSettings, pack};
 use lightfold::Error;
-use lightfold::encode::{self, Footage as Content, Part, ScanFile, Shard, ShardBy, ShardChoice};
-use lightfold::pack::{PackSettings, pack};
 
 use crate::resume_footage::{Footage, all, dataset};
 use crate::samples::Random;

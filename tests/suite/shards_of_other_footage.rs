@@ -7,11 +7,11 @@ use std::time::{Duration, SystemTime};
 use codec::container::Reader;
 use codec::image::{Face, Plane, StreamKind};
 use codec::monitor::Silent;
+use footage::dataset::source::{Source, SourceOptions};
+use footage::encode::{self, EncodeSettings, Footage as Content, FrameSource, Part, ScanFile, Shard, ShardBy};
+use footage::image_files::exr;
+use footage::pack::{PackSettings, pack};
 use half::f16;
-use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::encode::{self, EncodeSettings, Footage as Content, FrameSource, Part, ScanFile, Shard, ShardBy};
-use lightfold::image_files::exr;
-use lightfold::pack::{PackSettings, pack};
 use tempfile::TempDir;
 
 use crate::commands::{fine, lightfold, refused};

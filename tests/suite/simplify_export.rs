@@ -5,8 +5,8 @@ use std::path::Path;
 
 use codec::block::{Bc6h, Bc7Rgba, BlockFormat, decode_image};
 use codec::image::ReadLimits;
+use footage::image_files::exr;
 use half::f16;
-use lightfold::image_files::exr;
 use serde_json::Value;
 
 use crate::commands::{fine, refused};

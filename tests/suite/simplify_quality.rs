@@ -6,12 +6,12 @@ use std::fmt::Write as _;
 
 use codec::effort::Effort;
 use codec::monitor::Silent;
-use lightfold::scene::{DemoKind, FootagePlan};
-use lightfold::simplify::capture::Capture;
-use lightfold::simplify::fidelity::Evaluation;
-use lightfold::simplify::pipeline::{Simplified, simplify};
-use lightfold::simplify::selection::Budgets;
-use lightfold::simplify::settings::Settings;
+use scene::{DemoKind, FootagePlan};
+use simplify::capture::Capture;
+use simplify::fidelity::Evaluation;
+use simplify::pipeline::{Simplified, simplify};
+use simplify::selection::Budgets;
+use simplify::settings::Settings;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/simplify.csv");
 const HEAD: &str = "set,triangles,texels,psnr_db,ssim";

@@ -229,7 +229,7 @@ fn only_the_probe_with_strays_is_named() {
             let folder = at.join(probe);
             std::fs::create_dir_all(&folder).unwrap();
             let path = folder.join(format!("depth.{frame:04}.exr"));
-            lightfold::image_files::exr::write_depth(&path, &surfaces(frame, strays)).unwrap();
+            footage::image_files::exr::write_depth(&path, &surfaces(frame, strays)).unwrap();
         }
     }
     let manifest = r#"{ "lightfield": 1, "name": "two", "fps": 24, "frames": [0, 1], "projection": "cubemap",

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use codec::image::{Face, ImageProjection};
 use exr::prelude::{Blocks, Compression, FlatSamples, IntegerBounds, Vec2};
+use footage::dataset::{Source, SourceOptions, StreamKind};
+use footage::image_files::exr as ours;
 use half::f16;
-use lightfold::dataset::{Source, SourceOptions, StreamKind};
-use lightfold::image_files::exr as ours;
 use tempfile::TempDir;
 
 use crate::commands::{fine, refused};

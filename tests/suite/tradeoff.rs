@@ -6,10 +6,10 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 
+use cli::report::tradeoff::coding::CODING;
+use cli::report::tradeoff::store::{Store, StoredPoint};
 use codec::monitor::Silent;
-use lightfold::report::tradeoff::coding::CODING;
-use lightfold::report::tradeoff::store::{Store, StoredPoint};
-use lightfold::scene::{DemoKind, FootagePlan};
+use scene::{DemoKind, FootagePlan};
 use serde_json::Value;
 use tempfile::TempDir;
 

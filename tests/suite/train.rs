@@ -12,9 +12,9 @@ use codec::image::{ColorPlane, Face, Plane};
 use codec::memory::Budget;
 use codec::monitor::Silent;
 use codec::streams::{CodecHeader, ColorFormat};
+use footage::encode::EncodeSettings;
+use footage::train::{self, TrainSettings, TrainSummary, train};
 use half::f16;
-use lightfold::encode::EncodeSettings;
-use lightfold::train::{self, TrainSettings, TrainSummary, train};
 use serde_json::Value;
 use tempfile::TempDir;
 

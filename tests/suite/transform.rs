@@ -8,9 +8,9 @@ use codec::effort::Effort;
 use codec::image::{ColorPlane, Face, Plane};
 use codec::memory::Budget;
 use codec::streams::ColorFormat;
+use footage::encode::{ColorCodec, EncodeSettings};
+use footage::inspect::{TransformCount, statistics};
 use half::f16;
-use lightfold::encode::{ColorCodec, EncodeSettings};
-use lightfold::inspect::{TransformCount, statistics};
 use tempfile::TempDir;
 
 use crate::footage::{Footage, Random, drifting_color};

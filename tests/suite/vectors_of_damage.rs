@@ -6,10 +6,9 @@ use codec::color::SearchSettings;
 use codec::color::cells::builder::CellBuilder;
 use codec::container::{Compression, Index, PayloadKind, Storage, compression};
 
-use crate::samples;
 use crate::vectors::{keys, one, shape, temporal};
 use crate::{
-    vectors_of_blocks, vectors_of_indices, vectors_of_limits, vectors_of_nodes, vectors_of_predictive,
+    samples, vectors_of_blocks, vectors_of_indices, vectors_of_limits, vectors_of_nodes, vectors_of_predictive,
     vectors_of_transforms,
 };
 

@@ -9,8 +9,8 @@ use codec::color::cells::builder::CellBuilder;
 use codec::decode::Decoder;
 use codec::depth::predictive::UnitArea;
 use codec::monitor::Silent;
-use lightfold::gpu::prepare;
-use lightfold::inspect::{self, InspectSettings, coding_map, survey};
+use footage::inspect::{self, InspectSettings, coding_map, survey};
+use gpu::prepare;
 
 use crate::samples;
 use crate::vectors::{one, shape};

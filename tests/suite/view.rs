@@ -7,9 +7,9 @@ use codec::decode::{AllUnits, Decoder, OnDamage, Picture, Request, Selection, St
 use codec::depth::BACKGROUND_CODE;
 use codec::image::{Face, Plane};
 use codec::monitor::Silent;
+use evaluate::camera_file::CameraFile;
 use half::f16;
-use lightfold::evaluate::camera_file::CameraFile;
-use lightfold::views::camera_units::CameraUnits;
+use render::views::camera_units::CameraUnits;
 use serde_json::Value;
 use tempfile::TempDir;
 

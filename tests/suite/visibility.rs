@@ -4,19 +4,14 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use codec::container::ProbeEntry;
-use codec::image::DepthKind;
-use codec::image::Face;
 use codec::image::cube::{FacePoint, direction_to_face};
+use codec::image::{DepthKind, Face};
 use codec::math::camera::rotation;
 use codec::math::{Camera, Lens, Sight, Viewer};
 use glam::{DQuat, DVec3};
-use lightfold::views::face_frustum::DepthSpan;
-use lightfold::views::face_frustum::FaceImage;
-use lightfold::views::visibility::Culled;
-use lightfold::views::visibility::UnitGrid;
-use lightfold::views::visibility::cull;
-use lightfold::views::visibility::cull_all;
 use rayon::prelude::*;
+use render::views::face_frustum::{DepthSpan, FaceImage};
+use render::views::visibility::{Culled, UnitGrid, cull, cull_all};
 
 use crate::footage::Random;
 

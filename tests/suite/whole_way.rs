@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
-use lightfold::convention::Verdict;
-use lightfold::scene::{DemoKind, DemoScene};
+use footage::convention::Verdict;
+use scene::{DemoKind, DemoScene};
 use serde_json::json;
 use tempfile::TempDir;
 

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
-use crate::cli::options::{self, Choices, FrameArgs, one_of, parse_point, parse_shard};
-use crate::dataset::manifest::parse_frame_rate;
-use crate::encode::Shard;
-use crate::scene::Pass;
+use crate::options::{self, Choices, FrameArgs, one_of, parse_point, parse_shard};
 use codec::image::{DepthKind, Projection};
+use footage::dataset::manifest::parse_frame_rate;
+use footage::encode::Shard;
+use scene::Pass;
 
 #[derive(Debug, clap::Args)]
 #[command(
@@ -79,7 +79,7 @@ pub struct Args {
     pub fov: Option<f64>,
     /// Colour samples per pixel: on a grid if a square number, else Hammersley points
     #[arg(long, value_name = "N", default_value_t = 16,
-        value_parser = clap::value_parser!(u32).range(1..=i64::from(crate::scene::capture::MAX_SAMPLES)))]
+        value_parser = clap::value_parser!(u32).range(1..=i64::from(scene::capture::MAX_SAMPLES)))]
     pub samples: u32,
     /// Outputs besides colour: depth, normal, material, or none
     #[arg(long, value_parser = one_of(AOVS), value_name = "KIND", value_delimiter = ',', default_value = "depth")]
@@ -162,7 +162,7 @@ mod tests {
     fn the_help_has_the_default_light() {
         use clap::Args as _;
         let help = Args::augment_args(clap::Command::new("capture")).get_after_help().unwrap().to_string();
-        let light = crate::scene::Light::default();
+        let light = scene::Light::default();
         let sun = light.suns[0];
         let elevation = format!("{:.0} degrees", sun.direction.y.asin().to_degrees());
         assert!(help.contains(&elevation), "{elevation}");

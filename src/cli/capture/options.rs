@@ -5,14 +5,14 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::args::Args;
-use crate::cli::refuse;
-use crate::dataset::cameras::{CameraSet, PlacedCamera};
-use crate::evaluate::camera_file::CameraFile;
-use crate::scene::capture::frames_of_animation;
-use crate::scene::{CapturePlan, Pass, Scene};
+use crate::refuse;
 use codec::error::Result;
 use codec::image::{FrameRange, Projection};
 use codec::math::{Camera, Lens};
+use evaluate::camera_file::CameraFile;
+use footage::dataset::cameras::{CameraSet, PlacedCamera};
+use scene::capture::frames_of_animation;
+use scene::{CapturePlan, Pass, Scene};
 
 /// Default side of a cube face. Panoramas are four times as wide.
 const DEFAULT_SIDE: u32 = 512;
@@ -31,7 +31,7 @@ impl Args {
             let cameras = self.position.iter().map(|position| self.camera_at(*position)).collect::<Result<_>>()?;
             return Ok((CameraSet::new(cameras), Viewers::No));
         };
-        let path = if path.is_dir() { path.join(crate::dataset::manifest::MANIFEST_NAME) } else { path.clone() };
+        let path = if path.is_dir() { path.join(footage::dataset::manifest::MANIFEST_NAME) } else { path.clone() };
         let text = CameraSet::read_text(&path)?;
         let read = || match are_viewers(&text) {
             true => CameraFile::as_probes(&text).map(|set| (set, Viewers::Yes)),

@@ -2,13 +2,11 @@
 
 use std::path::PathBuf;
 
-use crate::cli::device::{DEVICES, GpuArgs};
-use crate::cli::options::{
-    CameraArgs, Choices, FrameArgs, LIGHT_SPACES, MemoryArgs, SelectionArgs, StreamArgs, one_of,
-};
-use crate::export::FileFormat;
-use crate::gpu::device::DeviceChoice;
-use crate::image_files::ColorSpace;
+use crate::device::{DEVICES, GpuArgs};
+use crate::options::{CameraArgs, Choices, FrameArgs, LIGHT_SPACES, MemoryArgs, SelectionArgs, StreamArgs, one_of};
+use footage::export::FileFormat;
+use footage::image_files::ColorSpace;
+use gpu::device::DeviceChoice;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold decode film.lfold -o frames\n  \

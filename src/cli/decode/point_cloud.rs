@@ -7,19 +7,19 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::args::Args;
-use crate::cli::options::check_report;
-use crate::cli::output::{self, human_bytes};
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::evaluate::point_cloud::{POINT_BYTES, write_ply};
-use crate::evaluate::reference::Reference;
-use crate::files::{DiskFile, OutputFolder, parent_of};
+use crate::options::check_report;
+use crate::output::{self, human_bytes};
+use crate::progress::Progress;
 use crate::report::coding_map::counted;
+use crate::{ExitStatus, GlobalArgs, refuse};
 use codec::decode::Decoder;
 use codec::error::{Error, Result};
 use codec::image::FrameRange;
 use codec::image::sequence::Pattern;
 use codec::memory::Need;
+use evaluate::point_cloud::{POINT_BYTES, write_ply};
+use evaluate::reference::Reference;
+use footage::files::{DiskFile, OutputFolder, parent_of};
 
 #[derive(Serialize)]
 struct Report {

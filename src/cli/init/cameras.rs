@@ -5,13 +5,13 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::dataset::Pose;
-use crate::dataset::discover::Proposal;
-use crate::dataset::manifest::{Manifest, Probe};
-use crate::evaluate::cameras::{self, FileCamera};
 use codec::error::Result;
 use codec::image::Projection;
 use codec::image::sequence::split_number;
+use evaluate::cameras::{self, FileCamera};
+use footage::dataset::Pose;
+use footage::dataset::discover::Proposal;
+use footage::dataset::manifest::{Manifest, Probe};
 
 /// Names of camera files. Text files of USD are recognised under any name.
 const NAMES: [&str; 2] = ["transforms.json", "images.txt"];

@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use crate::cli::options::{MemoryArgs, SelectionArgs, SideArgs};
-use crate::cli::refuse;
-use crate::inspect::Inspection;
+use crate::options::{MemoryArgs, SelectionArgs, SideArgs};
+use crate::refuse;
 use codec::decode::{Decoder, StreamInfo};
 use codec::error::Result;
 use codec::image::sequence::FrameRange;
+use footage::inspect::Inspection;
 
 #[derive(Debug, clap::Args)]
 #[command(

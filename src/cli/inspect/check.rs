@@ -6,15 +6,15 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::args::Args;
-use crate::cli::depth_bound::stray_words;
-use crate::cli::output::{self, with_option_names};
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::convention::{self, Choice, MAX_PROBES, Report, Verdict};
-use crate::dataset::{Source, manifest};
-use crate::encode::{self, ProbePrecision};
+use crate::depth_bound::stray_words;
+use crate::output::{self, with_option_names};
+use crate::progress::Progress;
 use crate::report::Table;
+use crate::{ExitStatus, GlobalArgs, refuse};
 use codec::error::{Result, counted};
+use footage::convention::{self, Choice, MAX_PROBES, Report, Verdict};
+use footage::dataset::{Source, manifest};
+use footage::encode::{self, ProbePrecision};
 
 /// Maximum number of characters of a line of text.
 const COLUMNS: u16 = 100;

@@ -6,14 +6,14 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::args::{Args, Report};
-use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, refuse};
-use crate::compare::{self, Coverage, Pairing};
-use crate::files::OutputFolder;
+use crate::progress::Progress;
 use crate::report::coding_map::{self, Request, What};
+use crate::{GlobalArgs, refuse};
 use codec::decode::StreamInfo;
 use codec::error::Result;
 use codec::image::sequence::FrameRange;
+use footage::compare::{self, Coverage, Pairing};
+use footage::files::OutputFolder;
 
 /// Maximum number of images that are listed; more are only counted.
 const MAX_LINES: usize = 24;

@@ -5,10 +5,11 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::args::Args;
-use crate::cli::{ExitStatus, GlobalArgs, output};
 use crate::report::Table;
-use crate::scene::{Play, Scene, SceneBounds, SceneSummary};
+use crate::{ExitStatus, GlobalArgs, output};
 use codec::error::Result;
+pub use scene::Scene;
+use scene::{Play, SceneBounds, SceneSummary};
 
 #[derive(Serialize)]
 struct Document<'a> {

@@ -7,11 +7,11 @@ use serde::Serialize;
 
 use super::args::Args;
 use super::scene::box_text;
-use crate::cli::{ExitStatus, GlobalArgs, output};
-use crate::dataset::seurat::{DepthType, SeuratCapture, SeuratView};
 use crate::report::Table;
-use crate::scene::SceneBounds;
+use crate::{ExitStatus, GlobalArgs, output};
 use codec::error::Result;
+use footage::dataset::seurat::{DepthType, SeuratCapture, SeuratView};
+use scene::SceneBounds;
 
 #[derive(Serialize)]
 struct Document {

@@ -4,13 +4,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::args::Report;
-use crate::cli::output::human_bytes;
-use crate::cli::{damage, depth_bound};
-use crate::depth_bound::DepthBound;
-use crate::image_files::ColorSpace;
-use crate::inspect::{BlockCount, PredictiveCount, StreamStats, Totals, TransformCount, percent, projection_name};
+use crate::output::human_bytes;
 use crate::report::Table;
 use crate::report::coding_map::counted;
+use crate::{damage, depth_bound};
 use codec::container::header::{VERSION_MAJOR, VERSION_MINOR};
 use codec::depth::block::side_of;
 use codec::depth::mode_statistics::{ModeStatistics, Share};
@@ -21,6 +18,9 @@ use codec::depth::settings::TemporalSettings;
 use codec::error::escaped;
 use codec::image::StreamKind;
 use codec::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, DepthCoding, MissingFrame, NodeHeader};
+use footage::depth_bound::DepthBound;
+use footage::image_files::ColorSpace;
+use footage::inspect::{BlockCount, PredictiveCount, StreamStats, Totals, TransformCount, percent, projection_name};
 
 /// Maximum number of streams with a row each. More are summed by probe and kind, unless `--streams` is given.
 const MAX_STREAM_ROWS: usize = 24;

@@ -5,30 +5,30 @@ use std::time::Duration;
 
 use glam::DVec3;
 
-use crate::cli::capture::parse_size;
-use crate::cli::device::{DEVICES, GpuIndex};
-use crate::cli::options::{
+use crate::capture::parse_size;
+use crate::device::{DEVICES, GpuIndex};
+use crate::options::{
     Choices, FrameArgs, MemoryArgs, one_of, parse_face, parse_not_negative, parse_point, parse_positive, word_of,
 };
-use crate::cli::refuse;
-use crate::epipolar::acquire::{AcquireSettings, Acquisition, Culling, Hierarchy, SourcePlacement, StoppingRule};
-use crate::epipolar::captured::CapturedSources;
-use crate::epipolar::coalesce::Coalescing;
-use crate::epipolar::fill::HoleFilling;
-use crate::epipolar::grid::GridViews;
-use crate::epipolar::highlights::DEFAULT_SPLITS;
-use crate::epipolar::interpolate::InterpolateSettings;
-use crate::epipolar::layers::LayerReduction;
-use crate::epipolar::memory::Plan;
-use crate::epipolar::pipeline::Settings;
-use crate::epipolar::source::MAX_LAYERS;
-use crate::epipolar::views::{MAX_VIEWS, OutputViews, Spread};
-use crate::gpu::device::DeviceChoice;
-use crate::image_files::quilt::QuiltLayout;
-use crate::scene::capture::{MAX_FACE_SIZE, MAX_SAMPLES, SamplePattern};
+use crate::refuse;
 use codec::error::Result;
 use codec::image::{Face, FrameRange};
 use codec::math::{Camera, Lens};
+use epipolar::acquire::{AcquireSettings, Acquisition, Culling, Hierarchy, SourcePlacement, StoppingRule};
+use epipolar::captured::CapturedSources;
+use epipolar::coalesce::Coalescing;
+use epipolar::fill::HoleFilling;
+use epipolar::grid::GridViews;
+use epipolar::highlights::DEFAULT_SPLITS;
+use epipolar::interpolate::InterpolateSettings;
+use epipolar::layers::LayerReduction;
+use epipolar::memory::Plan;
+use epipolar::pipeline::Settings;
+use epipolar::source::MAX_LAYERS;
+use epipolar::views::{MAX_VIEWS, OutputViews, Spread};
+use footage::image_files::quilt::QuiltLayout;
+use gpu::device::DeviceChoice;
+use scene::capture::{MAX_FACE_SIZE, MAX_SAMPLES, SamplePattern};
 
 const DEFAULT_SIZE: u32 = 512;
 

@@ -5,21 +5,21 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::args::Args;
-use crate::cli::GlobalArgs;
-use crate::cli::device::or_on_cpu;
-use crate::epipolar::backend::{Backend, Cpu};
-use crate::epipolar::counters::Counters;
-use crate::epipolar::drawing::{PixelWindow, TriangleDrawing, TriangleLayers};
-use crate::epipolar::erosion::Moves;
-use crate::epipolar::interpolate::{InterpolatedView, Interpolator};
-use crate::gpu::Gpu;
-use crate::gpu::device::DeviceChoice;
-use crate::gpu::epipolar::GpuInterpolator;
-use crate::gpu::triangles::GpuTriangles;
-use crate::scene::SceneAtTime;
-use crate::scene::capture::Viewpoint;
+use crate::GlobalArgs;
+use crate::device::or_on_cpu;
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
+use epipolar::backend::{Backend, Cpu};
+use epipolar::counters::Counters;
+use epipolar::drawing::{PixelWindow, TriangleDrawing, TriangleLayers};
+use epipolar::erosion::Moves;
+use epipolar::interpolate::{InterpolatedView, Interpolator};
+use gpu::Gpu;
+use gpu::device::DeviceChoice;
+use gpu::epipolar::GpuInterpolator;
+use gpu::triangles::GpuTriangles;
+use scene::SceneAtTime;
+use scene::capture::Viewpoint;
 
 /// A graphics device, or the CPU. With `--device auto` the CPU takes over if the device fails.
 pub(super) struct Device<'a> {

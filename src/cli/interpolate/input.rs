@@ -4,22 +4,22 @@ use std::path::{Path, PathBuf};
 
 use super::args::Args;
 use super::light_field::LightField;
-use crate::cli::refuse;
-use crate::dataset::manifest::{MANIFEST_NAME, is_dataset, manifest_path};
-use crate::epipolar::acquire::AcquireSettings;
-use crate::epipolar::captured::CapturedSources;
-use crate::epipolar::memory::SourceNeed;
-use crate::epipolar::views::OutputViews;
-use crate::evaluate::reference::Reference;
-use crate::fingerprint::{digest, file_state};
+use crate::refuse;
 use crate::report::machine;
-use crate::scene::{LightRays, Play, Scene, SceneAtTime};
 use codec::container::header::is_container;
 use codec::decode::Decoder;
 use codec::error::{Error, Result};
 use codec::image::FrameRange;
 use codec::memory::Need;
 use codec::monitor::Monitor;
+use epipolar::acquire::AcquireSettings;
+use epipolar::captured::CapturedSources;
+use epipolar::memory::SourceNeed;
+use epipolar::views::OutputViews;
+use evaluate::reference::Reference;
+use footage::dataset::manifest::{MANIFEST_NAME, is_dataset, manifest_path};
+use footage::fingerprint::{digest, file_state};
+use scene::{LightRays, Play, Scene, SceneAtTime};
 
 /// Memory of code, stacks and tables.
 const PROGRAM_BYTES: u64 = 32 << 20;

@@ -5,22 +5,22 @@ use std::cell::RefCell;
 use half::f16;
 
 use super::args::Args;
-use crate::cli::refuse;
-use crate::epipolar::acquire::{Places, hierarchical};
-use crate::epipolar::backend::Backend;
-use crate::epipolar::counters::Counters;
-use crate::epipolar::source::{SourceView, in_order};
-use crate::epipolar::views::OutputViews;
-use crate::evaluate::RenderedImage;
-use crate::evaluate::frame_requests::FrameRequest;
-use crate::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer, Stage};
-use crate::march::{ActiveViews, Rendered, distances_m};
-use crate::views::Change;
+use crate::refuse;
 use codec::decode::Decoder;
 use codec::error::{Error, Result};
 use codec::image::{FrameRange, Plane, ToneMap};
 use codec::math::Camera;
 use codec::monitor::Monitor;
+use epipolar::acquire::{Places, hierarchical};
+use epipolar::backend::Backend;
+use epipolar::counters::Counters;
+use epipolar::source::{SourceView, in_order};
+use epipolar::views::OutputViews;
+use render::frame_requests::FrameRequest;
+use render::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer, Stage};
+use render::march::{ActiveViews, Rendered, distances_m};
+use render::rendered_image::RenderedImage;
+use render::views::Change;
 
 /// A frame of a container.
 pub(super) struct LightField<'a> {

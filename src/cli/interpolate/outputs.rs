@@ -6,18 +6,17 @@ use std::path::{Path, PathBuf};
 use half::f16;
 
 use super::args::Args;
-use crate::cli::picture_files::{PictureCoding, PictureFiles, WORD_FIELD, has_word};
-use crate::cli::{GlobalArgs, refuse};
-use crate::epipolar::views::OutputViews;
-use crate::evaluate::RenderedImage;
-use crate::evaluate::rendered_image::HoleFill;
-use crate::export::FileFormat;
-use crate::files::DiskFile;
-use crate::fingerprint::Fingerprint;
-use crate::image_files::quilt::{Quilt, QuiltLayout, quilt_path};
-use crate::image_files::{exr, png};
+use crate::picture_files::{PictureCoding, PictureFiles, WORD_FIELD, has_word};
+use crate::{GlobalArgs, refuse};
 use codec::error::{Error, Result};
 use codec::image::{Pattern, Primaries, ToneMap};
+use epipolar::views::OutputViews;
+use footage::export::FileFormat;
+use footage::files::DiskFile;
+use footage::fingerprint::Fingerprint;
+use footage::image_files::quilt::{Quilt, QuiltLayout, quilt_path};
+use footage::image_files::{exr, png};
+use render::rendered_image::{HoleFill, RenderedImage};
 
 pub(super) struct Outputs {
     files: PictureFiles,

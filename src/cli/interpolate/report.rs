@@ -6,14 +6,14 @@ use std::time::Duration;
 use serde::Serialize;
 
 use super::args::Args;
-use crate::cli::output::{self, human_bytes};
-use crate::epipolar::counters::Counters;
-use crate::epipolar::pipeline::{SourceReport, Summary};
-use crate::epipolar::stages::Stages;
-use crate::epipolar::views::OutputViews;
-use crate::json::{self, Number};
+use crate::output::{self, human_bytes};
 use crate::report::interpolation::{Quality, QualityReport};
 use codec::error::{Result, counted};
+use epipolar::counters::Counters;
+use epipolar::pipeline::{SourceReport, Summary};
+use epipolar::stages::Stages;
+use epipolar::views::OutputViews;
+use footage::json::{self, Number};
 
 /// Measurements of a run besides its stages.
 #[derive(Debug, Default)]

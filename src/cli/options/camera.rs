@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 use glam::DVec3;
 
-use crate::cli::output::{self, human_bytes};
-use crate::evaluate::camera_path::TimedCamera;
-use crate::evaluate::cameras;
-use crate::views::camera_units::{CameraUnitCounts, CameraUnits, CameraUnitsReport};
+use crate::output::{self, human_bytes};
 use codec::decode::{self, AllUnits, DecodeSummary, Decoder, StreamFrames, UnitFilter};
 use codec::error::Result;
 use codec::math::{Camera, Lens};
+use evaluate::cameras;
+use render::camera_path::TimedCamera;
+use render::views::camera_units::{CameraUnitCounts, CameraUnits, CameraUnitsReport};
 
 pub fn parse_point(text: &str) -> Result<DVec3, String> {
     let numbers: Option<Vec<f64>> =

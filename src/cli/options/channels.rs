@@ -2,10 +2,10 @@
 
 use clap::Args;
 
-use crate::cli::refuse;
-use crate::dataset::SourceOptions;
+use crate::refuse;
 use codec::error::Result;
 use codec::image::StreamKind;
+use footage::dataset::SourceOptions;
 
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Channels")]

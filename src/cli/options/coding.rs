@@ -3,10 +3,10 @@
 use clap::Args;
 
 use super::{ColorArgs, DatasetArgs, DepthArgs, EffortArgs, MaterialArgs, PresetArgs, StoreArgs, parse_kind};
-use crate::dataset::source::SourceOptions;
-use crate::encode::EncodeSettings;
 use codec::error::Result;
 use codec::image::StreamKind;
+use footage::dataset::source::SourceOptions;
+use footage::encode::EncodeSettings;
 
 /// Options of `encode`, which `scan` takes, too.
 #[derive(Debug, Clone, Args)]

@@ -5,10 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::choice::{Choices, one_of};
-use crate::cli::refuse;
-use crate::dataset::{InvalidColor, SourceOptions};
-use crate::encode::{Clipping, ColorBlockSettings, ColorCodec, EncodeSettings};
-use crate::train::read_tables;
+use crate::refuse;
 use codec::color::quality::MAX_QUALITY;
 use codec::color::settings::{SearchSettings, Target};
 use codec::color::transform::blocks::MAX_FRAMES;
@@ -17,6 +14,9 @@ use codec::error::Result;
 use codec::image::transfer::{ToneMap, Transfer};
 use codec::metrics::pu21::DEFAULT_WHITE_CD_M2;
 use codec::streams::{ColorBlocks, ColorFormat};
+use footage::dataset::{InvalidColor, SourceOptions};
+use footage::encode::{Clipping, ColorBlockSettings, ColorCodec, EncodeSettings};
+use footage::train::read_tables;
 
 /// Block format of keyframes, or none for raw samples. An alias, because clap treats an `Option` as an option that may
 /// be absent.

@@ -6,11 +6,11 @@ use clap::Args;
 
 use super::choice::one_of;
 use super::{COLOR_SPACES, ChannelArgs, FrameArgs, MissingArgs};
-use crate::cli::refuse;
-use crate::dataset::manifest;
-use crate::dataset::source::{Source, SourceOptions};
-use crate::image_files::ColorSpace;
+use crate::refuse;
 use codec::error::{Error, Result};
+use footage::dataset::manifest;
+use footage::dataset::source::{Source, SourceOptions};
+use footage::image_files::ColorSpace;
 
 #[derive(Debug, Clone, Args)]
 pub struct DatasetArgs {

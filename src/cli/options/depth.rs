@@ -5,10 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::choice::{Choices, InBlocks, one_of};
-use crate::cli::refuse;
-use crate::dataset::{InvalidDepth, SourceOptions};
-use crate::encode::{DepthCodec, EncodeSettings, ErrorBound, TileSize};
-use crate::train::read_tables;
+use crate::refuse;
 use codec::depth::domain::DomainKind;
 use codec::depth::mode_decision::Decide;
 use codec::depth::node_encoder::NodeSettings;
@@ -16,6 +13,9 @@ use codec::depth::quantise::FAR_CODE;
 use codec::depth::settings::TemporalSettings;
 use codec::error::Result;
 use codec::image::DepthKind;
+use footage::dataset::{InvalidDepth, SourceOptions};
+use footage::encode::{DepthCodec, EncodeSettings, ErrorBound, TileSize};
+use footage::train::read_tables;
 
 pub fn parse_background(text: &str) -> std::result::Result<f32, String> {
     let value: f32 = text.parse().map_err(|_| format!("'{text}' is no number"))?;

@@ -3,8 +3,8 @@
 use clap::Args;
 
 use super::choice::{Choices, one_of};
-use crate::encode::EncodeSettings;
 use codec::effort::Effort;
+use footage::encode::EncodeSettings;
 
 pub const EFFORTS: &Choices<Effort> = &[
     ("fast", Effort::Fast, "Faster, with a small loss"),

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::choice::{Choices, InBlocks, one_of};
-use crate::encode::{EncodeSettings, MaterialSettings};
+use footage::encode::{EncodeSettings, MaterialSettings};
 
 /// Default error of material in blocks, in 8-bit steps.
 const USUAL_ERROR_IN_BLOCKS: u16 = 8;

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::cli::refuse;
-use crate::encode::EncodeSettings;
-use crate::files::DiskFile;
+use crate::refuse;
 use codec::container::Compression;
 use codec::error::Result;
 use codec::memory::Budget;
+use footage::encode::EncodeSettings;
+use footage::files::DiskFile;
 
 #[derive(Debug, Clone, Args)]
 pub struct OutputArgs {

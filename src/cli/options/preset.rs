@@ -4,9 +4,9 @@ use clap::Args;
 
 use super::choice::one_of;
 use super::{Choices, ColorArgs, DepthArgs, EffortArgs, StoreArgs};
-use crate::encode::{ColorCodec, DepthCodec, ErrorBound};
 use codec::color::Target;
 use codec::effort::Effort;
+use footage::encode::{ColorCodec, DepthCodec, ErrorBound};
 
 /// Settings of a preset. All others have their defaults.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -3,11 +3,11 @@
 use clap::Args;
 
 use super::choice::{Choices, one_of};
-use crate::dataset::Missing;
 use codec::decode::Selection;
 use codec::image::StreamKind;
 use codec::image::cube::Face;
 use codec::image::sequence::FrameRange;
+use footage::dataset::Missing;
 
 pub fn parse_kind(text: &str) -> Result<StreamKind, String> {
     StreamKind::from_name(text).ok_or_else(|| format!("'{text}' is none of color, depth, material, alpha"))

@@ -4,13 +4,13 @@ use clap::Args;
 
 use super::choice::{Choices, one_of};
 use super::{ChannelArgs, EffortArgs, FrameArgs, MissingArgs, parse_face};
-use crate::cli::refuse;
-use crate::dataset::source::{Arrangement, SequenceLayout, Source, SourceOptions};
-use crate::encode::EncodeSettings;
-use crate::image_files::ColorSpace;
+use crate::refuse;
 use codec::error::Result;
 use codec::image::StreamKind;
 use codec::image::cube::Face;
+use footage::dataset::source::{Arrangement, SequenceLayout, Source, SourceOptions};
+use footage::encode::EncodeSettings;
+use footage::image_files::ColorSpace;
 
 const REC709: (&str, ColorSpace, &str) = ("linear-rec709", ColorSpace::LinearRec709, "Scene-linear Rec. 709");
 const ACESCG: (&str, ColorSpace, &str) = ("acescg", ColorSpace::AcesCg, "Scene-linear AP1");

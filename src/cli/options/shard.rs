@@ -6,9 +6,9 @@ use clap::Args;
 
 use super::choice::{Choices, one_of};
 use super::parse_kind;
-use crate::encode::{EncodeSettings, FrameSource, Part, Shard, ShardBy, ShardChoice};
 use codec::error::Result;
 use codec::image::{FrameRange, StreamKind};
+use footage::encode::{EncodeSettings, FrameSource, Part, Shard, ShardBy, ShardChoice};
 
 const SHARD_BYS: &Choices<ShardBy> = &[
     ("auto", ShardBy::Segment, "Streams and segments of these in time: the most even shards"),

@@ -6,13 +6,13 @@ use super::choice::one_of;
 use super::color::INVALID_COLORS;
 use super::sequence::COLOR_SPACES;
 use super::{DepthReadingArgs, ImageArgs};
-use crate::compare::SideOptions;
-use crate::dataset::source::{Arrangement, SourceOptions};
-use crate::dataset::{InvalidColor, InvalidDepth};
-use crate::image_files::ColorSpace;
 use codec::decode::Selection;
 use codec::error::Result;
 use codec::image::cube::Face;
+use footage::compare::SideOptions;
+use footage::dataset::source::{Arrangement, SourceOptions};
+use footage::dataset::{InvalidColor, InvalidDepth};
+use footage::image_files::ColorSpace;
 
 #[derive(Debug, Clone, Args)]
 pub struct SideArgs {

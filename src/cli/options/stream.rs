@@ -6,10 +6,10 @@ use std::path::Path;
 use clap::Args;
 
 use super::{Choices, check_stdout, one_of};
-use crate::cli::refuse;
-use crate::files::standard_output;
-use crate::image_files::picture_stream::{FrameRate, PictureStream, StreamFormat};
+use crate::refuse;
 use codec::error::Result;
+use footage::files::standard_output;
+use footage::image_files::picture_stream::{FrameRate, PictureStream, StreamFormat};
 
 const STREAM_FORMATS: &Choices<StreamFormat> = &[
     ("png", StreamFormat::Png, "PNG files, one behind the other"),

@@ -2,16 +2,16 @@
 
 use std::path::PathBuf;
 
-use crate::cli::options::{self, Choices, EFFORTS, check_report, one_of, parse_not_negative, parse_positive};
-use crate::cli::refuse;
-use crate::placement::search::{DEFAULT_MAX_CAMERAS, DEFAULT_UNTIL, MIN_THETA_DEG};
-use crate::placement::{CandidateKind, Lighting, Settings, Stop};
-use crate::scene::Scene;
-use crate::scene::capture::frames_of_animation;
-use crate::scene::footage::FPS;
+use crate::options::{self, Choices, EFFORTS, check_report, one_of, parse_not_negative, parse_positive};
+use crate::refuse;
 use codec::effort::Effort;
 use codec::error::Result;
 use codec::image::sequence::FrameRange;
+use scene::Scene;
+use scene::capture::frames_of_animation;
+use scene::footage_plan::FPS;
+use scene::placement::search::{DEFAULT_MAX_CAMERAS, DEFAULT_UNTIL, MIN_THETA_DEG};
+use scene::placement::{CandidateKind, Lighting, Settings, Stop};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \

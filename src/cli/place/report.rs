@@ -7,13 +7,13 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::args::Args;
-use crate::dataset::cameras::CameraSet;
-use crate::placement::report::{DecayPlacement, PlacementReport};
-use crate::placement::{Figures, Lighting, Placement, Search};
 use crate::report::coding_map::counted;
 use crate::report::placement::Curve;
 use crate::report::{Table, csv};
 use codec::error::Result;
+use footage::dataset::cameras::CameraSet;
+use scene::placement::report::{DecayPlacement, PlacementReport};
+use scene::placement::{Figures, Lighting, Placement, Search};
 
 /// Visible fraction of the surface below which the region is probably misplaced.
 const HARDLY_ANYTHING: f64 = 0.01;

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::options::{Given, MarchArgs, ProjectionArgs, TruthArgs, ViewArgs, parse_size};
-use crate::cli::device::{DEVICES, GpuArgs};
-use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, StreamArgs, one_of, parse_shard};
-use crate::encode::Shard;
-use crate::gpu::device::DeviceChoice;
+use crate::device::{DEVICES, GpuArgs};
+use crate::options::{CameraArgs, FrameArgs, MemoryArgs, StreamArgs, one_of, parse_shard};
+use footage::encode::Shard;
+use gpu::device::DeviceChoice;
 
 #[derive(Debug, clap::Args)]
 #[command(

@@ -6,13 +6,13 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Args};
 use glam::DVec3;
 
-use crate::cli::options::{Choices, one_of, parse_not_negative, parse_number_where, parse_point, parse_positive};
-use crate::evaluate::rendered_image::{BackgroundFill, HoleFill};
-use crate::march::aov::AovKind;
-use crate::march::playback::frames::DecodeScope;
-use crate::march::playback::selection::ViewPriority;
-use crate::march::settings::{Acceleration, Refinements, SpecularMode};
+use crate::options::{Choices, one_of, parse_not_negative, parse_number_where, parse_point, parse_positive};
 use codec::math::Camera;
+use render::march::aov::AovKind;
+use render::march::playback::frames::DecodeScope;
+use render::march::playback::selection::ViewPriority;
+use render::march::settings::{Acceleration, Refinements, SpecularMode};
+use render::rendered_image::{BackgroundFill, HoleFill};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
@@ -335,7 +335,7 @@ fn parse_metres(text: &str) -> Result<f64, String> {
 
 /// Parses `256` or `640x480`: sides of up to 65,536 pixels, and at most 2^28 pixels.
 pub fn parse_size(text: &str) -> Result<(u32, Option<u32>), String> {
-    let size = crate::cli::capture::parse_size(text)?;
+    let size = crate::capture::parse_size(text)?;
     let (width, height) = (u64::from(size.0), u64::from(size.1.unwrap_or(size.0)));
     if width.max(height) > 1 << 16 || width * height > 1 << 28 {
         return Err(format!("'{text}': up to 65536 pixels a side and 268 million in all were expected"));

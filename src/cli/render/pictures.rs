@@ -8,20 +8,20 @@ use glam::DVec3;
 
 use super::args::Args;
 use super::options::{ProjectionArgs, StereoLayout};
-use crate::cli::picture_files::{PictureCoding, PictureFiles, WORD_FIELD, has_word};
-use crate::cli::refuse;
-use crate::evaluate::frame_requests::FrameRequest;
-use crate::evaluate::rendered_image::{Aov, HoleFill, RenderedImage};
-use crate::export::FileFormat;
-use crate::files::OutputFile;
-use crate::image_files::picture_stream::{CodePicture, PictureStream};
-use crate::image_files::png;
+use crate::picture_files::{PictureCoding, PictureFiles, WORD_FIELD, has_word};
+use crate::refuse;
 use crate::report::picture::contact_sheet::ContactSheet;
 use codec::error::{Error, Result};
 use codec::image::plane::Plane;
 use codec::image::sequence::Pattern;
 use codec::image::transfer::ToneMap;
 use codec::math::Camera;
+use footage::export::FileFormat;
+use footage::files::OutputFile;
+use footage::image_files::picture_stream::{CodePicture, PictureStream};
+use footage::image_files::png;
+use render::frame_requests::FrameRequest;
+use render::rendered_image::{Aov, HoleFill, RenderedImage};
 
 /// Number of cube map faces per row.
 const CUBE_COLUMNS: u32 = 3;

@@ -11,20 +11,20 @@ use super::pictures::{Job, pixels};
 use super::report::{Figures, QuadFigures};
 use super::subject::{JobRenderer, RenderedJob, Subject};
 use super::truth::TruthRun;
-use crate::cli::options::word_of;
-use crate::cli::{GlobalArgs, refuse};
-use crate::gpu::Gpu;
-use crate::gpu::quads::GpuQuads;
-use crate::march::memory::picture_bytes;
-use crate::mesh::gltf::document::is_glb;
-use crate::simplify::raster::{Compositing, DrawSettings, Drawn, draw_picture, drawing_bytes};
-use crate::simplify::read_glb::{QuadScene, read_glb};
+use crate::options::word_of;
+use crate::{GlobalArgs, refuse};
 use codec::error::Result;
 use codec::image::FrameRange;
 use codec::image::transfer::ToneMap;
 use codec::math::Camera;
 use codec::memory::Need;
 use codec::monitor::Monitor;
+use gpu::Gpu;
+use gpu::quads::GpuQuads;
+use render::march::memory::picture_bytes;
+use scene::mesh::gltf::document::is_glb;
+use simplify::raster::{Compositing, DrawSettings, Drawn, draw_picture, drawing_bytes};
+use simplify::read_glb::{QuadScene, read_glb};
 
 /// Default number of samples in each row and column of a pixel for z-buffer rendering: four steps of alpha.
 const Z_BUFFER_SAMPLES: u32 = 2;

@@ -4,19 +4,19 @@ use serde::Serialize;
 
 use super::args::Args;
 use super::truth::{TruthReport, TruthRun};
-use crate::cli::GlobalArgs;
-use crate::cli::output::{self, human_bytes};
-use crate::evaluate::rendered_image::HoleFill;
-use crate::evaluate::similarity::some_psnr;
-use crate::gpu::render::RenderCost;
-use crate::march::counters::Counters;
-use crate::march::playback::frames::PlaybackSummary;
-use crate::march::playback::pacing::{FramePacing, Pacing};
-use crate::march::playback::trace::FrameTrace;
+use crate::GlobalArgs;
+use crate::output::{self, human_bytes};
 use crate::report::coding_map::counted;
-use crate::simplify::raster::Drawn;
-use crate::views::player::ShowCounts;
 use codec::error::Result;
+use evaluate::similarity::some_psnr;
+use gpu::render::RenderCost;
+use render::march::counters::Counters;
+use render::march::playback::frames::PlaybackSummary;
+use render::march::playback::pacing::{FramePacing, Pacing};
+use render::march::playback::trace::FrameTrace;
+use render::rendered_image::HoleFill;
+use render::views::player::ShowCounts;
+use simplify::raster::Drawn;
 
 #[derive(Debug, Clone, Default)]
 pub struct Frames {

@@ -4,15 +4,15 @@ use super::options::Method;
 use super::pictures::Job;
 use super::report::Figures;
 use super::truth::TruthRun;
-use crate::cli::GlobalArgs;
-use crate::evaluate::rendered_image::RenderedImage;
-use crate::gpu::Gpu;
-use crate::march::playback::trace::FrameTrace;
+use crate::GlobalArgs;
 use codec::error::Result;
 use codec::image::transfer::ToneMap;
 use codec::image::{FrameRange, Plane};
 use codec::math::Camera;
 use codec::monitor::Monitor;
+use gpu::Gpu;
+use render::march::playback::trace::FrameTrace;
+use render::rendered_image::RenderedImage;
 
 /// An open input.
 pub trait Subject {

@@ -7,21 +7,20 @@ use serde::Serialize;
 
 use super::options::{METHODS, Method, TruthArgs};
 use super::pictures::{Job, PictureName};
-use crate::cli::options::word_of;
-use crate::cli::{GlobalArgs, refuse};
-use crate::evaluate::frame_requests::FrameRequest;
-use crate::evaluate::reference::Reference;
-use crate::evaluate::rendered_image::RenderedImage;
-use crate::evaluate::similarity::{Similarity, SimilarityReport, difference, truth_codes};
-use crate::files::OutputFolder;
-use crate::image_files::png;
-use crate::json::Number;
+use crate::options::word_of;
 use crate::report::picture::error_picture;
+use crate::{GlobalArgs, refuse};
 use codec::error::{Error, Result};
-use codec::image::FrameRange;
-use codec::image::Plane;
 use codec::image::plane::DepthPlane;
 use codec::image::transfer::ToneMap;
+use codec::image::{FrameRange, Plane};
+use evaluate::reference::Reference;
+use evaluate::similarity::{Similarity, SimilarityReport, difference, truth_codes};
+use footage::files::OutputFolder;
+use footage::image_files::png;
+use footage::json::Number;
+use render::frame_requests::FrameRequest;
+use render::rendered_image::RenderedImage;
 
 pub struct TruthRun {
     pub path: PathBuf,
@@ -131,7 +130,7 @@ impl TruthRun {
     }
 
     /// Compares the pictures of a job with its references. Masks come from
-    /// [`near_silhouettes`](crate::march::silhouettes::near_silhouettes).
+    /// [`near_silhouettes`](render::march::silhouettes::near_silhouettes).
     pub fn compare(
         &mut self,
         job: &Job,

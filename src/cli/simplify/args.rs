@@ -2,19 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::options::{Choices, EFFORTS, MemoryArgs, check_stdout, one_of, parse_positive, word_of};
-use crate::placement::Region;
-use crate::simplify::cost::TextureCoordinates;
-use crate::simplify::export::{Ktx2Output, Outputs};
-use crate::simplify::quad_mesh::AtlasLight;
-use crate::simplify::samples::{Background, Inside};
-use crate::simplify::selection::Budgets;
-use crate::simplify::settings::{Settings, SurfaceAtlases, TilingKind};
-use crate::simplify::short_cuts::ShortCuts;
-use crate::simplify::texture_filter::TextureFilter;
-use crate::simplify::texture_sizes::Sizing;
+use crate::options::{Choices, EFFORTS, MemoryArgs, check_stdout, one_of, parse_positive, word_of};
 use codec::effort::Effort;
 use codec::error::{Error, Result};
+use scene::placement::Region;
+use simplify::cost::TextureCoordinates;
+use simplify::export::{Ktx2Output, Outputs};
+use simplify::quad_mesh::AtlasLight;
+use simplify::samples::{Background, Inside};
+use simplify::selection::Budgets;
+use simplify::settings::{Settings, SurfaceAtlases, TilingKind};
+use simplify::short_cuts::ShortCuts;
+use simplify::texture_filter::TextureFilter;
+use simplify::texture_sizes::Sizing;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::files::OutputFolder;
-use crate::image_files::png;
 use crate::report::plot::save;
 use crate::report::simplification::{charts, pictures};
-use crate::simplify::capture::Capture;
-use crate::simplify::pipeline::Simplified;
-use crate::simplify::samples::Background;
 use codec::error::Result;
+use footage::files::OutputFolder;
+use footage::image_files::png;
+use simplify::capture::Capture;
+use simplify::pipeline::Simplified;
+use simplify::samples::Background;
 
 /// Writes all charts and pictures, and returns their paths.
 pub fn write(

@@ -6,11 +6,11 @@ use std::time::Duration;
 use serde::Serialize;
 
 use super::args::Args;
-use crate::cli::output::{self, human_bytes};
-use crate::json::{self, Number};
-use crate::simplify::fidelity::{Evaluation, Fidelity};
-use crate::simplify::pipeline::{Counters, Simplified, Stages};
+use crate::output::{self, human_bytes};
 use codec::error::{Result, counted};
+use footage::json::{self, Number};
+use simplify::fidelity::{Evaluation, Fidelity};
+use simplify::pipeline::{Counters, Simplified, Stages};
 
 /// Comparisons with pictures, and written files.
 pub struct Compared {

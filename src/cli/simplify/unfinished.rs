@@ -4,14 +4,13 @@ use std::io::{Read, Write};
 use std::path::Path;
 
 use super::args::Args;
-use crate::cli::GlobalArgs;
-use crate::cli::output;
-use crate::files::{IntactBytes, OutputFile};
-use crate::fingerprint::{Fingerprint, digest, file_state};
-use crate::simplify::capture::Capture;
-use crate::simplify::settings::Settings;
+use crate::{GlobalArgs, output};
 use codec::error::{Error, Result};
 use codec::memory::Budget;
+use footage::files::{IntactBytes, OutputFile};
+use footage::fingerprint::{Fingerprint, digest, file_state};
+use simplify::capture::Capture;
+use simplify::settings::Settings;
 
 /// Returns everything that tiles depend on. Files are identified by size and modification time.
 pub fn fingerprint(args: &Args, settings: &Settings, capture: &Capture) -> Fingerprint {

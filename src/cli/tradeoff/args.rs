@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::cli::options::{self, Choices, one_of, parse_positive};
-use crate::cli::refuse;
+use crate::options::{self, Choices, one_of, parse_positive};
+use crate::refuse;
 use crate::report::tradeoff::coding::recommend::Demands;
 use crate::report::tradeoff::plan::{Preset, Sweep};
 use crate::report::tradeoff::study::Weights;

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::cli::EXIT_INTERRUPTED;
-use crate::cli::global::EXIT_RETRY;
+use crate::EXIT_INTERRUPTED;
+use crate::global::EXIT_RETRY;
 use crate::report::tradeoff::runner::{Runner, shell_line};
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
@@ -144,7 +144,7 @@ fn read(from: Option<impl Read>) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::global::{EXIT_BAD_INPUT, exit_code};
+    use crate::global::{EXIT_BAD_INPUT, exit_code};
     use codec::monitor::Silent;
 
     #[test]

@@ -7,7 +7,6 @@ use serde_json::{Value, json};
 use super::args::Args;
 use super::measure::{Opened, Sweeping};
 use super::{input, text, tiles};
-use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
 use crate::report::tradeoff::coding::bench::CodingBench;
 use crate::report::tradeoff::coding::recommend::{Demands, recommend};
 use crate::report::tradeoff::coding::{CODING, figures, findings, json as report};
@@ -16,6 +15,7 @@ use crate::report::tradeoff::page::Extras;
 use crate::report::tradeoff::plan::{self, Preset};
 use crate::report::tradeoff::store::{Store, StoredPoint};
 use crate::report::tradeoff::study::{Study, all_points};
+use crate::{ExitStatus, GlobalArgs, output, refuse};
 use codec::error::{Error, Result};
 use codec::image::StreamKind;
 

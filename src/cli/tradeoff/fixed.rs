@@ -5,9 +5,9 @@ use std::ffi::OsString;
 use clap::parser::ValueSource;
 use clap::{CommandFactory, Parser};
 
-use crate::cli::{Cli, refuse};
 use crate::report::tradeoff::kind::{Setting, SweepKind};
 use crate::report::tradeoff::study::Axis;
+use crate::{Cli, refuse};
 use codec::error::{Error, Result};
 
 #[derive(Debug, PartialEq)]

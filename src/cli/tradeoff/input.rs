@@ -7,18 +7,18 @@ use std::path::{Path, PathBuf};
 use clap::CommandFactory;
 
 use super::fixed::{OptionsOf, parse};
-use crate::cli::{Cli, GlobalArgs, refuse};
-use crate::dataset::manifest;
-use crate::dataset::source::Source;
-use crate::encode::EncodeSettings;
 use crate::report::machine;
 use crate::report::tradeoff::coding::CODING;
 use crate::report::tradeoff::coding::commands::{self, Form, Input, into_file};
 use crate::report::tradeoff::coding::table::KNOBS;
 use crate::report::tradeoff::kind::{Point, Setting};
+use crate::{Cli, GlobalArgs, refuse};
 use codec::error::{Error, Result};
 use codec::image::StreamKind;
 use codec::ordered::try_map_ordered;
+use footage::dataset::manifest;
+use footage::dataset::source::Source;
+use footage::encode::EncodeSettings;
 
 /// Encoding options that are set by tradeoff.
 const OWN: &[&str] = &["output", "stream", "json", "quiet"];
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn every_knob_is_an_option_of_its_command_and_takes_its_usual_values() {
-        let root = crate::cli::command();
+        let root = crate::command();
         for knob in KNOBS {
             let commands: &[&str] = match (knob.stage, knob.is_general(), knob.streams[0]) {
                 (Stage::Decode, ..) => &["decode"],
@@ -244,7 +244,7 @@ mod tests {
 
     #[test]
     fn defaults_are_those_of_the_options() {
-        let mut built = crate::cli::command();
+        let mut built = crate::command();
         built.build();
         for knob in KNOBS {
             let command = if knob.stage == Stage::Decode { "decode" } else { "encode" };

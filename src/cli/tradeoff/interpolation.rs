@@ -3,11 +3,11 @@
 use super::args::{Args, refuse_options_of_coding};
 use super::fixed::{FixedSettings, OptionsOf};
 use super::measure::measure_grid;
-use crate::cli::{ExitStatus, GlobalArgs};
 use crate::report::tradeoff::interpolation::{INTERPOLATION, InterpolationBench};
 use crate::report::tradeoff::placement::PLACEMENT;
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::study::Axis;
+use crate::{ExitStatus, GlobalArgs};
 use codec::error::Result;
 
 /// Options of `interpolate` that are set by tradeoff.
@@ -46,9 +46,9 @@ mod tests {
     use clap::CommandFactory;
 
     use super::*;
-    use crate::cli::Cli;
-    use crate::cli::tradeoff::fixed::parse;
+    use crate::Cli;
     use crate::report::tradeoff::runner::CommandBench;
+    use crate::tradeoff::fixed::parse;
 
     #[test]
     fn every_knob_is_an_option_of_interpolate_and_takes_its_usual_values() {

@@ -9,9 +9,7 @@ use super::args::Args;
 use super::child::Children;
 use super::fixed::parse;
 use super::text;
-use crate::cli::progress::Progress;
-use crate::cli::{ExitStatus, GlobalArgs, output, refuse};
-use crate::json;
+use crate::progress::Progress;
 use crate::report::machine;
 use crate::report::tradeoff::folder::Folder;
 use crate::report::tradeoff::json::{self as points, Report};
@@ -20,7 +18,9 @@ use crate::report::tradeoff::runner::{Bench, CommandBench, Commands, shell_line}
 use crate::report::tradeoff::schedule::{self, Extent, FailedPoint, Lab};
 use crate::report::tradeoff::store::Store;
 use crate::report::tradeoff::study::{ExampleCommand, Results, Study, all_points};
+use crate::{ExitStatus, GlobalArgs, output, refuse};
 use codec::error::{Error, Result, counted};
+use footage::json;
 
 pub struct Opened {
     pub folder: Folder,

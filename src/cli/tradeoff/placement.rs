@@ -3,10 +3,10 @@
 use super::args::{Args, refuse_options_of_coding};
 use super::fixed::{OptionsOf, implied};
 use super::measure::measure_grid;
-use crate::cli::{ExitStatus, GlobalArgs};
 use crate::report::tradeoff::placement::{PLACEMENT, PlacementBench};
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::study::Axis;
+use crate::{ExitStatus, GlobalArgs};
 use codec::error::Result;
 
 /// Options of `place` that are set by tradeoff.
@@ -54,8 +54,8 @@ mod tests {
     use clap::CommandFactory;
 
     use super::*;
-    use crate::cli::Cli;
-    use crate::cli::tradeoff::fixed::parse;
+    use crate::Cli;
+    use crate::tradeoff::fixed::parse;
 
     #[test]
     fn every_knob_is_an_option_of_place_and_takes_its_usual_values() {

@@ -7,12 +7,12 @@ use glam::DVec3;
 use super::args::{Args, refuse_options_of_coding};
 use super::fixed::OptionsOf;
 use super::measure::measure_grid;
-use crate::cli::{ExitStatus, GlobalArgs, refuse};
-use crate::dataset::manifest::Manifest;
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::rendering::{RENDERING, RenderingBench};
 use crate::report::tradeoff::study::Axis;
+use crate::{ExitStatus, GlobalArgs, refuse};
 use codec::error::{Error, Result};
+use footage::dataset::manifest::Manifest;
 
 /// Options of `render` that are set by tradeoff.
 const OWN: &[&str] = &[
@@ -87,9 +87,9 @@ mod tests {
     use clap::CommandFactory;
 
     use super::*;
-    use crate::cli::Cli;
-    use crate::cli::tradeoff::fixed::parse;
+    use crate::Cli;
     use crate::report::tradeoff::runner::CommandBench;
+    use crate::tradeoff::fixed::parse;
 
     #[test]
     fn every_knob_is_an_option_of_render_and_takes_its_usual_values() {

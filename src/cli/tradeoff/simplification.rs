@@ -3,10 +3,10 @@
 use super::args::{Args, refuse_options_of_coding};
 use super::fixed::{FixedSettings, OptionsOf};
 use super::measure::measure_grid;
-use crate::cli::{ExitStatus, GlobalArgs};
 use crate::report::tradeoff::plan;
 use crate::report::tradeoff::simplification::{SIMPLIFICATION, SimplificationBench};
 use crate::report::tradeoff::study::Axis;
+use crate::{ExitStatus, GlobalArgs};
 use codec::error::Result;
 
 /// Options of `simplify` that are set by tradeoff.
@@ -33,9 +33,9 @@ mod tests {
     use clap::CommandFactory;
 
     use super::*;
-    use crate::cli::Cli;
-    use crate::cli::tradeoff::fixed::parse;
+    use crate::Cli;
     use crate::report::tradeoff::runner::CommandBench;
+    use crate::tradeoff::fixed::parse;
 
     #[test]
     fn every_knob_is_an_option_of_simplify_and_takes_its_usual_values() {

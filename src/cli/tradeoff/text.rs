@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::cli::output;
+use crate::output;
 use crate::report::Table;
 use crate::report::tradeoff::coding::recommend::{Advice, Aim};
 use crate::report::tradeoff::findings::{Finding, Verdict};

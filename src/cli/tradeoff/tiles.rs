@@ -4,12 +4,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use super::input::Footage;
-use crate::cli::GlobalArgs;
-use crate::cli::progress::Progress;
-use crate::encode::tile_quality;
+use crate::GlobalArgs;
+use crate::progress::Progress;
 use codec::depth::tile_psnr::TilePsnr;
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
+use footage::encode::tile_quality;
 
 /// Share of the budget that the statistics may take. The points get the rest.
 const SHARE: f64 = 1.0 / 3.0;

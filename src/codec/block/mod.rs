@@ -3,8 +3,6 @@
 //! Decoding a block is part of the file format. The decoders are therefore our own, use integers (formats/blocks.md), and are
 //! compared with an independent decoder in every mode. The encoders are external libraries behind a trait.
 
-#![doc(hidden)]
-
 pub mod bc1;
 pub mod bc4;
 pub mod bc5;

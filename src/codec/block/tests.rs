@@ -251,7 +251,7 @@ fn what_is_missing_of_an_image_stays_as_it_is() {
 }
 
 /// The format document of these decoders.
-const DOCUMENT: &str = include_str!("../formats/blocks.md");
+const DOCUMENT: &str = include_str!(concat!(env!("LIGHTFOLD_FORMATS"), "/blocks.md"));
 
 /// Cells of a table's rows; the table follows a comment such as `<!-- table: two -->`.
 fn rows(comment: &str) -> Vec<Vec<&'static str>> {

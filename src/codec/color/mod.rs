@@ -4,8 +4,6 @@
 //! for linear light, interpolated as integers in the order of their values, which is close to interpolating logarithms. Every
 //! frame of every cell reaches the quality target, measured on decoded samples.
 
-#![doc(hidden)]
-
 pub mod blend;
 pub mod cells;
 pub mod chunk;

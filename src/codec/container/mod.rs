@@ -3,8 +3,6 @@
 //! Takes descriptions of probes and streams, and chunk payloads as bytes, and returns the same. The module has probes, faces
 //! and frame ranges, but no codec: formats/depth.md and color.md define payloads.
 
-#![doc(hidden)]
-
 pub mod attributes;
 pub mod chunk;
 pub mod compact;

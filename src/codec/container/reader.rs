@@ -6,14 +6,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::container::chunk::{ChunkEntry, ChunkKey, Storage};
-use crate::container::compact;
 use crate::container::header::{self, FOOT_BYTES, FOOT_MAGIC, Foot, HEAD_BYTES, IndexForm};
 use crate::container::index::Index;
 use crate::container::limits::{self, OpenLimits};
-use crate::container::lzma2;
 use crate::container::payload::Payload;
 use crate::container::source::ByteSource;
-use crate::container::zstd;
+use crate::container::{compact, lzma2, zstd};
 use crate::error::{Error, Result};
 
 /// Number of bytes at the end of a file that are searched for a foot with bytes after it.

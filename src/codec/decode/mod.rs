@@ -3,8 +3,6 @@
 //! Input: an open container. Output: pixels of a unit ([`UnitDecoder`]) or of an image ([`FaceDecoder`]), in slices of the caller
 //! ([`PixelsMut`]) or in files (`export` of the package `lightfold`).
 
-#![doc(hidden)]
-
 mod cell;
 mod chunk_source;
 mod damage;

@@ -3,8 +3,6 @@
 //! Decoders use integers only: floating point differs between devices, and compilers reorder it. Encoders search in
 //! floating point and measure with the decoder's own functions, so a stated bound is exact.
 
-#![doc(hidden)]
-
 pub mod bc4w;
 pub mod biquadratic;
 pub mod bits;

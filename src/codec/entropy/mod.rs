@@ -2,8 +2,6 @@
 //!
 //! Distributions do not adapt during decoding, so that substreams are independent and a GPU decodes each in one lane.
 
-#![doc(hidden)]
-
 pub mod built_in;
 pub mod distribution;
 pub mod family;

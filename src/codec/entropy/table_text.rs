@@ -76,8 +76,8 @@ mod tests {
     use crate::depth::predictive::tables::Predictive;
     use crate::entropy::Tables;
 
-    const COLOR: &str = include_str!("../formats/color-tables.txt");
-    const DEPTH: &str = include_str!("../formats/depth-tables.txt");
+    const COLOR: &str = include_str!(concat!(env!("LIGHTFOLD_FORMATS"), "/color-tables.txt"));
+    const DEPTH: &str = include_str!(concat!(env!("LIGHTFOLD_FORMATS"), "/depth-tables.txt"));
 
     #[test]
     fn the_built_in_sets_come_back_as_the_file_of_the_format() {

@@ -1,7 +1,5 @@
 //! Typed streams of a container: codec headers, parsed chunks, and conversion between values and codes.
 
-#![doc(hidden)]
-
 pub mod convert;
 mod depth_chunk;
 mod footage;

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use super::settings::{AcquireSettings, Places, TILE};
 use super::tracer::SourceTracer;
-use crate::epipolar::counters::Counters;
-use crate::epipolar::drawing::{DrawnScene, PixelWindow};
-use crate::epipolar::source::SourceView;
-use crate::epipolar::views::OutputViews;
+use crate::counters::Counters;
+use crate::drawing::{DrawnScene, PixelWindow};
+use crate::source::SourceView;
+use crate::views::OutputViews;
 use codec::error::Result;
 use codec::monitor::Monitor;
 

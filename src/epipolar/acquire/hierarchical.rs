@@ -9,12 +9,12 @@ use std::collections::VecDeque;
 use std::time::Instant;
 
 use super::settings::{Hierarchy, SourcePlacement, StoppingRule};
-use crate::epipolar::backend::Backend;
-use crate::epipolar::counters::Counters;
-use crate::epipolar::erosion::eroded_percent;
-use crate::epipolar::interpolate::hole_percent;
-use crate::epipolar::source::SourceView;
-use crate::epipolar::views::OutputViews;
+use crate::backend::Backend;
+use crate::counters::Counters;
+use crate::erosion::eroded_percent;
+use crate::interpolate::hole_percent;
+use crate::source::SourceView;
+use crate::views::OutputViews;
 use codec::error::Result;
 
 /// Number of equal parts of the interval between two sources. The positions between the parts are searched for the most holes

@@ -6,18 +6,18 @@ use glam::DVec3;
 use half::f16;
 
 use super::settings::{AcquireSettings, Culling, TILE};
-use crate::epipolar::continuity::Continuity;
-use crate::epipolar::counters::Counters;
-use crate::epipolar::drawing::PixelHits;
-use crate::epipolar::lines::STEEPEST;
-use crate::epipolar::source::{Light, SourcePixel, SourceRow};
-use crate::epipolar::stages::Lap;
-use crate::epipolar::views::OutputViews;
-use crate::epipolar::visibility::{Reach, hidden_m, joined, sees_past};
-use crate::mesh::Ray;
-use crate::scene::FirstHit;
-use crate::scene::capture::{PixelTracer, halves};
-use crate::scene::trace::EyeLight;
+use crate::continuity::Continuity;
+use crate::counters::Counters;
+use crate::drawing::PixelHits;
+use crate::lines::STEEPEST;
+use crate::source::{Light, SourcePixel, SourceRow};
+use crate::stages::Lap;
+use crate::views::OutputViews;
+use crate::visibility::{Reach, hidden_m, joined, sees_past};
+use scene::FirstHit;
+use scene::capture::{PixelTracer, halves};
+use scene::mesh::Ray;
+use scene::trace::EyeLight;
 
 pub(super) struct RowAcquisition<'a> {
     pub pixels: PixelTracer<'a>,

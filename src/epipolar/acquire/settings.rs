@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use crate::epipolar::source::MAX_LAYERS;
-use crate::epipolar::views::OutputViews;
-use crate::scene::capture::{PixelTracer, SamplePattern};
+use crate::source::MAX_LAYERS;
+use crate::views::OutputViews;
+use scene::capture::{PixelTracer, SamplePattern};
 
 /// Side in pixels of the square tiles that share a list of objects in view.
 pub(super) const TILE: u32 = PixelTracer::TILE;

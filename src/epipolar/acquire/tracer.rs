@@ -6,15 +6,15 @@ use rayon::prelude::*;
 
 use super::row::RowAcquisition;
 use super::settings::{AcquireSettings, TILE};
-use crate::epipolar::continuity::Continuity;
-use crate::epipolar::counters::Counters;
-use crate::epipolar::drawing::{DrawnScene, MAX_DRAWN, PixelHits, PixelWindow};
-use crate::epipolar::source::{SourceRow, SourceView};
-use crate::epipolar::views::OutputViews;
-use crate::epipolar::visibility::Reach;
-use crate::scene::capture::{PixelTracer, Viewpoint};
+use crate::continuity::Continuity;
+use crate::counters::Counters;
+use crate::drawing::{DrawnScene, MAX_DRAWN, PixelHits, PixelWindow};
+use crate::source::{SourceRow, SourceView};
+use crate::views::OutputViews;
+use crate::visibility::Reach;
 use codec::error::Result;
 use codec::monitor::Monitor;
+use scene::capture::{PixelTracer, Viewpoint};
 
 /// Inputs of the acquisition of source views.
 #[derive(Clone, Copy)]

@@ -11,9 +11,9 @@ use glam::{DMat3, DQuat, DVec3};
 
 use super::document::{Content, FileCamera, WriteSettings, Written, of_camera};
 use super::poses::{picture_names, poses};
-use crate::evaluate::TimedCamera;
 use codec::error::{Error, Result};
 use codec::math::Camera;
+use render::camera_path::TimedCamera;
 
 pub const CAMERAS: &str = "cameras.txt";
 pub const IMAGES: &str = "images.txt";

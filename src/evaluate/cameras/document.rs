@@ -4,9 +4,8 @@ use std::path::Path;
 
 use glam::{DMat3, DMat4, DVec3};
 
-use crate::evaluate::TimedCamera;
-use crate::evaluate::camera_path::MAX_PATH_FRAMES;
 use codec::error::{Error, Result};
+use render::camera_path::{MAX_PATH_FRAMES, TimedCamera};
 
 /// A camera in a file.
 #[derive(Debug, Clone, PartialEq)]

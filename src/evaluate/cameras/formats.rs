@@ -8,10 +8,10 @@ use serde_json::Value;
 
 use super::document::{Content, FileCamera, WriteSettings, Written};
 use super::{colmap, gltf, own, probes, transforms, usd};
-use crate::dataset::manifest::MANIFEST_NAME;
-use crate::mesh::gltf::document::is_glb;
 use codec::container::header::is_container;
 use codec::error::{Error, Result};
+use footage::dataset::manifest::MANIFEST_NAME;
+use scene::mesh::gltf::document::is_glb;
 
 /// Maximum size of a file in bytes.
 const MAX_BYTES: u64 = 256 << 20;

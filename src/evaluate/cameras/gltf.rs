@@ -10,17 +10,17 @@ use serde_json::{Value, json};
 
 use super::document::{Content, FileCamera, WriteSettings, Written, axes_of, check_count, of_camera};
 use super::poses::{Track, poses, tracks};
-use crate::evaluate::TimedCamera;
-use crate::mesh::budget::Budget;
-use crate::mesh::folder::Folder;
-use crate::mesh::gltf::buffers::Buffers;
-use crate::mesh::gltf::document::{self, Parsed};
-use crate::mesh::gltf::nodes::{Local, Nodes};
-use crate::mesh::gltf::write::binary_file;
-use crate::scene::model::animation::{Animation, Channel};
 use codec::error::{Error, Result};
 use codec::image::FrameRange;
 use codec::math::Camera;
+use render::camera_path::TimedCamera;
+use scene::mesh::budget::Budget;
+use scene::mesh::folder::Folder;
+use scene::mesh::gltf::buffers::Buffers;
+use scene::mesh::gltf::document::{self, Parsed};
+use scene::mesh::gltf::nodes::{Local, Nodes};
+use scene::mesh::gltf::write::binary_file;
+use scene::model::animation::{Animation, Channel};
 
 /// Tolerance between the time of a key and a frame, in frames.
 const NEAR_FRAME: f64 = 1e-3;

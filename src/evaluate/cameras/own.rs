@@ -1,5 +1,5 @@
-//! The camera files of lightfold ([`crate::evaluate::camera_file`]), and its files of probes to capture
-//! ([`crate::dataset::CameraSet`]).
+//! The camera files of lightfold ([`crate::camera_file`]), and its files of probes to capture
+//! ([`footage::dataset::CameraSet`]).
 
 use std::path::Path;
 
@@ -7,9 +7,9 @@ use serde_json::Value;
 
 use super::document::{Content, FileCamera, WriteSettings, Written};
 use super::probes;
-use crate::dataset::CameraSet;
-use crate::evaluate::camera_file::{CameraEntry, CameraFile, MAX_CAMERA_FILE_BYTES};
+use crate::camera_file::{CameraEntry, CameraFile, MAX_CAMERA_FILE_BYTES};
 use codec::error::{Error, Result};
+use footage::dataset::CameraSet;
 
 /// Returns true for a manifest and for a file of probes to capture.
 pub fn has_probes(document: &Value) -> bool {
@@ -35,6 +35,6 @@ pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
 
 pub fn write(cameras: &[FileCamera], _settings: &WriteSettings) -> Result<Written> {
     let cameras = cameras.iter().map(|camera| CameraEntry::of(&camera.timed)).collect();
-    let text = crate::json::pretty(&CameraFile { cameras })?;
+    let text = footage::json::pretty(&CameraFile { cameras })?;
     Ok(Written::File(text.into_bytes()))
 }

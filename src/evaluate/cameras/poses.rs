@@ -1,9 +1,9 @@
 //! Converts cameras with frames to poses of moving cameras.
 
 use super::document::FileCamera;
-use crate::evaluate::camera_path::MAX_PATH_FRAMES;
 use codec::error::{Error, Result};
 use codec::math::Camera;
+use render::camera_path::MAX_PATH_FRAMES;
 
 /// A camera at one time.
 #[derive(Debug, Clone, Copy)]

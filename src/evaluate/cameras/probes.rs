@@ -8,14 +8,14 @@ use std::path::Path;
 use glam::{DQuat, DVec3};
 
 use super::document::FileCamera;
-use crate::dataset::CameraSet;
-use crate::evaluate::TimedCamera;
-use crate::evaluate::camera_file::camera_of;
-use crate::evaluate::reference::{Reference, ReferenceImage};
+use crate::camera_file::camera_of;
+use crate::reference::{Reference, ReferenceImage};
 use codec::error::{Error, Result};
 use codec::image::{Face, FrameRange};
 use codec::math::camera::rotation;
 use codec::math::{Camera, Lens};
+use footage::dataset::CameraSet;
+use render::camera_path::TimedCamera;
 
 /// Returns the cameras of a container or dataset, by probe and then by face. They have frames only if frames differ between
 /// cameras or a probe moves.

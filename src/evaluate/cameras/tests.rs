@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::*;
-use crate::evaluate::TimedCamera;
 use codec::image::FrameRange;
 use codec::math::{Camera, Lens};
+use render::camera_path::TimedCamera;
 
 const SETTINGS: WriteSettings = WriteSettings { size: (720, None), fps: 24.0 };
 

@@ -10,10 +10,10 @@ use serde_json::{Map, Value, json};
 
 use super::document::{Content, FileCamera, WriteSettings, Written, axes_of, matrix_of, of_camera};
 use super::poses::{picture_names, poses};
-use crate::evaluate::TimedCamera;
 use codec::error::{Error, Result};
 use codec::image::FrameRange;
 use codec::math::Camera;
+use render::camera_path::TimedCamera;
 
 /// Lens parameters of all frames, or of one frame.
 #[derive(Debug, Clone, Default, Deserialize)]
@@ -140,7 +140,7 @@ pub fn write(cameras: &[FileCamera], settings: &WriteSettings) -> Result<Written
         extend(&mut document, lens);
     }
     document["frames"] = frames.into();
-    Ok(Written::File(crate::json::pretty(&document)?.into_bytes()))
+    Ok(Written::File(footage::json::pretty(&document)?.into_bytes()))
 }
 
 fn extend(object: &mut Value, others: &Value) {

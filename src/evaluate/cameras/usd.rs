@@ -12,10 +12,10 @@ use glam::{DMat4, DQuat, DVec3};
 use super::document::{Content, FileCamera, WriteSettings, Written, axes_of, check_count, matrix_of, of_camera};
 use super::poses::{Track, poses, tracks};
 use super::usda::{Prim, Value, parse};
-use crate::evaluate::TimedCamera;
 use codec::error::{Error, Result};
 use codec::image::FrameRange;
 use codec::math::Camera;
+use render::camera_path::TimedCamera;
 
 /// Defaults for values that a file does not state.
 const METRES_PER_UNIT: f64 = 0.01;

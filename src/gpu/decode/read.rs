@@ -2,9 +2,9 @@
 
 use half::f16;
 
-use crate::gpu::GpuDecoder;
-use crate::gpu::family::PixelWords;
-use crate::gpu::pictures::{leave_out, unpack_bytes, unpack_codes, unpack_halves};
+use crate::GpuDecoder;
+use crate::family::PixelWords;
+use crate::pictures::{leave_out, unpack_bytes, unpack_codes, unpack_halves};
 use codec::decode::{Picture, StreamInfo, UnitFilter};
 use codec::error::Result;
 use codec::image::{Plane, StreamKind};

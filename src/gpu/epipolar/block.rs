@@ -5,14 +5,14 @@ use std::ops::Range;
 use half::f16;
 use rayon::prelude::*;
 
-use crate::epipolar::coalesce::{LineRuns, Run};
-use crate::epipolar::interpolate::{Coverage, Interpolator};
-use crate::epipolar::source::{Light, SourcePixel};
-use crate::gpu::layout::{
+use crate::layout::{
     LIGHT_GLOSS, LIGHT_TRACED, LineLight, RUN_FIRST, RUN_JOINS, RUN_LENGTH_BITS, SHOWN_HOLE, SHOWN_OPTICAL, SlicePlace,
     SliceRun, words_of,
 };
-use crate::gpu::pictures::{pack_halves, unpack_halves};
+use crate::pictures::{pack_halves, unpack_halves};
+use epipolar::coalesce::{LineRuns, Run};
+use epipolar::interpolate::{Coverage, Interpolator};
+use epipolar::source::{Light, SourcePixel};
 
 /// Lines of some scanlines, and their runs.
 #[derive(Debug, Default)]

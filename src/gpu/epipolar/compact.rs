@@ -1,17 +1,16 @@
 //! Compaction on a device (Epipolar 3.3.2): reads back only the pixels of a layer that show a triangle.
 
-use crate::epipolar::compact::ActivePixel;
-use crate::gpu::Gpu;
-use crate::gpu::drawing::{Band, copy_rows};
-use crate::gpu::harness::dispatch;
-use crate::gpu::kernels;
-use crate::gpu::layout::{PixelRows, words_of};
+use crate::drawing::{Band, copy_rows};
+use crate::harness::dispatch;
+use crate::layout::{PixelRows, words_of};
+use crate::{Gpu, kernels};
 use codec::error::Result;
+use epipolar::compact::ActivePixel;
 
 /// Bytes per texel: the triangle number plus 1, and its depth.
 const TEXEL_BYTES: usize = 8;
 
-/// Returns the active pixels of a texture of [`crate::gpu::drawing::INDEX_FORMAT`], in order.
+/// Returns the active pixels of a texture of [`crate::drawing::INDEX_FORMAT`], in order.
 pub fn active_pixels(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<ActivePixel>> {
     let mut active = Vec::new();
     copy_rows(gpu, texture, TEXEL_BYTES, |shown, band| {

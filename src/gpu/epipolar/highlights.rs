@@ -5,10 +5,10 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::epipolar::coalesce::LineRuns;
-use crate::epipolar::interpolate::{Interpolator, Shader};
-use crate::epipolar::lines::Line;
-use crate::gpu::layout::{LineSplit, words_of};
+use crate::layout::{LineSplit, words_of};
+use epipolar::coalesce::LineRuns;
+use epipolar::interpolate::{Interpolator, Shader};
+use epipolar::lines::Line;
 
 /// Maximum radiance of a split, which keeps single-precision results finite; far above the range of half floats.
 const MAX_RADIANCE: f64 = 1e30;

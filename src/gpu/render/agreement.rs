@@ -1,12 +1,12 @@
 //! Differences between pictures rendered on a device and on the CPU, and their tolerances.
 
-use crate::evaluate::RenderedImage;
-use crate::evaluate::similarity::difference;
-use crate::march::Rendered;
-use crate::metrics::ssim_rgb8;
 use codec::error::Result;
 use codec::image::ToneMap;
 use codec::metrics::SquaredError;
+use evaluate::similarity::difference;
+use footage::metrics::ssim_rgb8;
+use render::march::Rendered;
+use render::rendered_image::RenderedImage;
 
 /// Tolerance of a pixel's channels, in 8-bit codes.
 pub const CODES: u8 = 2;
@@ -79,8 +79,8 @@ impl Agreement {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::march::counters::Counters;
     use codec::image::plane::Plane;
+    use render::march::counters::Counters;
 
     fn picture() -> Rendered {
         let color = Plane::from_fn(64, 64, |x, y| [x as f32 / 64.0, y as f32 / 64.0, 0.5]);

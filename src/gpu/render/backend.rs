@@ -9,19 +9,19 @@ use std::collections::{BTreeMap, HashMap};
 use std::ops::Add;
 use std::time::{Duration, Instant};
 
-use crate::gpu::decode::{self, UnitFrame};
-use crate::gpu::family::{self, Family};
-use crate::gpu::layout::Unit;
-use crate::gpu::render::depth_planes::{self, DepthPlanes, ROW_WORDS, TexelWords, TilePart, TileParts};
-use crate::gpu::render::scene::ImageId;
-use crate::gpu::{Gpu, GpuDecoder, kernels};
-use crate::views::face_cache::{UnitId, units_under};
-use crate::views::{CachedUnit, DepthPart, FaceChanges, FaceUpdate, NewFace, Rect, TexelBackend, overlap};
+use crate::decode::{self, UnitFrame};
+use crate::family::{self, Family};
+use crate::layout::Unit;
+use crate::render::depth_planes::{self, DepthPlanes, ROW_WORDS, TexelWords, TilePart, TileParts};
+use crate::render::scene::ImageId;
+use crate::{Gpu, GpuDecoder, kernels};
 use codec::decode::{Decoder, StreamInfo};
 use codec::error::{Error, Result};
 use codec::image::{DepthKind, StreamKind};
 use codec::math::add_members;
 use codec::streams::CodecHeader;
+use render::views::face_cache::{UnitId, units_under};
+use render::views::{CachedUnit, DepthPart, FaceChanges, FaceUpdate, NewFace, Rect, TexelBackend, overlap};
 
 /// Words of chunks that a decoder keeps in addition to those that the frame needs.
 const KEPT_WORDS: usize = 16 << 20;

@@ -7,16 +7,16 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::gpu::Gpu;
-use crate::gpu::harness::groups;
-use crate::gpu::kernels::Kernel;
-use crate::gpu::layout::{DepthJob, NONE, PyramidJob, Unit, Words, list_of};
-use crate::gpu::render::scene::NO_BOUND;
-use crate::march::DepthPyramid;
-use crate::views::{DepthPart, FaceTexels, InverseDepth, NewFace, Rect, UNKNOWN, bounds};
+use crate::Gpu;
+use crate::harness::groups;
+use crate::kernels::Kernel;
+use crate::layout::{DepthJob, NONE, PyramidJob, Unit, Words, list_of};
+use crate::render::scene::NO_BOUND;
 use codec::error::Result;
 use codec::image::{DepthKind, Face};
 use codec::streams::DepthHeader;
+use render::march::DepthPyramid;
+use render::views::{DepthPart, FaceTexels, InverseDepth, NewFace, Rect, UNKNOWN, bounds};
 
 /// Row alignment in words, required for copies into textures.
 pub const ROW_WORDS: u32 = 64;

@@ -4,18 +4,18 @@
 
 use glam::DVec3;
 
-use crate::gpu::Gpu;
-use crate::gpu::render::backend::{GpuBackend, can_decode};
-use crate::gpu::render::scene::ImageId;
-use crate::gpu::render::{GpuRenderer, RenderCost};
-use crate::march::{ActiveViews, PictureOptions, Pyramids, Rendered, Renderer, SpecularMode, Stage};
-use crate::views::{Change, ColorCoding, TexelBackend};
+use crate::Gpu;
+use crate::render::backend::{GpuBackend, can_decode};
+use crate::render::scene::ImageId;
+use crate::render::{GpuRenderer, RenderCost};
 use codec::decode::Decoder;
 use codec::error::Result;
 use codec::image::StreamKind;
 use codec::math::Camera;
 use codec::monitor::Monitor;
 use codec::streams::CodecHeader;
+use render::march::{ActiveViews, PictureOptions, Pyramids, Rendered, Renderer, SpecularMode, Stage};
+use render::views::{Change, ColorCoding, TexelBackend};
 
 pub struct DeviceRenderer<'a> {
     pub options: PictureOptions,

@@ -2,12 +2,12 @@
 
 use std::mem::offset_of;
 
-use crate::evaluate::{BackgroundFill, HoleFill};
-use crate::gpu::layout::{Face, Scene, View};
-use crate::march::{Acceleration, ActiveViews, DepthPyramid, MAX_BOUNCES, Proxies, Refinements, RenderSettings};
-use crate::views::{ColorCoding, FaceTexels};
+use crate::layout::{Face, Scene, View};
 use codec::image::Transfer;
 use codec::math::{Camera, Window};
+use render::march::{Acceleration, ActiveViews, DepthPyramid, MAX_BOUNCES, Proxies, Refinements, RenderSettings};
+use render::rendered_image::{BackgroundFill, HoleFill};
+use render::views::{ColorCoding, FaceTexels};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ImageId {
@@ -198,22 +198,13 @@ mod tests {
     use wgpu::naga;
 
     use super::*;
-    use crate::gpu::kernels::{KERNELS, Kernel};
-    use crate::gpu::render::{COUNTED, COUNTERS, GIVEN_UP, TILE};
-    use crate::march::Footprint;
-    use crate::march::active_views;
-    use crate::march::interpolate::{self, DEPTH_EPSILON};
-    use crate::march::layers;
-    use crate::march::pyramid;
-    use crate::march::ray;
-    use crate::march::samples;
-    use crate::march::segments;
-    use crate::march::specular::material;
-    use crate::march::specular::normal;
-    use crate::march::specular::secondary_rays;
-    use crate::march::specular::solid;
-    use crate::views::light_field::{BACKGROUND, UNKNOWN};
+    use crate::kernels::{KERNELS, Kernel};
+    use crate::render::{COUNTED, COUNTERS, GIVEN_UP, TILE};
     use codec::streams::convert::IOR_RANGE;
+    use render::march::interpolate::{self, DEPTH_EPSILON};
+    use render::march::specular::{material, normal, secondary_rays, solid};
+    use render::march::{Footprint, active_views, layers, pyramid, ray, samples, segments};
+    use render::views::light_field::{BACKGROUND, UNKNOWN};
 
     fn renders(kernel: &&&Kernel) -> bool {
         kernel.entry == "render"

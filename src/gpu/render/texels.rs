@@ -7,15 +7,15 @@ use std::collections::{HashMap, HashSet};
 
 use half::slice::HalfFloatSliceExt;
 
-use crate::atlas::{Allocation, Atlas, TextureLimits, TileGrid};
-use crate::gpu::Gpu;
-use crate::gpu::render::backend::GpuBackend;
-use crate::gpu::render::depth_planes::{TexelWords, above};
-use crate::gpu::render::scene::{ImageId, Origin};
-use crate::march::{ActiveViews, DepthPyramid, Level};
-use crate::views::{ColorCoding, ColorTexels, FaceTexels, Rect, bounds, overlap};
+use crate::Gpu;
+use crate::render::backend::GpuBackend;
+use crate::render::depth_planes::{TexelWords, above};
+use crate::render::scene::{ImageId, Origin};
 use codec::error::{Error, Result};
 use codec::image::StreamKind;
+use render::atlas::{Allocation, Atlas, TextureLimits, TileGrid};
+use render::march::{ActiveViews, DepthPyramid, Level};
+use render::views::{ColorCoding, ColorTexels, FaceTexels, Rect, bounds, overlap};
 
 /// Maximum number of stale rectangles that are sent individually; above it the whole image is sent.
 const MAX_RECTANGLES: usize = 64;

@@ -1,11 +1,11 @@
 //! Inputs of the box-decoding kernels: adjacent columns that share words, units of odd sizes, whole and constant records, block
 //! tiles.
 
-use crate::gpu::harness::Case;
-use crate::gpu::layout::{BoxRow, Record, Unit};
-use crate::gpu::pictures::{pack_bytes, pack_codes};
-use crate::gpu::prepare::{self, Prepared};
-use crate::gpu::selftest::gathered::Gathered;
+use crate::harness::Case;
+use crate::layout::{BoxRow, Record, Unit};
+use crate::pictures::{pack_bytes, pack_codes};
+use crate::prepare::{self, Prepared};
+use crate::selftest::gathered::Gathered;
 use codec::depth::block_tiles::{Layout, tiles_of};
 use codec::depth::record_table::builder::TableBuilder;
 use codec::depth::{PixelBox, TemporalChunk, Texel};

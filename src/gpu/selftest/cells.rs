@@ -1,11 +1,11 @@
 //! Inputs of the colour kernels: every pair of bytes at every weight, edge cases of half floats, odd offsets, block-compressed
 //! keyframes.
 
-use crate::gpu::harness::Case;
-use crate::gpu::layout::{Job, Record, Unit};
-use crate::gpu::pictures::{pack_bytes, pack_halves};
-use crate::gpu::prepare::{self, Prepared};
-use crate::gpu::selftest::gathered::Gathered;
+use crate::harness::Case;
+use crate::layout::{Job, Record, Unit};
+use crate::pictures::{pack_bytes, pack_halves};
+use crate::prepare::{self, Prepared};
+use crate::selftest::gathered::Gathered;
 use codec::color::cells::builder::CellBuilder;
 use codec::color::{CellChunk, CellFormat, HalfKey, KeyframeBlocks, Sample};
 use codec::math::random::Random;

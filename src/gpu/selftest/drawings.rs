@@ -5,16 +5,16 @@ use std::time::Instant;
 use glam::DVec3;
 
 use super::rooms::Builder;
-use crate::gpu::Gpu;
-use crate::gpu::harness::KernelReport;
-use crate::gpu::kernels::{self, Drawing};
-use crate::gpu::quads::GpuQuads;
-use crate::gpu::render::agreement::Agreement;
-use crate::simplify::quad_mesh::QuadMesh;
-use crate::simplify::raster::{Compositing, DrawSettings, Drawn, draw_picture};
+use crate::Gpu;
+use crate::harness::KernelReport;
+use crate::kernels::{self, Drawing};
+use crate::quads::GpuQuads;
+use crate::render::agreement::Agreement;
 use codec::error::Result;
 use codec::math::{Camera, Lens};
 use codec::monitor::Silent;
+use simplify::quad_mesh::QuadMesh;
+use simplify::raster::{Compositing, DrawSettings, Drawn, draw_picture};
 
 /// Width of a picture in pixels.
 const SIZE: u32 = 96;
@@ -85,7 +85,6 @@ pub fn run(gpu: &Gpu, case: &DrawingCase) -> Result<DrawingResult> {
 
 /// Renders all pictures that use a drawing, and compares them with the CPU's.
 pub fn test_drawing(gpu: &Gpu, drawing: &'static Drawing) -> Result<KernelReport> {
-    #[cfg(feature = "epipolar")]
     if drawing.name == kernels::TRIANGLES.name {
         return super::triangles::test(gpu, drawing.name);
     }

@@ -1,7 +1,7 @@
 //! Collects the units of one dispatch into the buffers of a decoding kernel.
 
-use crate::gpu::harness::Case;
-use crate::gpu::layout::{BoxRow, Job, Record, SCRATCH_WORDS, Unit, list_of, words_of};
+use crate::harness::Case;
+use crate::layout::{BoxRow, Job, Record, SCRATCH_WORDS, Unit, list_of, words_of};
 use codec::depth::domain::LOG2_TABLE;
 
 #[derive(Default)]

@@ -5,18 +5,18 @@ use std::time::Instant;
 use glam::DVec3;
 
 use super::slices::{self, InterpolationCase};
-use crate::epipolar::acquire::{AcquireSettings, acquire};
-use crate::epipolar::backend::{Backend, Cpu};
-use crate::epipolar::interpolate::{InterpolateSettings, Interpolator};
-use crate::epipolar::views::{OutputViews, Spread};
-use crate::gpu::Gpu;
-use crate::gpu::epipolar::GpuInterpolator;
-use crate::gpu::harness::KernelReport;
-use crate::scene::capture::SamplePattern;
-use crate::scene::{Lamp, Light, Material, Object, Phong, Quad, SceneAtTime, Shape, Sky, Sphere, Texture, Window};
+use crate::Gpu;
+use crate::epipolar::GpuInterpolator;
+use crate::harness::KernelReport;
 use codec::error::Result;
 use codec::math::{Camera, Lens};
 use codec::monitor::Silent;
+use epipolar::acquire::{AcquireSettings, acquire};
+use epipolar::backend::{Backend, Cpu};
+use epipolar::interpolate::{InterpolateSettings, Interpolator};
+use epipolar::views::{OutputViews, Spread};
+use scene::capture::SamplePattern;
+use scene::{Lamp, Light, Material, Object, Phong, Quad, SceneAtTime, Shape, Sky, Sphere, Texture, Window};
 
 const SIZE: [u32; 2] = [72, 40];
 /// Metres from the first view to the last.

@@ -1,10 +1,10 @@
 //! Inputs of the node kernel: all functions on all levels, in units of odd sizes, in all domains.
 
-use crate::gpu::harness::Case;
-use crate::gpu::layout::{Record, Unit};
-use crate::gpu::pictures::pack_codes;
-use crate::gpu::prepare::words_from;
-use crate::gpu::selftest::gathered::Gathered;
+use crate::harness::Case;
+use crate::layout::{Record, Unit};
+use crate::pictures::pack_codes;
+use crate::prepare::words_from;
+use crate::selftest::gathered::Gathered;
 use codec::depth::DomainParts;
 use codec::depth::domain::{Domain, DomainKind};
 use codec::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of};

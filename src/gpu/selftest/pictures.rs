@@ -4,24 +4,24 @@ use std::time::Instant;
 
 use glam::{DQuat, DVec3};
 
-use crate::evaluate::{BackgroundFill, HoleFill};
-use crate::gpu::Gpu;
-use crate::gpu::harness::KernelReport;
-use crate::gpu::kernels::{self, Kernel};
-use crate::gpu::render::GpuRenderer;
-use crate::gpu::render::agreement::Agreement;
-use crate::march::render::render;
-use crate::march::synthetic::set_alpha_of_blocks;
-use crate::march::{Acceleration, ActiveViews, PictureOptions, Refinements, RenderSettings, Rendered, SpecularMode};
-use crate::scene::capture::{PassSettings, SamplePattern, Viewpoint, capture_view};
-use crate::scene::{DemoKind, DemoScene, Pass, SceneAtTime};
-use crate::views::from_images::{FaceImages, from_images};
-use crate::views::{ColorCoding, LightField, UNKNOWN, View};
+use crate::Gpu;
+use crate::harness::KernelReport;
+use crate::kernels::{self, Kernel};
+use crate::render::GpuRenderer;
+use crate::render::agreement::Agreement;
 use codec::container::ProbeEntry;
 use codec::error::{Error, Result};
 use codec::image::{DepthKind, Face, ImageProjection, ToneMap, Transfer};
 use codec::math::{Camera, Lens};
 use codec::monitor::Silent;
+use render::march::render::render;
+use render::march::synthetic::set_alpha_of_blocks;
+use render::march::{Acceleration, ActiveViews, PictureOptions, Refinements, RenderSettings, Rendered, SpecularMode};
+use render::rendered_image::{BackgroundFill, HoleFill};
+use render::views::from_images::{FaceImages, from_images};
+use render::views::{ColorCoding, LightField, UNKNOWN, View};
+use scene::capture::{PassSettings, SamplePattern, Viewpoint, capture_view};
+use scene::{DemoKind, DemoScene, Pass, SceneAtTime};
 
 /// Width and height of a captured image in pixels.
 const FACE: u32 = 48;

@@ -1,12 +1,10 @@
 //! Inputs of the planning kernels: all ways to reach a frame, tables of many lengths, and more items than a workgroup has
 //! invocations.
 
-use crate::gpu::harness::Case;
-use crate::gpu::layout::{
-    Chunk, Dispatch, Item, Job, MAX_GROUPS, NONE, Record, State, Unit, WORKGROUP, list_of, words_of,
-};
-use crate::gpu::prepare::{self, Prepared};
-use crate::gpu::selftest::gathered::Gathered;
+use crate::harness::Case;
+use crate::layout::{Chunk, Dispatch, Item, Job, MAX_GROUPS, NONE, Record, State, Unit, WORKGROUP, list_of, words_of};
+use crate::prepare::{self, Prepared};
+use crate::selftest::gathered::Gathered;
 use codec::color::cells::builder::CellBuilder;
 use codec::color::{CellChunk, CellFormat};
 use codec::depth::record_table;

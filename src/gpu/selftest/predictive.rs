@@ -1,7 +1,7 @@
 //! Random streams of predictive depth, with arbitrary codes or with levels. An encoder writes their chunks, because a random
 //! payload almost never ends together with its last frame.
 
-use crate::gpu::selftest::boxes::random_picture;
+use crate::selftest::boxes::random_picture;
 use codec::container::EncodedChunk;
 use codec::depth::BACKGROUND_CODE;
 use codec::depth::mode_decision::Decide;

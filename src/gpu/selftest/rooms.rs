@@ -5,9 +5,9 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3};
 
 use super::SEED;
-use crate::mesh::{ImageTexture, Mesh, Wrap};
-use crate::simplify::quad_mesh::QuadMesh;
 use codec::math::random::Random;
+use scene::mesh::{ImageTexture, Mesh, Wrap};
+use simplify::quad_mesh::QuadMesh;
 
 /// Width and height of the atlas in texels; it has 8 x 8 tiles of 32 x 32 texels.
 const ATLAS: u32 = 256;

@@ -1,10 +1,10 @@
 //! Inputs of the kernels that process rows of pixels: compaction and erosion (Epipolar 3.3).
 
-use crate::epipolar::compact::{compact, counts};
-use crate::epipolar::erosion::{edges, eroded};
-use crate::gpu::harness::Case;
-use crate::gpu::layout::{PixelRows, words_of};
+use crate::harness::Case;
+use crate::layout::{PixelRows, words_of};
 use codec::math::random::Random;
+use epipolar::compact::{compact, counts};
+use epipolar::erosion::{edges, eroded};
 
 const WORKGROUP: u32 = 256;
 /// Widths and heights: one, odd, and around the size of a workgroup; the last one is timed.
@@ -148,7 +148,7 @@ pub(super) fn erosion(seed: u64) -> Vec<Case> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::selftest::SEED;
+    use crate::selftest::SEED;
 
     #[test]
     fn inputs_have_edges_and_ways_that_cross_them() {

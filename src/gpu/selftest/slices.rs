@@ -6,27 +6,27 @@ use std::collections::HashMap;
 use glam::DVec3;
 use half::f16;
 
-use crate::epipolar::backend::{Backend, Cpu};
-use crate::epipolar::coalesce::{Coalescing, LineRuns};
-use crate::epipolar::counters::Counters;
-use crate::epipolar::fill::picture;
-use crate::epipolar::interpolate::{Coverage, InterpolateSettings, InterpolatedView, Interpolator, Shader};
-use crate::epipolar::lines::Line;
-use crate::epipolar::slice::{Slice, Winner};
-use crate::epipolar::source::{Light, SourcePixel, SourceRow, SourceView};
-use crate::epipolar::views::{OutputViews, Spread};
-use crate::gpu::epipolar::GpuInterpolator;
-use crate::gpu::epipolar::block::{LineWords, covered, places};
-use crate::gpu::harness::Case;
-use crate::gpu::layout::{
+use crate::epipolar::GpuInterpolator;
+use crate::epipolar::block::{LineWords, covered, places};
+use crate::harness::Case;
+use crate::layout::{
     NONE, SHOWN_GLOSS, SHOWN_HOLE, SHOWN_OPTICAL, SLICE_COLUMNS, SLICE_WORKGROUP, SliceBlock, WINNER_AFTER,
     WINNER_BEFORE, WINNER_OWN, words_of,
 };
-use crate::gpu::render::agreement::Agreement;
+use crate::render::agreement::Agreement;
 use codec::error::Result;
 use codec::math::random::Random;
 use codec::math::{Camera, Lens};
 use codec::monitor::Silent;
+use epipolar::backend::{Backend, Cpu};
+use epipolar::coalesce::{Coalescing, LineRuns};
+use epipolar::counters::Counters;
+use epipolar::fill::picture;
+use epipolar::interpolate::{Coverage, InterpolateSettings, InterpolatedView, Interpolator, Shader};
+use epipolar::lines::Line;
+use epipolar::slice::{Slice, Winner};
+use epipolar::source::{Light, SourcePixel, SourceRow, SourceView};
+use epipolar::views::{OutputViews, Spread};
 
 /// Output views and their sources.
 #[derive(Debug, Clone)]
@@ -320,7 +320,7 @@ fn pixel_of(of: &Interpolator<'_>, (row, view): (usize, usize), lines: &[Line], 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::selftest::SEED;
+    use crate::selftest::SEED;
 
     #[test]
     fn inputs_have_all_kinds_of_winners_and_pixels() {

@@ -3,17 +3,17 @@
 //! Most payloads are random rather than encoded, so they contain what the format allows but no footage needs. Some payloads of
 //! the intermediate form, and all predictive depth, come from encoders.
 
-use crate::gpu::decode::UnitFrame;
-use crate::gpu::family::Family;
-use crate::gpu::kernels::{self, Kernel};
-use crate::gpu::prepare::prepared_bytes;
-use crate::gpu::selftest::boxes::{BoxTexel, put_random, random_boxes_in, random_picture};
-use crate::gpu::selftest::cells::{CellSample, push_random_keyframe};
-use crate::gpu::selftest::nodes::random_nodes;
-use crate::gpu::selftest::predictive;
-use crate::gpu::selftest::transform::{any_payload, random_tables};
-use crate::gpu::verify::Verification;
-use crate::gpu::{Gpu, GpuDecoder};
+use crate::decode::UnitFrame;
+use crate::family::Family;
+use crate::kernels::{self, Kernel};
+use crate::prepare::prepared_bytes;
+use crate::selftest::boxes::{BoxTexel, put_random, random_boxes_in, random_picture};
+use crate::selftest::cells::{CellSample, push_random_keyframe};
+use crate::selftest::nodes::random_nodes;
+use crate::selftest::predictive;
+use crate::selftest::transform::{any_payload, random_tables};
+use crate::verify::Verification;
+use crate::{Gpu, GpuDecoder};
 use codec::color::cells::builder::CellBuilder;
 use codec::color::transform::payload::CELLS;
 use codec::color::transform::{Keyed, Tables};

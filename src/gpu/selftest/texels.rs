@@ -1,14 +1,14 @@
 //! Inputs of the kernels that write texels: tiles of all sizes and positions, both kinds of depth, images of one texel and of
 //! odd sizes.
 
-use crate::gpu::harness::Case;
-use crate::gpu::layout::{DepthJob, NONE, PyramidJob, list_of};
-use crate::gpu::pictures::{code_stride, pack_codes};
-use crate::march::{DepthPyramid, Level};
-use crate::views::{BACKGROUND, ColorCoding, FaceTexels, InverseDepth, UNKNOWN};
+use crate::harness::Case;
+use crate::layout::{DepthJob, NONE, PyramidJob, list_of};
+use crate::pictures::{code_stride, pack_codes};
 use codec::depth::DepthRange;
 use codec::image::{DepthKind, TexelMap, ToneMap};
 use codec::math::random::Random;
+use render::march::{DepthPyramid, Level};
+use render::views::{BACKGROUND, ColorCoding, FaceTexels, InverseDepth, UNKNOWN};
 
 /// Returns a random code; one of three is near, far or background, or adjacent to them.
 fn code(random: &mut Random) -> u16 {

@@ -3,12 +3,12 @@
 
 use std::sync::Arc;
 
-use crate::gpu::harness::Case;
-use crate::gpu::layout::{BoxRow, Job, Record, Unit};
-use crate::gpu::prepare::{self, Prepared};
-use crate::gpu::selftest::cells::CellSample;
-use crate::gpu::selftest::gathered::Gathered;
-use crate::gpu::transform_tables::TransformTables;
+use crate::harness::Case;
+use crate::layout::{BoxRow, Job, Record, Unit};
+use crate::prepare::{self, Prepared};
+use crate::selftest::cells::CellSample;
+use crate::selftest::gathered::Gathered;
+use crate::transform_tables::TransformTables;
 use codec::color::quality::{EightBit, Pu21, Quality};
 use codec::color::transform::authored::{ANY, PALETTES, USUAL, WHOLE, random_payload};
 use codec::color::transform::domain::ChromaSlopes;

@@ -7,20 +7,20 @@ use std::time::Instant;
 use glam::{DVec3, Vec2};
 
 use super::rooms::Builder;
-use crate::epipolar::brute_force;
-use crate::epipolar::drawing::{DrawnScene, MAX_DRAWN, PixelWindow};
-use crate::epipolar::views::{OutputViews, Spread};
-use crate::evaluate::RenderedImage;
-use crate::gpu::Gpu;
-use crate::gpu::harness::KernelReport;
-use crate::gpu::render::agreement::Agreement;
-use crate::gpu::triangles::GpuTriangles;
-use crate::mesh::{ImageTexture, Material, Mesh, Wrap};
-use crate::scene::capture::{PixelTracer, SamplePattern};
-use crate::scene::{DemoKind, DemoScene, Light, MeshMaterial, SceneAtTime, SceneMesh};
+use crate::Gpu;
+use crate::harness::KernelReport;
+use crate::render::agreement::Agreement;
+use crate::triangles::GpuTriangles;
 use codec::error::Result;
 use codec::math::{Camera, Lens};
 use codec::monitor::Silent;
+use epipolar::brute_force;
+use epipolar::drawing::{DrawnScene, MAX_DRAWN, PixelWindow};
+use epipolar::views::{OutputViews, Spread};
+use render::rendered_image::RenderedImage;
+use scene::capture::{PixelTracer, SamplePattern};
+use scene::mesh::{ImageTexture, Material, Mesh, Wrap};
+use scene::{DemoKind, DemoScene, Light, MeshMaterial, SceneAtTime, SceneMesh};
 
 const SIZE: [u32; 2] = [121, 90];
 

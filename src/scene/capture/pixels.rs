@@ -7,7 +7,7 @@ use half::f16;
 
 use super::samples::SamplePattern;
 use crate::mesh::{AxisBox, Ray};
-use crate::scene::{Hit, SceneAtTime};
+use crate::{Hit, SceneAtTime};
 use codec::image::ImageProjection;
 
 #[derive(Debug, Clone, Copy, PartialEq)]

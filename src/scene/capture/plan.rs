@@ -10,15 +10,15 @@ use glam::DVec3;
 use super::pixels::Viewpoint;
 use super::samples::SamplePattern;
 use super::view::{MAX_FACE_SIZE, Pass};
-use crate::dataset::cameras::CameraSet;
-use crate::dataset::manifest::{
-    ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, MaterialInfo, Probe,
-};
-use crate::fingerprint::digest;
-use crate::image_files::ColorSpace;
 use codec::error::{Error, Result};
 use codec::image::{DepthKind, Face, FrameRange, ImageProjection, Pattern, Projection, StreamKind};
 use codec::math::camera::rotation;
+use footage::dataset::cameras::CameraSet;
+use footage::dataset::manifest::{
+    ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, MaterialInfo, Probe,
+};
+use footage::fingerprint::digest;
+use footage::image_files::ColorSpace;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct CapturePlan {
@@ -316,7 +316,7 @@ fn cameras_in_words(set: &CameraSet) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::cameras::PlacedCamera;
+    use footage::dataset::cameras::PlacedCamera;
 
     fn plan() -> CapturePlan {
         CapturePlan {

@@ -2,7 +2,7 @@ use glam::DVec3;
 use half::f16;
 
 use super::*;
-use crate::scene::{DemoKind, DemoScene, SceneAtTime, trace};
+use crate::{DemoKind, DemoScene, SceneAtTime, trace};
 use codec::error::{Error, Result};
 use codec::image::{ColorPlane, DepthKind, DepthPlane, Face, ImageProjection};
 use codec::monitor::Silent;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::pixels::{PixelTracer, Viewpoint, halves};
 use super::samples::SamplePattern;
-use crate::scene::{Hit, OPAQUE, SceneAtTime};
+use crate::{Hit, OPAQUE, SceneAtTime};
 use codec::error::{Error, Result};
 use codec::image::DepthKind;
 use codec::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
@@ -211,7 +211,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::scene::{DemoKind, DemoScene, trace};
+    use crate::{DemoKind, DemoScene, trace};
     use codec::image::{Face, ImageProjection};
     use codec::monitor::Silent;
 

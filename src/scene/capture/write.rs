@@ -6,14 +6,14 @@ use std::path::Path;
 use super::plan::{CapturePlan, FrameRequest};
 use super::samples::SamplePattern;
 use super::view::{Images, Pass, PassSettings, capture_view};
-use crate::dataset::manifest::{MANIFEST_NAME, MaterialChannels, NORMAL_CHANNELS};
-use crate::files::{FileFolder, FolderKind, OutputFolder};
-use crate::image_files::exr;
-use crate::scene::{Scene, SceneAtTime};
+use crate::{Scene, SceneAtTime};
 use codec::error::{Error, Result};
 use codec::image::{ChannelSelect, DepthPlane, Plane, ReadLimits};
 use codec::monitor::Monitor;
 use codec::ordered::try_map_at_once;
+use footage::dataset::manifest::{MANIFEST_NAME, MaterialChannels, NORMAL_CHANNELS};
+use footage::files::{FileFolder, FolderKind, OutputFolder};
+use footage::image_files::exr;
 
 /// Folder of an unfinished capture.
 pub const UNFINISHED: FolderKind = FolderKind { suffix: ".capture.partial", state: ".capture.json" };
@@ -254,12 +254,11 @@ mod tests {
     use std::path::PathBuf;
 
     use super::*;
-    use crate::dataset::cameras::{CameraSet, PlacedCamera};
-    use crate::files::{Kept, PartialFolder};
-    use crate::scene::{DemoKind, DemoScene};
-    use codec::image::FrameRange;
-    use codec::image::{DepthKind, Projection};
+    use crate::{DemoKind, DemoScene};
+    use codec::image::{DepthKind, FrameRange, Projection};
     use codec::monitor::Silent;
+    use footage::dataset::cameras::{CameraSet, PlacedCamera};
+    use footage::files::{Kept, PartialFolder};
 
     fn plan() -> CapturePlan {
         CapturePlan {

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use glam::{DMat4, DVec3};
 use gltf::khr_lights_punctual::Kind;
 
-use crate::scene::light::{Cone, Lamp, Light, Sun, Window};
+use crate::light::{Cone, Lamp, Light, Sun, Window};
 use codec::error::{Error, Result};
 
 /// Maximum number of lights of a scene: each surface point traces a shadow ray to each light.

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::mesh::Material;
 use crate::mesh::gltf::materials::Paint;
-use crate::scene::mesh::{MeshMaterial, Optics, Phong};
+use crate::mesh_scene::{MeshMaterial, Optics, Phong};
 
 /// Minimum metalness and maximum roughness of a mirror.
 const MIRROR_METALLIC: f64 = 0.95;

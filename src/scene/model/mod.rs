@@ -15,7 +15,7 @@ use crate::mesh::gltf::document;
 use crate::mesh::{Mesh, folder};
 use codec::error::{Error, Result};
 
-pub(crate) mod animation;
+pub mod animation;
 mod deform;
 mod gltf;
 mod lights;

@@ -14,7 +14,7 @@ use crate::mesh::budget::Budget;
 use crate::mesh::folder::Folder;
 use crate::mesh::gltf::materials::unit;
 use crate::mesh::{ImageTexture, Material, Wrap};
-use crate::scene::mesh::{MeshMaterial, Optics, Phong};
+use crate::mesh_scene::{MeshMaterial, Optics, Phong};
 use codec::error::Result;
 
 /// Alpha cutoff.

@@ -14,7 +14,7 @@ use super::mtl;
 use crate::mesh::assembly::{Assembly, Channels, Part, Winding};
 use crate::mesh::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
 use crate::mesh::folder::Folder;
-use crate::scene::{MeshMaterial, SceneMesh};
+use crate::{MeshMaterial, SceneMesh};
 use codec::error::{Error, Result};
 
 /// Maximum bytes that the parser allocates per byte of text.

@@ -11,7 +11,7 @@ use crate::mesh::Mesh;
 use crate::mesh::assembly::{Assembly, Channels, LeftOut, Part};
 use crate::mesh::gltf::nodes::{Local, Nodes};
 use crate::mesh::gltf::primitives::Geometry;
-use crate::scene::{Light, MeshMaterial, SceneMesh};
+use crate::{Light, MeshMaterial, SceneMesh};
 
 /// A primitive on a node.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::parts::{Definition, indoors, lamp, rgb, room, wall};
 use crate::mesh::AxisBox;
-use crate::scene::{Cone, Lamp, Material, Object, SceneAtTime, Shape, Texture, TurnedBox};
+use crate::{Cone, Lamp, Material, Object, SceneAtTime, Shape, Texture, TurnedBox};
 
 pub(super) const SCENE: Definition =
     Definition { name: "cornell", region: (DVec3::new(0.0, 1.3, 0.75), DVec3::new(0.3, 0.15, 0.15)), fixed, at };

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec2, DVec3};
 
 use super::parts::{Definition, ball, block, bulb, lamp, rgb, wall};
-use crate::scene::{Fence, Lamp, Light, Material, Object, SceneAtTime, Shape, Texture, TurnedBox};
+use crate::{Fence, Lamp, Light, Material, Object, SceneAtTime, Shape, Texture, TurnedBox};
 
 pub(super) const SCENE: Definition =
     Definition { name: "courtyard", region: (DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.3, 0.2, 0.3)), fixed, at };
@@ -120,7 +120,7 @@ mod tests {
     use super::super::{DemoKind, DemoScene};
     use super::*;
     use crate::mesh::AxisBox;
-    use crate::scene::{capture_face, trace};
+    use crate::{capture_face, trace};
     use codec::image::{DepthPlane, Face};
 
     const TIMES: [f64; 5] = [0.0, 0.7, 1.5, 2.9, 3.95];

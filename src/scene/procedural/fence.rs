@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 
 use super::parts::{Definition, ball, block, rgb, wall};
-use crate::scene::{Fence, Light, Material, Object, Quad, SceneAtTime, Shape, Texture};
+use crate::{Fence, Light, Material, Object, Quad, SceneAtTime, Shape, Texture};
 
 pub(super) const SCENE: Definition =
     Definition { name: "fence", region: (DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.4, 0.2, 0.4)), fixed, at };
@@ -94,7 +94,7 @@ fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
 #[cfg(test)]
 mod tests {
     use super::super::{DemoKind, DemoScene};
-    use crate::scene::capture_face;
+    use crate::capture_face;
     use codec::image::{DepthPlane, Face};
 
     fn depth(face: Face, size: u32) -> DepthPlane {

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 
 use super::parts::{Definition, ball, block, bulb, indoors, lamp, rgb, room};
 use crate::mesh::AxisBox;
-use crate::scene::{CastsShadow, Cone, Fence, Lamp, Material, Object, Phong, SceneAtTime, Shape, Texture};
+use crate::{CastsShadow, Cone, Fence, Lamp, Material, Object, Phong, SceneAtTime, Shape, Texture};
 
 pub(super) const SCENE: Definition =
     Definition { name: "interior", region: (DVec3::new(0.0, 1.5, 0.3), DVec3::new(0.3, 0.2, 0.3)), fixed, at };

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::parts::{Definition, ball, block, bulb, indoors, lamp, rgb, room};
 use crate::mesh::AxisBox;
-use crate::scene::{Object, Optics, Phong, SceneAtTime, Texture};
+use crate::{Object, Optics, Phong, SceneAtTime, Texture};
 
 pub(super) const SCENE: Definition =
     Definition { name: "mirrors", region: (DVec3::new(0.0, 1.6, 1.1), DVec3::new(0.3, 0.15, 0.2)), fixed, at };

@@ -3,9 +3,7 @@
 use glam::DVec3;
 
 use crate::mesh::AxisBox;
-use crate::scene::{
-    CastsShadow, Lamp, Light, Material, Object, Quad, SceneAtTime, Shape, Sky, Sphere, Texture, Window,
-};
+use crate::{CastsShadow, Lamp, Light, Material, Object, Quad, SceneAtTime, Shape, Sky, Sphere, Texture, Window};
 
 pub(super) struct Definition {
     pub name: &'static str,

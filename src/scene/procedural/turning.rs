@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 
 use super::parts::{Definition, rgb};
 use crate::mesh::{Material, Mesh};
-use crate::scene::{Light, MeshMaterial, Object, Phong, SceneAtTime, SceneMesh, Sky, Sun};
+use crate::{Light, MeshMaterial, Object, Phong, SceneAtTime, SceneMesh, Sky, Sun};
 
 pub(super) const SCENE: Definition =
     Definition { name: "object", region: (DVec3::new(0.0, 0.2, 1.4), DVec3::new(0.5, 0.3, 0.2)), fixed: Vec::new, at };

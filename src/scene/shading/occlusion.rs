@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use crate::mesh::Ray;
-use crate::scene::raycast::SceneAtTime;
-use crate::scene::surface::Surface;
+use crate::raycast::SceneAtTime;
+use crate::surface::Surface;
 
 /// Returns the fraction of the ambient light that reaches a surface, 0 to 1: the fraction of cosine-weighted rays that hit
 /// nothing nearby.

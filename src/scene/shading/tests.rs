@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::*;
 use crate::mesh::{AxisBox, Material as PlainMaterial, Mesh};
-use crate::scene::{
+use crate::{
     Cone, Hit, Light, LightRays, Material, MeshMaterial, Object, Quad, SceneMesh, Shape, Sky, Sphere, Sun, Texture,
     Window, trace,
 };

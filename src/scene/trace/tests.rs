@@ -2,7 +2,7 @@ mod extremes;
 
 use super::*;
 use crate::mesh::AxisBox;
-use crate::scene::{CastsShadow, Lamp, Light, Material, Object, Quad, Shape, Sky, Sphere, Sun, Texture, Window};
+use crate::{CastsShadow, Lamp, Light, Material, Object, Quad, Shape, Sky, Sphere, Sun, Texture, Window};
 
 const SKY: Sky = Sky { horizon: DVec3::splat(0.5), zenith: DVec3::ONE, ambient: DVec3::splat(0.1) };
 

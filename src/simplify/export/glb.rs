@@ -6,11 +6,11 @@ use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
 use super::scene::Scene;
-use crate::mesh::Material;
-use crate::mesh::gltf::write::{self, Additions};
-use crate::simplify::cost::TextureCoordinates;
-use crate::simplify::quad_mesh::QuadMesh;
+use crate::cost::TextureCoordinates;
+use crate::quad_mesh::QuadMesh;
 use codec::error::Result;
+use scene::mesh::Material;
+use scene::mesh::gltf::write::{self, Additions};
 
 /// glTF has no homogeneous texture coordinates, so they are an application-specific attribute. TEXCOORD_0 is written, too,
 /// because the Khronos validator reports a textured primitive without it.

@@ -10,10 +10,10 @@ mod textures;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use crate::dataset::manifest::NORMAL_CHANNELS;
-use crate::image_files::exr;
 use codec::error::{Error, Result};
 use codec::image::Plane;
+use footage::dataset::manifest::NORMAL_CHANNELS;
+use footage::image_files::exr;
 
 pub use scene::Scene;
 pub use textures::Ktx2Output;

@@ -1,10 +1,10 @@
 //! Input of the file writers.
 
-use crate::simplify::cost::TextureCoordinates;
-use crate::simplify::gbuffer::SurfaceAtlas;
-use crate::simplify::quad_mesh::QuadMesh;
-use crate::simplify::region::ViewingRegion;
-use crate::simplify::selection::Budgets;
+use crate::cost::TextureCoordinates;
+use crate::gbuffer::SurfaceAtlas;
+use crate::quad_mesh::QuadMesh;
+use crate::region::ViewingRegion;
+use crate::selection::Budgets;
 
 /// A scene, and the metadata that files store with it.
 #[derive(Debug)]

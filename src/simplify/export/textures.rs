@@ -7,14 +7,14 @@ use rayon::prelude::*;
 
 use std::path::PathBuf;
 
-use crate::image_files::exr;
-use crate::image_files::ktx2::{self, BlockFormat};
-use crate::mesh::ImageTexture;
-use crate::simplify::quad_mesh::QuadMesh;
+use crate::quad_mesh::QuadMesh;
 use codec::block::{Bc6h, Bc7, Bc7Rgba, BlockEncoder, SIDE};
 use codec::effort::Effort;
 use codec::error::Result;
 use codec::image::{Plane, Primaries};
+use footage::image_files::exr;
+use footage::image_files::ktx2::{self, BlockFormat};
+use scene::mesh::ImageTexture;
 
 /// KTX2 file of BC7, or of BC6H for half floats.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::texels::Texels;
 use super::{Compositing, DrawSettings, ROWS_A_JOB, Raster};
-use crate::simplify::quad_mesh::QuadMesh;
+use crate::quad_mesh::QuadMesh;
 use codec::math::Camera;
 
 /// Centre of a pixel.

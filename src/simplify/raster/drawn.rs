@@ -2,8 +2,8 @@
 
 use glam::Vec4;
 
-use crate::evaluate::RenderedImage;
 use codec::error::Result;
+use render::rendered_image::RenderedImage;
 
 /// Pixels of a picture, and counts of triangles.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::drawn::Drawn;
 use super::texels::{Texels, texture_coordinates};
-use crate::simplify::quad_mesh::QuadMesh;
+use crate::quad_mesh::QuadMesh;
 use codec::math::Camera;
 
 /// Number of rows that one job draws.

@@ -5,9 +5,9 @@ use half::f16;
 
 use super::alpha::AlphaRaster;
 use super::*;
-use crate::mesh::{ImageTexture, Mesh, Wrap};
 use codec::math::Lens;
 use codec::monitor::Silent;
+use scene::mesh::{ImageTexture, Mesh, Wrap};
 
 /// Adds a square of one colour that is perpendicular to the view, at a distance, and half as wide as the picture.
 fn square(mesh: &mut Mesh, distance: f64, texel: f32) {

@@ -3,9 +3,9 @@
 use glam::Vec4;
 use half::f16;
 
-use crate::mesh::ImageTexture;
-use crate::simplify::quad_mesh::QuadMesh;
+use crate::quad_mesh::QuadMesh;
 use codec::image::Transfer;
+use scene::mesh::ImageTexture;
 
 /// An atlas, and the linear RGB of its codes.
 pub struct Texels<'a> {
@@ -89,7 +89,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::mesh::{Mesh, Wrap};
+    use scene::mesh::{Mesh, Wrap};
 
     #[test]
     fn texels_are_met_at_their_centres_and_mixed_as_light_between() {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use codec::error::Result;
-use lightfold::evaluate::cameras::{self, CameraFormat, Content, FileCamera, WriteSettings};
+use evaluate::cameras::{self, CameraFormat, Content, FileCamera, WriteSettings};
 use tempfile::TempDir;
 
 use super::{Judged, judge, models};

@@ -12,9 +12,9 @@ use codec::memory::Budget;
 use codec::monitor::Silent;
 use codec::streams::CodecHeader;
 use codec::streams::shard::{FootageDigests, SHARD, ShardEntry};
-use lightfold::encode::ErrorBound;
-use lightfold::inspect::{self, Check, FrameRows, InspectSettings, coding_map};
-use lightfold::pack::{self, FlattenSettings, PackSettings, Repack};
+use footage::encode::ErrorBound;
+use footage::inspect::{self, Check, FrameRows, InspectSettings, coding_map};
+use footage::pack::{self, FlattenSettings, PackSettings, Repack};
 
 use super::{Judged, Verdict, judge, refused};
 use crate::ALLOCATED;

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use codec::image::{ChannelSelect, ReadLimits};
-use lightfold::dataset::seurat::SeuratCapture;
-use lightfold::image_files::{ColorSpace, exr, png};
-use lightfold::mesh::budget::Budget;
-use lightfold::mesh::{ImageTexture, Wrap};
+use footage::dataset::seurat::SeuratCapture;
+use footage::image_files::{ColorSpace, exr, png};
+use scene::mesh::budget::Budget;
+use scene::mesh::{ImageTexture, Wrap};
 use tempfile::NamedTempFile;
 
 use super::{Judged, Verdict, judge, refused};
@@ -169,7 +169,7 @@ fn seurat(path: &Path, (width, height): (u32, u32)) -> Judged {
         };
         all((0..height).map(|row| {
             let rays = image.row(row);
-            let is_bad = |rays: &Vec<lightfold::dataset::seurat::CaptureRay>| {
+            let is_bad = |rays: &Vec<footage::dataset::seurat::CaptureRay>| {
                 rays.iter()
                     .any(|ray| !ray.direction.is_normalized() || ray.distance_m.is_nan() || ray.distance_m <= 0.0)
             };

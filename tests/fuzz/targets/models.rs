@@ -4,10 +4,10 @@ use std::path::Path;
 
 use codec::math::{Camera, Lens};
 use glam::DVec3;
-use lightfold::mesh::budget::Budget;
-use lightfold::scene::{Model, Play, SceneMesh};
-use lightfold::simplify::raster::draw;
-use lightfold::simplify::read_glb::{QuadScene, read_glb};
+use scene::mesh::budget::Budget;
+use scene::{Model, Play, SceneMesh};
+use simplify::raster::draw;
+use simplify::read_glb::{QuadScene, read_glb};
 use tempfile::NamedTempFile;
 
 use super::{Judged, Verdict, judge};

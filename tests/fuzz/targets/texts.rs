@@ -2,19 +2,18 @@
 
 use std::path::Path;
 
+use cli::report::tradeoff::coding::CODING;
+use cli::report::tradeoff::store::Store;
 use codec::container::Reader;
 use codec::decode::{Decoder, StreamFrames};
 use codec::entropy::{Model, table_text};
-use codec::image::StreamKind;
-use codec::image::{Face, FrameRange, Pattern, ReadLimits};
-use lightfold::dataset::seurat::{SeuratCapture, SeuratView};
-use lightfold::dataset::{Manifest, Source, SourceOptions};
-use lightfold::encode::ScanFile;
-use lightfold::evaluate::camera_file::CameraFile;
-use lightfold::evaluate::cameras::{self, Content};
-use lightfold::report::tradeoff::coding::CODING;
-use lightfold::report::tradeoff::store::Store;
-use lightfold::views::camera_units::CameraUnits;
+use codec::image::{Face, FrameRange, Pattern, ReadLimits, StreamKind};
+use evaluate::camera_file::CameraFile;
+use evaluate::cameras::{self, Content};
+use footage::dataset::seurat::{SeuratCapture, SeuratView};
+use footage::dataset::{Manifest, Source, SourceOptions};
+use footage::encode::ScanFile;
+use render::views::camera_units::CameraUnits;
 use tempfile::TempDir;
 
 use super::{Judged, Verdict, judge, refused};

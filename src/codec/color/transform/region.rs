@@ -424,7 +424,7 @@ mod tests {
         let sentence = format!(
             "count {by_payload} · b + {free} · r, but at most {BYTES_A_PIXEL} · p, and on top b + {region} · r + p;"
         );
-        let document = include_str!("../../formats/container.md").replace('\n', " ");
+        let document = include_str!(concat!(env!("LIGHTFOLD_FORMATS"), "/container.md")).replace('\n', " ");
         assert!(document.contains(&sentence), "container.md 2 does not say: {sentence}");
         let pixels = 24 * 4096;
         let on_top = |bytes: u64| bytes + 640 * 4 + pixels;

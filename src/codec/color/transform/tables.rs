@@ -10,7 +10,7 @@ use crate::entropy::{self, Family, Model};
 pub const BUILT_IN: usize = 10;
 
 static FORMAT: BuiltIn<CONTEXTS, CLUSTERS, BUILT_IN> =
-    BuiltIn::parse(include_bytes!("../../formats/color-tables.txt"), &FAMILIES, &ALPHABETS);
+    BuiltIn::parse(include_bytes!(concat!(env!("LIGHTFOLD_FORMATS"), "/color-tables.txt")), &FAMILIES, &ALPHABETS);
 
 /// Index of the distribution of each context.
 pub static CLUSTER_OF: [u8; CONTEXTS] = FORMAT.cluster_of;

@@ -10,7 +10,7 @@ use crate::entropy::{self, Family, Model};
 pub const BUILT_IN: usize = 9;
 
 static FORMAT: BuiltIn<CONTEXTS, CLUSTERS, BUILT_IN> =
-    BuiltIn::parse(include_bytes!("../../formats/depth-tables.txt"), &FAMILIES, &ALPHABETS);
+    BuiltIn::parse(include_bytes!(concat!(env!("LIGHTFOLD_FORMATS"), "/depth-tables.txt")), &FAMILIES, &ALPHABETS);
 
 static CLUSTER_OF: [u8; CONTEXTS] = FORMAT.cluster_of;
 

@@ -6,7 +6,7 @@ use glam::{DVec2, Vec2};
 
 use super::*;
 use crate::mesh::{AxisBox, Material as PlainMaterial, Mesh};
-use crate::scene::{
+use crate::{
     Lamp, Light, Material, MeshMaterial, Object, Optics, Phong, Quad, SceneMesh, Shape, Sphere, Texture, TurnedBox,
     Window,
 };

@@ -2,8 +2,7 @@
 
 use crate::color::transform::basis::{LENGTHS, length_index};
 use crate::color::transform::blocks::{Block, MIN_SIDE, REGION, Shape};
-use crate::color::transform::domain::CHANNELS;
-use crate::color::transform::domain::Domain;
+use crate::color::transform::domain::{CHANNELS, Domain};
 use crate::color::transform::encode::source::{RegionSource, TimeBases};
 use crate::color::transform::encode::weights::FrameWeights;
 use crate::color::transform::steps::{STEP_BITS, Steps};

@@ -1,0 +1,116 @@
+//! Placement of short labels beside points so that they hide neither points nor each other.
+
+use super::drawing::{Anchor, Drawing, Spot, Stroke, Text};
+use super::{font, palette};
+
+const EM: f64 = 11.0;
+
+type Bounds = [f64; 4];
+
+#[derive(Debug, Clone)]
+pub struct Labels {
+    inside: Bounds,
+    taken: Vec<Bounds>,
+    points: Vec<Spot>,
+}
+
+impl Labels {
+    pub fn inside([left, top]: Spot, [right, bottom]: Spot) -> Labels {
+        Labels { inside: [left, top, right, bottom], taken: Vec::new(), points: Vec::new() }
+    }
+
+    pub fn keep_off(&mut self, [x, y]: Spot, reach: f64) {
+        self.taken.push([x - reach, y - reach, x + reach, y + reach]);
+        self.points.push([x, y]);
+    }
+
+    /// Draws a label near a point. It takes the nearest free position that is closer to this point than to any other,
+    /// else the nearest free position, else the position right of the point. Distant labels get a leader line.
+    pub fn write(&mut self, drawing: &mut Drawing, spot: Spot, name: &str) {
+        let text = Text::new(name, EM).bold().ink(palette::TEXT).anchor(Anchor::Middle);
+        let (half_width, half_height) = (text.width() / 2.0 + 1.5, EM * font::CAP_PER_EM / 2.0 + 2.0);
+        let around = |[x, y]: Spot| [x - half_width, y - half_height, x + half_width, y + half_height];
+        let candidates = [0.0, 6.0, 14.0, 26.0, 40.0, 56.0].into_iter().flat_map(|gap| {
+            DIRECTIONS.map(|[across, down]| {
+                let reach = 6.0 + gap;
+                [spot[0] + across * (reach + half_width), spot[1] + down * (reach + half_height)]
+            })
+        });
+        let [left, top, right, bottom] = self.inside;
+        let free = |at: &Bounds| {
+            let is_inside = at[0] >= left && at[1] >= top - 10.0 && at[2] <= right + 10.0 && at[3] <= bottom;
+            is_inside && !self.taken.iter().any(|taken| overlap(taken, at))
+        };
+        let near = [spot[0] + 6.0 + half_width, spot[1]];
+        let own = |centre: &Spot| {
+            let to = |[x, y]: Spot| (x - centre[0]).hypot(y - centre[1]);
+            self.points.iter().all(|&other| to(other) > to(spot) - 1e-6)
+        };
+        let fitting: Vec<Spot> = candidates.into_iter().filter(|&centre| free(&around(centre))).collect();
+        let centre = fitting.iter().find(|centre| own(centre)).or(fitting.first()).copied().unwrap_or(near);
+        let (dx, dy) = (centre[0] - spot[0], centre[1] - spot[1]);
+        if dx.abs() > half_width + 9.0 || dy.abs() > half_height + 9.0 {
+            let end =
+                [centre[0] - dx.signum() * half_width.min(dx.abs()), centre[1] - dy.signum() * 4.0f64.min(dy.abs())];
+            drawing.line(&[spot, end], Stroke::solid(palette::FAINT_TEXT, 0.7));
+        }
+        self.taken.push(around(centre));
+        drawing.text_beside(centre, text);
+    }
+}
+
+/// Directions to search for a position, in order of preference: x to the right, y down. A front rises to the right, so
+/// the first two directions avoid it.
+const DIRECTIONS: [Spot; 8] =
+    [[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0], [-1.0, 0.0]];
+
+fn overlap(a: &Bounds, b: &Bounds) -> bool {
+    a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::plot::drawing::Shape;
+
+    #[test]
+    fn a_name_is_nearest_to_its_own_point() {
+        let mut drawing = Drawing::new(400, 300, "");
+        let mut labels = Labels::inside([0.0, 0.0], [400.0, 300.0]);
+        let spots = [[151.0, 142.0], [150.0, 150.0]];
+        spots.iter().for_each(|&spot| labels.keep_off(spot, 6.0));
+        for (number, spot) in spots.iter().enumerate() {
+            labels.write(&mut drawing, *spot, &number.to_string());
+        }
+        for shape in &drawing.shapes {
+            let Shape::Text { at, text } = shape else { continue };
+            // Centre of the capitals.
+            let (x, y) = (at[0], at[1] - EM * font::CAP_PER_EM / 2.0);
+            let to = |spot: Spot| (spot[0] - x).hypot(spot[1] - y);
+            assert_eq!(text.text == "0", to(spots[0]) < to(spots[1]), "{text:?} at {at:?}");
+        }
+    }
+
+    #[test]
+    fn names_of_near_points_do_not_overlap() {
+        let mut drawing = Drawing::new(400, 300, "");
+        let mut labels = Labels::inside([0.0, 0.0], [400.0, 300.0]);
+        let spots: Vec<Spot> = (0..9).map(|at| [150.0 + 5.0 * f64::from(at), 150.0 - f64::from(at)]).collect();
+        spots.iter().for_each(|&spot| labels.keep_off(spot, 5.0));
+        spots.iter().enumerate().for_each(|(at, &spot)| labels.write(&mut drawing, spot, &at.to_string()));
+        let places: Vec<Spot> = drawing
+            .shapes
+            .iter()
+            .filter_map(|shape| match shape {
+                Shape::Text { at, .. } => Some(*at),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(places.len(), 9);
+        for (at, a) in places.iter().enumerate() {
+            for b in &places[at + 1..] {
+                assert!((a[0] - b[0]).abs() > 7.0 || (a[1] - b[1]).abs() > 8.0, "{a:?} {b:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,290 @@
+//! Checks and converts values of a source: background, invalid values, planar depth.
+
+use half::f16;
+
+use codec::error::{Error, Result};
+use codec::image::{
+    AlphaPlane, ColorPlane, DepthPlane, Face, ImageProjection, MaterialPlane, Plane, Transfer, unit_alpha,
+};
+
+/// Treatment of depth that is NaN, zero, negative or −inf and is not the background; in encoders, also of surfaces outside a
+/// given near and far.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum InvalidDepth {
+    /// Fails with an error that names the file and the pixel.
+    #[default]
+    Refuse,
+    /// The pixel becomes background, +inf.
+    Far,
+    /// The pixel becomes 0.0, which encoders store as code 0, the near plane of the probe.
+    Near,
+}
+
+impl InvalidDepth {
+    /// Replaces surfaces outside the given near and far: by the nearest given bound for `Near`, by the background for `Far`.
+    /// Returns the number of replaced pixels, 0 for `Refuse`, which changes nothing.
+    pub fn replace_outside(self, plane: &mut DepthPlane, [near_m, far_m]: [Option<f32>; 2]) -> u64 {
+        if self == InvalidDepth::Refuse {
+            return 0;
+        }
+        let (near, far) = (near_m.unwrap_or(0.0), far_m.unwrap_or(f32::INFINITY));
+        let mut count = 0;
+        for depth in plane.data_mut().iter_mut().filter(|depth| **depth > 0.0 && **depth < f32::INFINITY) {
+            if *depth < near || *depth > far {
+                count += 1;
+                *depth = if self == InvalidDepth::Far { f32::INFINITY } else { depth.max(near).min(far) };
+            }
+        }
+        count
+    }
+
+    /// Returns `refuse`, `far` or `near`, as in options.
+    pub fn name(self) -> &'static str {
+        match self {
+            InvalidDepth::Refuse => "refuse",
+            InvalidDepth::Far => "far",
+            InvalidDepth::Near => "near",
+        }
+    }
+}
+
+/// Treatment of NaN in colour, of alpha outside 0 to 1, and of material values that are not finite.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum InvalidColor {
+    /// Fails with an error that names the file and the pixel.
+    #[default]
+    Refuse,
+    /// The component becomes 0; alpha above 1 becomes 1.
+    Black,
+}
+
+impl InvalidColor {
+    pub fn name(self) -> &'static str {
+        if self == InvalidColor::Refuse { "refuse" } else { "black" }
+    }
+}
+
+/// Default of [`DepthRules::farthest_m`]: no surface is this far, so values such as 1e30 mark the background. A larger `far` in a
+/// manifest replaces it.
+pub(super) const FARTHEST_M: f64 = 1e10;
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthRules {
+    /// Background value of the file, in addition to +inf.
+    pub background: f32,
+    /// Metres per unit; negative if values in front of the camera are negative.
+    pub scale: f64,
+    /// Distance in metres from which a value is too far for a surface. If only +inf is declared as background, the largest finite
+    /// value of an image is also background if it is at least this far.
+    pub farthest_m: f64,
+    pub invalid: InvalidDepth,
+}
+
+impl DepthRules {
+    /// Returns the distance in units of the file, positive in front of the camera; +inf for the background.
+    pub fn units(&self, stored: f32) -> f32 {
+        if stored == f32::INFINITY || stored == self.background {
+            return f32::INFINITY;
+        }
+        if self.scale < 0.0 { -stored } else { stored }
+    }
+
+    /// Returns the undeclared background value of an image, in units of the file: its largest finite value, if only +inf is
+    /// declared and no surface can be that far. Returns +inf if there is none.
+    pub fn farthest(&self, plane: &DepthPlane) -> f32 {
+        if self.background.is_finite() {
+            return f32::INFINITY;
+        }
+        let finite = plane.data().iter().map(|&stored| self.units(stored)).filter(|units| *units < f32::INFINITY);
+        let farthest = finite.fold(0.0, f32::max);
+        if self.is_too_far(farthest) { farthest } else { f32::INFINITY }
+    }
+
+    fn is_too_far(&self, units: f32) -> bool {
+        f64::from(units) * self.scale.abs() >= self.farthest_m
+    }
+}
+
+pub(super) fn pixel(index: usize, width: u32) -> String {
+    format!("pixel ({}, {})", index as u64 % u64::from(width.max(1)), index as u64 / u64::from(width.max(1)))
+}
+
+/// Multiplies a positive depth by a factor and clamps to positive finite floats, because +inf and 0 are reserved.
+fn metres(value: f32, factor: f64) -> f32 {
+    let product = (f64::from(value) * factor) as f32;
+    product.clamp(f32::from_bits(1), f32::MAX)
+}
+
+/// Applies the rules to a plane. Values become +inf for the background, 0.0 for invalid depth with [`InvalidDepth::Near`], else
+/// finite and positive metres.
+pub(super) fn check_depth(plane: &mut DepthPlane, rules: &DepthRules) -> Result<()> {
+    let width = plane.width();
+    let farthest = rules.farthest(plane);
+    for (index, value) in plane.data_mut().iter_mut().enumerate() {
+        let units = rules.units(*value);
+        *value = if units >= farthest {
+            f32::INFINITY
+        } else if units > 0.0 && !rules.is_too_far(units) {
+            if rules.scale == 1.0 { units } else { metres(units, rules.scale.abs()) }
+        } else {
+            match rules.invalid {
+                InvalidDepth::Far => f32::INFINITY,
+                InvalidDepth::Near => 0.0,
+                InvalidDepth::Refuse => {
+                    let what = invalid_words(*value, units, farthest.min(rules.background));
+                    return Err(Error::invalid(format!("depth at {} is {what}", pixel(index, width))));
+                }
+            }
+        };
+    }
+    Ok(())
+}
+
+/// Describes why a stored depth is invalid, and how to fix it.
+fn invalid_words(stored: f32, units: f32, background: f32) -> String {
+    let say = "set `invalid_depth` to far or near";
+    if units.is_nan() {
+        format!("not a number; {say}, as `background` cannot match it")
+    } else if units == 0.0 {
+        format!("zero; {say}, or `background` to 0 if it means no surface")
+    } else if units > 0.0 {
+        format!(
+            "{stored:e}, too far for a surface, and not the {background:e} of the background either, as where both were \
+             averaged; {say}, or state a depth.far beyond it in the manifest"
+        )
+    } else if stored < 0.0 {
+        format!(
+            "negative ({stored}); {say}, or `background` to the value that means no surface; where all surfaces are \
+             negative, as in Houdini's Pz, set `depth_scale` or the manifest's depth.scale to -1"
+        )
+    } else {
+        format!("{stored}, on the other side of the camera than `depth_scale`, which is below 0, says; {say}")
+    }
+}
+
+/// Converts planar depth to distance from the centre; +inf and 0.0 are unchanged.
+pub fn planar_to_distance(plane: &mut DepthPlane, projection: &ImageProjection) {
+    for row in 0..plane.height() {
+        for (col, value) in plane.row_mut(row).iter_mut().enumerate() {
+            if *value > 0.0 && *value < f32::INFINITY {
+                *value = metres(*value, projection.ray_length_factor(col as u32, row));
+            }
+        }
+    }
+}
+
+/// Clamps infinities to the largest finite half; NaN becomes 0 or is an error.
+pub(super) fn check_color(plane: &mut ColorPlane, invalid: InvalidColor) -> Result<()> {
+    let width = plane.width();
+    for (index, components) in plane.data_mut().iter_mut().enumerate() {
+        for component in components.iter_mut() {
+            if component.is_nan() {
+                match invalid {
+                    InvalidColor::Black => *component = f16::ZERO,
+                    InvalidColor::Refuse => {
+                        let message = format!(
+                            "colour at {} is not a number; set `invalid_color` to black to replace it",
+                            pixel(index, width)
+                        );
+                        return Err(Error::invalid(message));
+                    }
+                }
+            } else if component.is_infinite() {
+                *component = if component.is_sign_negative() { f16::MIN } else { f16::MAX };
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Checks that every value is finite; others become 0 or are an error.
+pub(super) fn check_material(plane: &mut MaterialPlane, invalid: InvalidColor) -> Result<()> {
+    let width = plane.width();
+    for (index, components) in plane.data_mut().iter_mut().enumerate() {
+        for component in components.iter_mut().filter(|component| !component.is_finite()) {
+            match invalid {
+                InvalidColor::Black => *component = 0.0,
+                InvalidColor::Refuse => {
+                    let message = format!("material at {} is {component}, not a finite number", pixel(index, width));
+                    return Err(Error::invalid(message));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Checks that every value is within 0 to 1; others are clamped, NaN to 0, or are an error.
+pub(super) fn check_alpha(plane: &mut AlphaPlane, invalid: InvalidColor) -> Result<()> {
+    let width = plane.width();
+    for (index, alpha) in plane.data_mut().iter_mut().enumerate() {
+        *alpha = match unit_alpha(*alpha) {
+            Ok(alpha) => alpha,
+            // NaN compares false and becomes 0.
+            Err(_) if invalid == InvalidColor::Black => {
+                if *alpha > 0.0 {
+                    1.0
+                } else {
+                    0.0
+                }
+            }
+            Err(words) => {
+                let message = format!("{} {words}; set `invalid_color` to black to clamp it", pixel(index, width));
+                return Err(Error::invalid(message));
+            }
+        };
+    }
+    Ok(())
+}
+
+/// Converts sRGB values, 1.0 for white, to linear.
+pub(super) fn linear_from_srgb(plane: &mut ColorPlane) {
+    for component in plane.data_mut().as_flattened_mut() {
+        *component = f16::from_f64(Transfer::Srgb.decode(component.to_f64()));
+    }
+}
+
+/// Selects the planes of the `wanted` faces; `all` has all six faces in cube order.
+pub(super) fn keep_faces<T>(all: Vec<Plane<T>>, wanted: &[Face]) -> Vec<Plane<T>> {
+    Face::CUBE.into_iter().zip(all).filter(|(face, _)| wanted.contains(face)).map(|(_, plane)| plane).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RULES: DepthRules =
+        DepthRules { background: f32::INFINITY, scale: 1.0, farthest_m: FARTHEST_M, invalid: InvalidDepth::Refuse };
+
+    fn checked(values: &[f32], rules: DepthRules) -> Result<Vec<f32>> {
+        let mut plane = Plane::new(values.len() as u32, 1, values.to_vec())?;
+        check_depth(&mut plane, &rules).map(|()| plane.into_data())
+    }
+
+    #[test]
+    fn the_one_value_that_no_surface_has_is_background() {
+        let inf = f32::INFINITY;
+        assert_eq!(checked(&[2.0, 1e30, 1e30, inf], RULES).unwrap(), [2.0, inf, inf, inf]);
+        assert_eq!(checked(&[1e30, 1e30], RULES).unwrap(), [inf, inf]);
+        assert_eq!(checked(&[200.0, 1e30], DepthRules { scale: 0.01, ..RULES }).unwrap(), [2.0, inf]);
+        assert_eq!(checked(&[2.0, 9e9], RULES).unwrap(), [2.0, 9e9]);
+        assert_eq!(checked(&[2.0, 1e12], DepthRules { farthest_m: 1e13, ..RULES }).unwrap(), [2.0, 1e12]);
+        let said = checked(&[2.0, 3e29, 1e30], RULES).unwrap_err().to_string();
+        assert!(said.contains("pixel (1, 0) is 3e29") && said.contains("1e30") && said.contains("depth.far"), "{said}");
+        let far = DepthRules { invalid: InvalidDepth::Far, ..RULES };
+        assert_eq!(checked(&[2.0, 3e29, 1e30], far).unwrap(), [2.0, inf, inf]);
+    }
+
+    #[test]
+    fn a_scale_below_zero_turns_the_sign() {
+        let inf = f32::INFINITY;
+        let houdini = DepthRules { scale: -1.0, background: 0.0, ..RULES };
+        assert_eq!(checked(&[-2.0, 0.0, inf, -inf], houdini).unwrap(), [2.0, inf, inf, inf]);
+        assert_eq!(checked(&[-2.0, -1e30], DepthRules { scale: -1.0, ..RULES }).unwrap(), [2.0, inf]);
+        assert_eq!(checked(&[-200.0], DepthRules { scale: -0.01, ..RULES }).unwrap(), [2.0]);
+        let said = checked(&[-2.0, 3.0], houdini).unwrap_err().to_string();
+        assert!(said.contains("pixel (1, 0) is 3") && said.contains("below 0"), "{said}");
+        let said = checked(&[-2.0], RULES).unwrap_err().to_string();
+        assert!(said.contains("Pz") && said.contains("depth.scale to -1"), "{said}");
+    }
+}

@@ -1,0 +1,5 @@
+//! Links the C++ library.
+
+fn main() {
+    build::link_cxx();
+}
