@@ -5,7 +5,7 @@ import statistics
 import lightfold_runs as lf
 
 FOOT = """\
-E: the largest error that a codec promises, in 16-bit log codes; –: it promises none. Ratios are to lightfold of the same
+E: the error bound of a codec, in 16-bit log codes; –: no bound. Ratios are to lightfold of the same
 E, of rows without one to `--max-error 0`. Steps: codes in steps of 2E + 1, which keep the bound, and the background as it is;
 making and undoing steps or channels is not timed. Worst and RMS: what was measured after decoding, of pixels that are a
 surface before and after; metres are against the 32-bit depth of the source where its files are EXR of distances, so that
