@@ -1,9 +1,5 @@
-//! Links the C++ library that the block encoder needs, as `build.rs` of the library does for the program.
+//! Links the C++ library that the block encoder needs.
 
 fn main() {
-    println!("cargo::rerun-if-changed=build.rs");
-    let target = |name| std::env::var(name).unwrap_or_default();
-    if target("CARGO_CFG_TARGET_OS") == "linux" && target("CARGO_CFG_TARGET_ENV") == "gnu" {
-        println!("cargo::rustc-link-arg=-l:libstdc++.so.6");
-    }
+    build::link_cxx();
 }

@@ -1,4 +1,4 @@
-// Occupancy of points: BetweenViewpointAndGeometry of algorithm 4 (CALF 6). Mirrors src/march/active_views.rs. Needs `project`,
+// Occupancy of points: BetweenViewpointAndGeometry of algorithm 4 (CALF 6). Mirrors src/render/march/active_views.rs. Needs `project`,
 // `inverse_depth_bits` and the declarations of marched_views.wgsl.
 
 // Reach in texels of the footprint around a point: all texels that contain a point within this distance decide its occupancy.

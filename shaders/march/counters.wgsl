@@ -1,4 +1,4 @@
-// Counters of rendering. Mirrors src/march/counters.rs.
+// Counters of rendering. Mirrors src/render/march/counters.rs.
 
 const PRIMARY_RAYS = 0u;
 const MARCH_STEPS = 1u;

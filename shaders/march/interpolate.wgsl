@@ -1,4 +1,4 @@
-// Interpolates the colour of a point: CalculateColor of algorithm 4 (CALF 6). Mirrors src/march/interpolate.rs. Needs `project`
+// Interpolates the colour of a point: CalculateColor of algorithm 4 (CALF 6). Mirrors src/render/march/interpolate.rs. Needs `project`
 // and `local_of`.
 
 const DEPTH_EPSILON: f32 = 0.02;

@@ -1,11 +1,11 @@
 // Follows a primary ray through successive surfaces, each with its share of the ray, to the background. Mirrors
-// src/march/layers.rs. Needs `first_step`, `refined`, `seen_from_eye`, `background_color`, `surface_light` and `light_of`.
+// src/render/march/layers.rs. Needs `first_step`, `refined`, `seen_from_eye`, `background_color`, `surface_light` and `light_of`.
 
 const MIN_LAYER: f32 = 1.0 / 64.0;
 const MAX_LAYERS = 8u;
 const MAX_EXITS = 64u;
 
-// Result of a primary ray. Mirrors src/march/samples.rs.
+// Result of a primary ray. Mirrors src/render/march/samples.rs.
 struct RaySample {
     // Linear RGB times `share`.
     light: vec3<f32>,

@@ -1,4 +1,4 @@
-// Texels, and the projection of points into the images of a view (CALF 6). Mirrors `View::project` of src/views/light_field.rs
+// Texels, and the projection of points into the images of a view (CALF 6). Mirrors `View::project` of src/render/views/light_field.rs
 // over src/codec/image/texel_map.rs; tests/gpu/projection.rs compares the two.
 //
 // Inverse depths are read as the bits of floats: +inf marks unknown texels, and shaders may assume that no float is infinite.

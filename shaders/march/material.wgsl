@@ -1,5 +1,5 @@
 // Interpolates the material of a surface point: SampleMaterial of algorithm 4 (CALF 6.1). Mirrors
-// src/march/specular/material.rs. Needs `project`, `local_of`, `taps_around` and `DEPTH_EPSILON`.
+// src/render/march/specular/material.rs. Needs `project`, `local_of`, `taps_around` and `DEPTH_EPSILON`.
 
 @group(0) @binding(9) var materials: texture_2d_array<f32>;
 

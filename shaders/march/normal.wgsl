@@ -1,5 +1,5 @@
 // Estimates the normal and curvature of a surface point from the depths around it (CALF 6.1). Mirrors
-// src/march/specular/normal.rs. Needs `project`, `local_of`, `texel_material` and `DEPTH_EPSILON`.
+// src/render/march/specular/normal.rs. Needs `project`, `local_of`, `texel_material` and `DEPTH_EPSILON`.
 
 const SAME_SURFACE: f32 = 0.02;
 const MAX_REACH: i32 = 2;

@@ -1,5 +1,5 @@
 // Computes the maximum inverse depths of squares of texels, one pyramid level per dispatch: `DepthPyramid::update` of
-// src/march/pyramid.rs. An invocation writes one square. Inverse depths are never negative, so their bits compare as integers.
+// src/render/march/pyramid.rs. An invocation writes one square. Inverse depths are never negative, so their bits compare as integers.
 // Needs `job_of`.
 
 @group(0) @binding(0) var<storage, read> jobs: PyramidJobs;

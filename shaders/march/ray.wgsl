@@ -1,4 +1,4 @@
-// Rays, in metres from the eye, and the distances of their samples. Mirrors src/march/ray.rs.
+// Rays, in metres from the eye, and the distances of their samples. Mirrors src/render/march/ray.rs.
 
 @group(0) @binding(3) var<storage, read> distances_m: array<f32>;
 

@@ -1,4 +1,4 @@
-// Renders from any eye: Main of algorithm 4 (CALF 6). Mirrors src/march/render.rs.
+// Renders from any eye: Main of algorithm 4 (CALF 6). Mirrors src/render/march/render.rs.
 //
 // An invocation renders a pixel. Counters are summed over a workgroup. Needs `follow`.
 
@@ -16,7 +16,7 @@ const EDGE_CONTRAST: f32 = 0.1;
 const EDGE_BLACK: f32 = 0.02;
 
 // True if a ray of a pixel belongs to the first pass: the corners and the centre of the grid; all rays of a grid of at most two
-// rows. Mirrors src/march/samples.rs.
+// rows. Mirrors src/render/march/samples.rs.
 fn is_first(place: vec2<u32>) -> bool {
     let last = scene.samples - 1u;
     let is_corner = (place.x == 0u || place.x == last) && (place.y == 0u || place.y == last);

@@ -1,5 +1,5 @@
 // Secondary rays of reflective and refractive surfaces: CalculateColor_RR of algorithm 4 (CALF 6.1). Mirrors
-// src/march/specular/secondary_rays.rs.
+// src/render/march/specular/secondary_rays.rs.
 //
 // Replaces diffuse.wgsl. WGSL has no recursion, so surfaces that are still to be shaded are kept on a stack. Needs
 // `surface_material`, `patch_at`, `pass_through`, `intersect_from`, `surface_color`, `with_view`, `background_color`,

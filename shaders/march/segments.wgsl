@@ -1,4 +1,4 @@
-// Marches over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4). Mirrors src/march/segments.rs.
+// Marches over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4). Mirrors src/render/march/segments.rs.
 // Needs `occupancy` and `refine`.
 
 @group(0) @binding(8) var pyramids: texture_2d_array<u32>;
@@ -97,7 +97,7 @@ fn is_segment_empty(view: u32, from_point: vec3<f32>, to_point: vec3<f32>, reach
     return greatest != UNKNOWN && bitcast<f32>(greatest) * farthest_m < SURELY_BELOW_ONE;
 }
 
-// Returns the step at which marching ends; `scene.distance_count` if the ray hits nothing. Mirrors src/march/segments.rs.
+// Returns the step at which marching ends; `scene.distance_count` if the ray hits nothing. Mirrors src/render/march/segments.rs.
 fn first_step(ray: Ray, first: u32) -> u32 {
     let count = scene.distance_count;
     let origin = greatest_coordinate(ray.origin);

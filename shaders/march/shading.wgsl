@@ -1,4 +1,4 @@
-// Converts coded colours to linear RGB. Mirrors `light_of` of src/march/shading.rs.
+// Converts coded colours to linear RGB. Mirrors `light_of` of src/render/march/shading.rs.
 
 fn decoded(code: f32) -> f32 {
     if (scene.coding == CODING_LINEAR) {

@@ -1,4 +1,4 @@
-// Refraction through a solid (CALF 6.1). Mirrors src/march/specular/solid.rs. Needs `patch_at`, `surface_material`, `fresnel`,
+// Refraction through a solid (CALF 6.1). Mirrors src/render/march/specular/solid.rs. Needs `patch_at`, `surface_material`, `fresnel`,
 // `is_surface` and `refine`.
 
 const FLAT: f32 = 2e-3;
@@ -25,7 +25,7 @@ struct Back {
     normal: vec3<f32>,
 }
 
-// A sphere, or none. Mirrors src/march/specular/sphere.rs.
+// A sphere, or none. Mirrors src/render/march/specular/sphere.rs.
 struct Sphere {
     found: bool,
     centre: vec3<f32>,

@@ -33,6 +33,5 @@ fn write_player() -> std::io::Result<()> {
 fn main() {
     write_player().expect("viewer/dist is listed");
     println!("cargo::rustc-env=LIGHTFOLD_FORMATS={}", build::shared_folder("formats", "../../formats").display());
-    build::hash_sources(&[]);
     build::link_cxx();
 }

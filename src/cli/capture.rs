@@ -84,7 +84,7 @@ impl Work<'_> {
     }
 
     fn fingerprint(&self) -> Fingerprint {
-        let mut fields = Fingerprint::of_program();
+        let mut fields = Fingerprint::of_program(&[codec::SOURCES, footage::SOURCES, scene::SOURCES]);
         fields.extend(self.plan.options());
         fields.push(("the content of the scene", self.scene.contents().to_owned()));
         fields.push(("`animation`", self.args.animation.clone().unwrap_or_else(|| "the first".to_owned())));

@@ -176,7 +176,15 @@ fn fingerprint(
 ) -> Fingerprint {
     let (acquire, interpolate, holes) = (&settings.acquire, &settings.interpolate, settings.holes);
     let scene = (args.subdivide, args.ao_rays, args.shadows, args.fps, args.rasterize, args.quilt);
-    let mut fields = Fingerprint::of_program();
+    let mut fields = Fingerprint::of_program(&[
+        codec::SOURCES,
+        footage::SOURCES,
+        scene::SOURCES,
+        render::SOURCES,
+        evaluate::SOURCES,
+        epipolar::SOURCES,
+        gpu::SOURCES,
+    ]);
     fields.extend(args.options());
     fields.push((
         "the set of options",

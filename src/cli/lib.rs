@@ -63,9 +63,6 @@ use failure::Failure;
 use global::{EXIT_BROKEN_PIPE, EXIT_FAILED, exit_code};
 pub use global::{EXIT_INTERRUPTED, ExitStatus, GlobalArgs, refuse};
 
-/// Hash of the sources of this package.
-pub const SOURCES: &str = env!("LIGHTFOLD_SOURCES");
-
 /// Runs a command line and returns the exit code of the process.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     tradeoff::end_with_parent();

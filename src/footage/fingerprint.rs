@@ -19,12 +19,9 @@ fn is_digest(value: &str) -> bool {
 pub struct Fingerprint(pub Vec<(String, String)>);
 
 impl Fingerprint {
-    /// Returns the version and the source hash of the program (`build.rs`), because encoders change between versions.
-    pub fn of_program() -> Vec<(&'static str, String)> {
-        vec![
-            ("the version of lightfold", env!("CARGO_PKG_VERSION").to_owned()),
-            (SOURCES, [codec::SOURCES, crate::SOURCES].join(" ")),
-        ]
+    /// Returns the version of the program and the hashes of the sources that determine its output: `SOURCES` of packages.
+    pub fn of_program(sources: &[&str]) -> Vec<(&'static str, String)> {
+        vec![("the version of lightfold", env!("CARGO_PKG_VERSION").to_owned()), (SOURCES, sources.join(" "))]
     }
 
     /// Returns the names of the values that differ, or all names (up to the shorter list) if the two lists differ in their

@@ -135,5 +135,6 @@ fn write_kernel_table() -> std::io::Result<()> {
 
 fn main() {
     write_kernel_table().expect("shaders/kernels.json becomes Rust");
+    build::hash_sources(&build::files(&build::shared_folder("shaders", "../../shaders")));
     build::link_cxx();
 }

@@ -32,3 +32,6 @@ pub mod verify;
 
 pub use decode::GpuDecoder;
 pub use device::Gpu;
+
+/// Hash of the sources and shaders of this package.
+pub const SOURCES: &str = env!("LIGHTFOLD_SOURCES");

@@ -105,7 +105,8 @@ fn vectors() -> Result<(), Failed> {
             let Ok(chosen) = Selection::default().choose(&decoder) else { continue };
             for filter in [&AllUnits as &dyn UnitFilter, &TwoOfThree] {
                 let request = Request { filter, ..Request::all(&chosen) };
-                let (_, found) = gpu::verify::verify(gpu, &decoder, request, &Silent).map_err(|error| error.to_string())?;
+                let (_, found) =
+                    gpu::verify::verify(gpu, &decoder, request, &Silent).map_err(|error| error.to_string())?;
                 if found.mismatched_words > 0 {
                     return Err(format!("{}: {found:?}", path.display()).into());
                 }

@@ -29,7 +29,7 @@ struct Reexport {
     path: Vec<String>,
 }
 
-/// Modules by path; the path of src/lib.rs is empty.
+/// Modules by path, which begins with the folder of the package below `src/`; the path of src/lib.rs is empty.
 type Modules = BTreeMap<Vec<String>, Module>;
 
 fn path_of(file: &Path) -> Option<Vec<String>> {
@@ -80,17 +80,11 @@ fn expand(tree: &str) -> Vec<(Vec<String>, String)> {
         .collect()
 }
 
-/// Crate with a folder of its own below `src/`; the paths of its modules begin with its name.
-const CODEC: &str = "codec";
-
-/// Resolves a path used in `module` to a path from the root of `src/`. Returns `None` for a path into another package.
+/// Resolves a path used in `module` to a path from the root of `src/`. Returns `None` for a path into another package: packages
+/// do not depend on each other in circles.
 fn absolute(path: &[String], module: &[String], children: &BTreeSet<String>) -> Option<Vec<String>> {
     match path.first()?.as_str() {
-        "crate" => {
-            let root = module.first().filter(|first| *first == CODEC);
-            Some(root.into_iter().chain(&path[1..]).cloned().collect())
-        }
-        CODEC => Some(path.to_vec()),
+        "crate" => Some(module.first().into_iter().chain(&path[1..]).cloned().collect()),
         "self" => Some(module.iter().chain(&path[1..]).cloned().collect()),
         "super" => {
             let parent = &module[..module.len().checked_sub(1)?];
@@ -108,9 +102,9 @@ fn is_word(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_'
 }
 
-/// Returns the paths in `code` that begin with `crate`, `codec`, `self`, `super` or a child module.
+/// Returns the paths in `code` that begin with `crate`, `self`, `super` or a child module.
 fn paths_in(code: &str, children: &BTreeSet<String>) -> Vec<Vec<String>> {
-    let starts = ["crate", CODEC, "super", "self"].into_iter().chain(children.iter().map(String::as_str));
+    let starts = ["crate", "super", "self"].into_iter().chain(children.iter().map(String::as_str));
     let mut found = Vec::new();
     for start in starts {
         for (at, word) in code.match_indices(&format!("{start}::")) {
@@ -266,7 +260,7 @@ fn trees_of_use_are_expanded() {
         let path: Vec<String> = path.split("::").map(str::to_owned).collect();
         absolute(&path, &module, &children).map(|path| path.join("::"))
     };
-    assert_eq!(of("crate::x::y").unwrap(), "x::y");
+    assert_eq!(of("crate::x::y").unwrap(), "a::x::y");
     assert_eq!([of("super::c::f"), of("super::super::d")].map(Option::unwrap), ["a::c::f", "d"]);
     assert_eq!([of("child::f"), of("self::g")].map(Option::unwrap), ["a::b::child::f", "a::b::g"]);
     assert_eq!(of("std::fs"), None);

@@ -228,7 +228,7 @@ fn ranges_are_parts_of_the_file() {
     let film = fs::read(folder.path().join("a.lfold")).unwrap();
     let all = film.len();
     let part = |first: usize, last: usize| (206, format!("bytes {first}-{last}/{all}"), first..last + 1);
-    // Other forms of the header are tested in src/serve/range.rs.
+    // Other forms of the header are tested in src/cli/serve/range.rs.
     let rows = [
         ("bytes=0-15".to_owned(), part(0, 15)),
         (format!("bytes=5-{}", all + 5), part(5, all - 1)),

@@ -15,7 +15,15 @@ use simplify::settings::Settings;
 /// Returns everything that tiles depend on. Files are identified by size and modification time.
 pub fn fingerprint(args: &Args, settings: &Settings, capture: &Capture) -> Fingerprint {
     let input = &args.input;
-    let mut fields = Fingerprint::of_program();
+    let mut fields = Fingerprint::of_program(&[
+        codec::SOURCES,
+        footage::SOURCES,
+        scene::SOURCES,
+        render::SOURCES,
+        evaluate::SOURCES,
+        simplify::SOURCES,
+        gpu::SOURCES,
+    ]);
     fields.extend(args.options());
     // Settings derived from options and input.
     let settings = Settings { memory: Budget::UNLIMITED, ..settings.clone() };

@@ -20,7 +20,7 @@ use codec::image::{FrameRange, StreamKind, ToneMap};
 use codec::streams::{ColorBlocks, ColorFormat};
 
 pub(super) fn of(source: &dyn FrameSource, settings: &EncodeSettings) -> Fingerprint {
-    let mut fields = Fingerprint::of_program();
+    let mut fields = Fingerprint::of_program(&[codec::SOURCES, crate::SOURCES]);
     fields.extend(of_settings(settings));
     fields.push(("the name of the dataset", source.name().to_owned()));
     fields.push(("the frame rate", source.fps().to_string()));

@@ -342,5 +342,12 @@ fn few(words: &[String]) -> String {
 fn footage(source: &dyn FrameSource, settings: &EncodeSettings) -> String {
     let groups: Vec<Sequence> =
         selected_groups(source, &of_all_kinds(settings)).iter().map(|group| sequence(source, group.group)).collect();
-    digest(format!("{:?} {:?} {groups:?}", Fingerprint::of_program(), source.configuration()).as_bytes())
+    digest(
+        format!(
+            "{:?} {:?} {groups:?}",
+            Fingerprint::of_program(&[codec::SOURCES, crate::SOURCES]),
+            source.configuration()
+        )
+        .as_bytes(),
+    )
 }

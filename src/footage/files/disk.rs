@@ -6,7 +6,6 @@ use std::io::{Read, Result, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::names::parent_of;
-
 use super::record::{self, Operation};
 
 /// An open, writable file.
@@ -14,11 +13,6 @@ use super::record::{self, Operation};
 pub struct DiskFile {
     file: File,
     handle: record::Handle,
-}
-
-/// Calls the system and reports the operation to recorders.
-macro_rules! recorded {
-    ($call:expr, $operation:expr) => {{ record::done(|| $call, |_| $operation) }};
 }
 
 impl DiskFile {
@@ -44,9 +38,9 @@ impl DiskFile {
 
     fn open_as(path: &Path, options: &std::fs::OpenOptions, is_emptied: bool) -> Result<DiskFile> {
         let handle = record::Handle::new();
-        let file = recorded!(
-            options.open(path),
-            Operation::Open { handle: handle.number(), path: path.to_path_buf(), is_emptied }
+        let file = record::done(
+            || options.open(path),
+            |_| Operation::Open { handle: handle.number(), path: path.to_path_buf(), is_emptied },
         )?;
         let handle = handle.of(path);
         Ok(DiskFile { file, handle })
@@ -63,12 +57,12 @@ impl DiskFile {
     }
 
     pub fn set_len(&self, bytes: u64) -> Result<()> {
-        recorded!(self.file.set_len(bytes), Operation::SetLen { handle: self.handle.number(), bytes })
+        record::done(|| self.file.set_len(bytes), |_| Operation::SetLen { handle: self.handle.number(), bytes })
     }
 
     /// Waits until the content is on disk.
     pub fn sync(&self) -> Result<()> {
-        recorded!(self.file.sync_all(), Operation::Sync { handle: self.handle.number() })
+        record::done(|| self.file.sync_all(), |_| Operation::Sync { handle: self.handle.number() })
     }
 }
 
@@ -112,7 +106,7 @@ impl Seek for DiskFile {
 pub fn sync_file(path: &Path) -> Result<()> {
     // Windows syncs only files that are open for writing.
     let open = || File::options().read(true).write(cfg!(windows)).open(path);
-    recorded!(open().and_then(|file| file.sync_all()), Operation::SyncFile { path: path.to_path_buf() })
+    record::done(|| open().and_then(|file| file.sync_all()), |_| Operation::SyncFile { path: path.to_path_buf() })
 }
 
 /// Waits until the directory entries of a folder are on disk, on systems that sync folders.
@@ -124,26 +118,26 @@ pub fn sync_folder(folder: &Path) -> Result<()> {
         Err(error) if !matches!(error.kind(), InvalidInput | PermissionDenied | Unsupported) => Err(error),
         _ => Ok(()),
     };
-    recorded!(done, Operation::SyncFolder { path: folder.to_path_buf() })
+    record::done(|| done, |_| Operation::SyncFolder { path: folder.to_path_buf() })
 }
 
 #[cfg(not(unix))]
 pub fn sync_folder(folder: &Path) -> Result<()> {
-    recorded!(Ok(()), Operation::SyncFolder { path: folder.to_path_buf() })
+    record::done(|| Ok(()), |_| Operation::SyncFolder { path: folder.to_path_buf() })
 }
 
 /// Renames a file or a folder. An existing file at `to` is replaced.
 pub fn rename(from: &Path, to: &Path) -> Result<()> {
-    recorded!(std::fs::rename(from, to), Operation::Rename { from: from.to_path_buf(), to: to.to_path_buf() })
+    record::done(|| std::fs::rename(from, to), |_| Operation::Rename { from: from.to_path_buf(), to: to.to_path_buf() })
 }
 
 pub fn remove_file(path: &Path) -> Result<()> {
-    recorded!(std::fs::remove_file(path), Operation::Remove { path: path.to_path_buf() })
+    record::done(|| std::fs::remove_file(path), |_| Operation::Remove { path: path.to_path_buf() })
 }
 
 /// Removes an empty folder.
 pub fn remove_folder(path: &Path) -> Result<()> {
-    recorded!(std::fs::remove_dir(path), Operation::Remove { path: path.to_path_buf() })
+    record::done(|| std::fs::remove_dir(path), |_| Operation::Remove { path: path.to_path_buf() })
 }
 
 /// Removes a folder with its content; does not follow links.
@@ -161,7 +155,7 @@ pub fn create_folders(folder: &Path) -> Result<Vec<PathBuf>> {
     let missing: Vec<PathBuf> = missing.map(Path::to_path_buf).collect();
     let mut made = Vec::new();
     for path in missing.iter().rev() {
-        match recorded!(std::fs::create_dir(path), Operation::CreateFolder { path: path.clone() }) {
+        match record::done(|| std::fs::create_dir(path), |_| Operation::CreateFolder { path: path.clone() }) {
             Ok(()) => made.insert(0, path.clone()),
             // Another thread or process has created it. A path such as `a/..` also exists once `a` does.
             Err(_) if path.is_dir() => {}
@@ -181,7 +175,7 @@ pub fn create_named_folder(parent: &Path, [begin, end]: [&str; 2]) -> Result<Pat
     let created = tempfile::Builder::new().prefix(begin).suffix(end).tempdir_in(parent);
     // The message of this error contains the random name; only its kind is kept.
     let path = created.map_err(|error| std::io::Error::from(error.kind()))?.keep();
-    recorded!(Ok(path.clone()), Operation::CreateFolder { path: path.clone() })
+    record::done(|| Ok(path.clone()), |_| Operation::CreateFolder { path: path.clone() })
 }
 
 /// Syncs the content of a folder: all files first, then the directory entries of each folder.
