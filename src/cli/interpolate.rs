@@ -3,7 +3,6 @@
 mod args;
 mod device;
 mod input;
-mod light_field;
 mod outputs;
 mod report;
 
@@ -346,7 +345,8 @@ impl Run<'_, '_> {
                     return self.cast_all(&wanted, first, &cast);
                 }
                 let begun = Instant::now();
-                let (sources, counters) = field.sources(views, self.args, (backend, progress))?;
+                let (sources, counters) =
+                    field.sources(views, self.args.acquire, &self.args.hierarchy(), backend, progress)?;
                 let acquired = begun.elapsed();
                 let take = |view, picture: Picture| self.take((view, first), &picture, Some(&cast));
                 let request = Request { views, wanted, settings, backend };

@@ -8,7 +8,8 @@
 //!
 //! 1. [`views`]: the output views (3.1), with off-axis windows if they converge.
 //! 2. [`acquire`]: source views with all surfaces that an output view may see (3.3.1), as determined by [`visibility`] (3.4.1,
-//!    3.4.2); [`captured`] reads source views from images.
+//!    3.4.2); [`captured`] reads source views from images,
+//!    [`light_field`] renders them from a container.
 //! 3. [`lines`]: the pixels of source views as lines in integers, [`coalesce`]d into runs (3.4.3); [`slice`]: the winning lines
 //!    of one scanline of all output views (3.3.2); [`interpolate`]: whole views.
 //! 4. [`highlights`]: radiance that depends on the eye (3.5).
@@ -38,6 +39,7 @@ pub mod grid;
 pub mod highlights;
 pub mod interpolate;
 pub mod layers;
+pub mod light_field;
 pub mod lines;
 pub mod memory;
 pub mod pipeline;

@@ -464,7 +464,7 @@ fn the_demo_is_what_its_commands_say() {
     succeeded(&run);
     let report: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
     assert!(report["depth"]["max_error_codes"].as_u64().is_some_and(|codes| (1..=100).contains(&codes)), "{report}");
-    assert!(report["color"]["min_quality"].as_f64().unwrap() >= 78.0, "{report}");
+    assert!(report["color"]["min_quality"].as_f64().unwrap() >= 79.0, "{report}");
     assert_eq!(report["bytes"], fs::metadata(to.join("demo.lfold")).unwrap().len());
     let made = bytes_below(&to);
     fs::remove_file(to.join("demo.lfold")).unwrap();

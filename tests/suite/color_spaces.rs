@@ -266,7 +266,7 @@ fn presets_are_options_that_others_override() {
         fine(&format!("encode . -o a.lfold {line}"), at);
         std::fs::read(at.join("a.lfold")).unwrap()
     };
-    assert_eq!(bytes("--preset balanced"), bytes("--quality 78 --max-error 100"));
+    assert_eq!(bytes("--preset balanced"), bytes("--quality 79 --max-error 100"));
     assert_eq!(bytes("--preset small"), bytes("--quality 65 --max-error 400 --effort exhaustive --lzma2=9"));
     assert_eq!(bytes("--preset small --psnr 44 --zstd"), bytes("--psnr 44 --max-error 400 --effort exhaustive --zstd"));
     assert_eq!(bytes("--preset exact"), bytes("--hdr --psnr 200 --max-error 0"));

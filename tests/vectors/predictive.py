@@ -14,11 +14,11 @@ FAMILIES = {
     "ESCAPE": (36, 16, 20), "CANDIDATE": (3, 16, 3),
 }
 ESCAPE_BITS = (0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 7, 9, 16)
-ESCAPE_LEAST = (3, 4, 5, 7, 9, 13, 17, 25, 33, 49, 65, 97, 129, 193, 321, 833)
+ESCAPE_MIN = (3, 4, 5, 7, 9, 13, 17, 25, 33, 49, 65, 97, 129, 193, 321, 833)
 CANDIDATE_BITS = (0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 5, 6, 7, 8, 9, 16)
-CANDIDATE_LEAST = (0, 1, 2, 3, 5, 7, 11, 15, 23, 31, 47, 79, 143, 271, 527, 1039)
+CANDIDATE_MIN = (0, 1, 2, 3, 5, 7, 11, 15, 23, 31, 47, 79, 143, 271, 527, 1039)
 CHANGE_BITS = (0, 0, 1, 1, 2, 6, 14)
-CHANGE_LEAST = (1, 2, 3, 5, 7, 11, 75)
+CHANGE_MIN = (1, 2, 3, 5, 7, 11, 75)
 WEIGHTS = ((128, 85, 64), (171, 128, 102), (192, 154, 128))
 GAINS = (256, 128, 85)
 RIGHT_GROUPS = (1, 1, 0, 1, 1, 2, 2, 3, 4)
@@ -233,7 +233,7 @@ class Unit:
             before = 0
             if symbol:
                 kind = symbol - 1 >> 1
-                before = CHANGE_LEAST[kind] + stream.bits(CHANGE_BITS[kind])
+                before = CHANGE_MIN[kind] + stream.bits(CHANGE_BITS[kind])
                 before = -before if symbol % 2 else before
             numbers.append(before)
         v, gx, gy = plane
@@ -282,7 +282,7 @@ class Unit:
             i = min(11, most.bit_length() + (right[M] > most)) if most else 0
             o = 2 if 2 * least > most else 1 if 8 * least > most else 0
             kind = stream.symbol("ESCAPE", 3 * i + o)
-            r = ESCAPE_LEAST[kind] + stream.bits(ESCAPE_BITS[kind])
+            r = ESCAPE_MIN[kind] + stream.bits(ESCAPE_BITS[kind])
             r = r if symbol == 10 else -r
             value = wrap(c + r * self.step)
             if self.bound >= 50 or abs(r) >= 64:
@@ -328,7 +328,7 @@ class Unit:
                 if not any(within(x - y, self.apart // 2) for y, _ in found):
                     found.append((x, pixel))
         kind = stream.symbol("CANDIDATE", entry)
-        r = CANDIDATE_LEAST[kind] + stream.bits(CANDIDATE_BITS[kind])
+        r = CANDIDATE_MIN[kind] + stream.bits(CANDIDATE_BITS[kind])
         r = -r if r and stream.bits(1) else r
         x, pixel = found[entry] if entry < len(found) else (c, carried["W"][0])
         return wrap(x + r * self.step), pixel[GX], pixel[GY], 6, pixel[N], min(abs(r), 255)

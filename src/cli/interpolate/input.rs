@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use super::args::Args;
-use super::light_field::LightField;
 use crate::refuse;
 use crate::report::machine;
 use codec::container::header::is_container;
@@ -14,6 +13,7 @@ use codec::memory::Need;
 use codec::monitor::Monitor;
 use epipolar::acquire::AcquireSettings;
 use epipolar::captured::CapturedSources;
+use epipolar::light_field::LightField;
 use epipolar::memory::SourceNeed;
 use epipolar::views::OutputViews;
 use evaluate::reference::Reference;
@@ -160,7 +160,7 @@ impl Input {
             }
             Input::Field(decoder) => [frames.first, frames.last]
                 .into_iter()
-                .try_for_each(|frame| LightField::open(args, decoder, frame).map(drop))
+                .try_for_each(|frame| field(args, decoder, frame).map(drop))
                 .map_err(of_input),
         }
     }
@@ -182,11 +182,25 @@ impl Input {
             }
             Input::Images(images) => captured(args, images, frame).map(|images| FrameInput::Images(Box::new(images))),
             Input::Field(decoder) => {
-                let field = LightField::open(args, decoder, frame);
-                field.map(|field| FrameInput::Field(Box::new(field))).map_err(|error| error.in_file(&args.input))
+                let opened = field(args, decoder, frame);
+                opened.map(|field| FrameInput::Field(Box::new(field))).map_err(|error| error.in_file(&args.input))
             }
         }
     }
+}
+
+/// Opens a frame of a container. Its samples form a square grid in each pixel.
+fn field<'a>(args: &Args, decoder: &'a Decoder, frame: u32) -> Result<LightField<'a>> {
+    let side = args.samples.isqrt();
+    if side * side != args.samples {
+        return refuse(format!(
+            "--samples {}: pixels of containers have as many rays across as down: choose {} or {}",
+            args.samples,
+            side * side,
+            (side + 1) * (side + 1)
+        ));
+    }
+    LightField::open(decoder, frame, side, args.memory.get())
 }
 
 fn captured(args: &Args, images: &mut Reference, frame: u32) -> Result<CapturedSources> {

@@ -59,7 +59,7 @@ pub struct ColorArgs {
     #[arg(long, value_name = "TABLES")]
     pub color_tables: Option<PathBuf>,
     /// Least quality to the eye of each frame of each cell of the transform codec, 0 to 100, on the scale of SSIMULACRA2: the worst
-    /// places look like those of x265 with crf 22 at 65, with crf 18 at 73, with crf 14 at 80 [default: 78]
+    /// places look like those of x265 with crf 22 at 65, with crf 18 at 73, with crf 14 at 80 [default: 79]
     #[arg(long, value_name = "Q", conflicts_with_all = ["psnr", "color_block", "color_qp"])]
     pub quality: Option<f64>,
     /// Least PSNR of each frame of each cell instead of --quality, in dB, 0 to 200 (every bit); with --color-block, of temporal coding

@@ -37,7 +37,7 @@ const PRESETS: &Choices<Preset> = &[
         },
         "Fewest bytes: --quality 65 --max-error 400 --effort exhaustive --lzma2=9",
     ),
-    ("balanced", NONE, "The defaults: --quality 78 --max-error 100 --effort normal"),
+    ("balanced", NONE, "The defaults: --quality 79 --max-error 100 --effort normal"),
     ("fast", Preset { effort: Some(Effort::Fast), ..NONE }, "Fewest seconds: --effort fast"),
     (
         "exact",

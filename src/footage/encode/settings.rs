@@ -109,7 +109,7 @@ impl ColorCodec {
     /// Default quality target for every frame of every cell.
     pub fn usual_target(self) -> Target {
         match self {
-            ColorCodec::Transform => Target::Quality(78.0),
+            ColorCodec::Transform => Target::Quality(79.0),
             ColorCodec::Cells => Target::Psnr(50.0),
         }
     }

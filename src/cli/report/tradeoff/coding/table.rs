@@ -72,7 +72,7 @@ pub const KNOBS: &[Knob] = &[
     encode("color-codec", "colour codec", &[Color], "transform", &["transform", "cells"]),
     encode("color-chunk", "chunk length of colour (frames)", &[Color], "24", &["6", "12", "24", "48", "96"])
         .with(&[("color-codec", "transform")]),
-    encode("quality", "least quality to the eye", &[Color], "78, of cells none", &["60", "70", "78", "85", "90"])
+    encode("quality", "least quality to the eye", &[Color], "79, of cells none", &["60", "70", "79", "85", "90"])
         .with(&[("color-codec", "transform")]),
     encode(
         "psnr",

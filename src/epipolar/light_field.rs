@@ -4,18 +4,17 @@ use std::cell::RefCell;
 
 use half::f16;
 
-use super::args::Args;
-use crate::refuse;
+use crate::acquire::{Acquisition, Hierarchy, Places, hierarchical};
+use crate::backend::Backend;
+use crate::counters::Counters;
+use crate::source::{SourceView, in_order};
+use crate::views::OutputViews;
 use codec::decode::Decoder;
 use codec::error::{Error, Result};
 use codec::image::{FrameRange, Plane, ToneMap};
 use codec::math::Camera;
+use codec::memory::Budget;
 use codec::monitor::Monitor;
-use epipolar::acquire::{Places, hierarchical};
-use epipolar::backend::Backend;
-use epipolar::counters::Counters;
-use epipolar::source::{SourceView, in_order};
-use epipolar::views::OutputViews;
 use render::frame_requests::FrameRequest;
 use render::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer, Stage};
 use render::march::{ActiveViews, Rendered, distances_m};
@@ -23,7 +22,7 @@ use render::rendered_image::RenderedImage;
 use render::views::Change;
 
 /// A frame of a container.
-pub(super) struct LightField<'a> {
+pub struct LightField<'a> {
     playback: RefCell<Playback<'a>>,
     frame: u32,
     options: PictureOptions,
@@ -35,24 +34,15 @@ impl<'a> LightField<'a> {
         Ok(Playback::new(decoder, PlaybackOptions::default())?.player.frames())
     }
 
-    pub fn open(args: &Args, decoder: &'a Decoder, frame: u32) -> Result<LightField<'a>> {
+    /// Opens a frame of a container, of which pictures have `side * side` rays per pixel. Fails if the container has no such frame.
+    pub fn open(decoder: &'a Decoder, frame: u32, side: u32, budget: Budget) -> Result<LightField<'a>> {
         let mut playback = Playback::new(decoder, PlaybackOptions::default())?;
         let frames = playback.player.frames();
         if !frames.contains(frame) {
             return Err(Error::Usage(format!("there is no frame {frame}: the container has {frames}")));
         }
-        playback.limit_memory(args.memory.get(), 0);
-        // Samples form a square grid in each pixel.
-        let samples = args.samples.isqrt();
-        if samples * samples != args.samples {
-            return refuse(format!(
-                "--samples {}: pixels of containers have as many rays across as down: choose {} or {}",
-                args.samples,
-                samples * samples,
-                (samples + 1) * (samples + 1)
-            ));
-        }
-        let options = PictureOptions { samples, ..PictureOptions::default() };
+        playback.limit_memory(budget, 0);
+        let options = PictureOptions { samples: side * side, ..PictureOptions::default() };
         Ok(LightField { playback: RefCell::new(playback), frame, options })
     }
 
@@ -64,15 +54,17 @@ impl<'a> LightField<'a> {
     pub fn sources(
         &self,
         views: &OutputViews,
-        args: &Args,
-        (backend, monitor): (&dyn Backend, &dyn Monitor),
+        acquisition: Acquisition,
+        hierarchy: &Hierarchy,
+        backend: &dyn Backend,
+        monitor: &dyn Monitor,
     ) -> Result<(Vec<SourceView>, Counters)> {
         let make = |offsets_m: &[f64]| {
             let sources = offsets_m.iter().map(|&offset_m| self.source(views, offset_m, monitor));
             Ok((sources.collect::<Result<Vec<_>>>()?, Counters::default()))
         };
-        let (sources, counters) = match args.acquire.places(views) {
-            None => hierarchical(views, &args.hierarchy(), backend, make)?,
+        let (sources, counters) = match acquisition.places(views) {
+            None => hierarchical(views, hierarchy, backend, make)?,
             Some(Places { offsets_m, is_wide: false }) => make(&offsets_m)?,
             Some(Places { offsets_m, is_wide: true }) => {
                 let wide = offsets_m.iter().map(|&offset_m| self.wide_source(views, offset_m, monitor));
