@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Sourced by the scripts beside it: `need PACKAGE…` installs the Debian packages that are missing, where root or sudo
-# allows it, and says so where it does not.
+# Sourced by the scripts beside it, to install what is missing.
+
+# `need PACKAGE…` installs Debian packages, where root or sudo allows it, and reports where it does not.
 
 need() {
     local missing=() package
@@ -26,4 +27,26 @@ need() {
 need_tool() {
     command -v "$1" >/dev/null || need "$2"
     command -v "$1" >/dev/null || { echo "$1 is needed and not there" >&2; exit 1; }
+}
+
+# `need_python PACKAGE…` installs Python packages, in the versions of requirements.txt, into a virtual environment that is made
+# once, and sets `environment` to its folder and `python` to its interpreter. Returns 1 where they cannot be installed; without an environment
+# `python` is python3.
+need_python() {
+    local here
+    here=$(dirname "${BASH_SOURCE[0]}")
+    environment=$(realpath -m "${CARGO_TARGET_DIR:-$here/../target}/scripts")
+    python=$environment/bin/python
+    if [ ! -x "$environment/bin/pip" ]; then
+        # Debian has it in a package of its own.
+        python3 -c 'import ensurepip' 2>/dev/null || need python3-venv
+        if ! python3 -m venv --system-site-packages "$environment" >&2; then
+            python=python3
+            echo "NOT INSTALLED, as python3 -m venv fails: $*" >&2
+            return 1
+        fi
+    fi
+    timeout 300 "$python" -m pip install --quiet --disable-pip-version-check -c "$here/requirements.txt" "$@" </dev/null >&2 && return
+    echo "NOT INSTALLED: $*" >&2
+    return 1
 }

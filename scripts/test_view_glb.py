@@ -8,17 +8,18 @@ import struct
 import subprocess
 import tempfile
 import unittest
+from typing import Any
 
 SCRIPT = pathlib.Path(__file__).resolve().parent / "view-glb"
 
 
-def run(*arguments, path=None):
+def run(*arguments: Any, path: str | None = None) -> subprocess.CompletedProcess[str]:
     environment = dict(os.environ, PATH=path or os.environ["PATH"])
     return subprocess.run(["/usr/bin/env", "bash", SCRIPT, *arguments], capture_output=True, text=True, env=environment)
 
 
 class Refusals(unittest.TestCase):
-    def setUp(self):
+    def setUp(self) -> None:
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
         self.scene = pathlib.Path(self.folder.name) / "scene.glb"
@@ -26,7 +27,7 @@ class Refusals(unittest.TestCase):
         text += b" " * (-len(text) % 4)
         self.scene.write_bytes(b"glTF" + struct.pack("<III", 2, 20 + len(text), len(text)) + b"JSON" + text)
 
-    def test_usage(self):
+    def test_usage(self) -> None:
         for arguments, words in [
             ([], "scripts/view-glb scene.glb"),
             (["nowhere.glb"], "nowhere.glb: no such file"),
@@ -39,7 +40,7 @@ class Refusals(unittest.TestCase):
             self.assertEqual(found.returncode, 2, arguments)
             self.assertIn(words, found.stderr)
 
-    def test_without_node_nothing_is_run(self):
+    def test_without_node_nothing_is_run(self) -> None:
         tools = pathlib.Path(self.folder.name) / "bin"
         tools.mkdir()
         for tool in ["bash", "basename", "cat", "dirname", "mkdir", "realpath"]:
@@ -49,7 +50,7 @@ class Refusals(unittest.TestCase):
         self.assertIn("NOT RUN: node and npm are missing", found.stderr)
 
     @unittest.skipUnless(shutil.which("node"), "node is missing")
-    def test_other_files_are_refused(self):
+    def test_other_files_are_refused(self) -> None:
         program = ["node", SCRIPT.with_name("view_glb.mjs"), self.folder.name]
         other = pathlib.Path(self.folder.name) / "text"
         other.write_text("no GLB at all, but a text")
