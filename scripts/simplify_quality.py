@@ -3,10 +3,13 @@
 import dataclasses
 import json
 import pathlib
+from typing import Any
 
 import lightfold_runs as lf
 import reconstruction_quality as rq
 
+# Name, dataset, and the one that is held out where it is another.
+Given = tuple[str, pathlib.Path, pathlib.Path | None]
 METHODS = ("reproject", "march", "splat")
 STAGES = ("merge", "candidates", "selection", "silhouettes", "shading", "atlas", "gaps", "export", "evaluate")
 
@@ -16,48 +19,48 @@ class Measured:
     """A set: the report of `simplify`, and of `render` by method for the same held-out images."""
 
     name: str
-    simplified: dict
-    rendered: dict
+    simplified: dict[str, Any]
+    rendered: dict[str, Any]
 
 
-def split(manifest, work):
+def split(manifest: pathlib.Path, work: pathlib.Path) -> tuple[pathlib.Path, pathlib.Path]:
     """Datasets of all probes but the most central one, and of that one alone, which share the files of `manifest`."""
-    path = rq.manifest_path(manifest)
+    path = lf.manifest_path(manifest)
     probes = rq.probes_of(path)
     if len(probes) < 2:
         raise rq.Refused(f"{path}: it has one probe; one to hold out and others to simplify were expected")
     central = rq.most_central(probes)
     whole = json.loads(path.read_text())
     folders = []
-    for name, takes_part in (("others", lambda probe: probe != central), ("held-out", lambda probe: probe == central)):
+    for name, is_held_out in (("others", False), ("held-out", True)):
         folder = work / name
         folder.mkdir()
         for entry in path.resolve().parent.iterdir():
             if entry.name != path.name:
                 (folder / entry.name).symlink_to(entry)
-        of = {**whole, "probes": [probe for probe in whole["probes"] if takes_part(probe["name"])]}
+        of = {**whole, "probes": [probe for probe in whole["probes"] if (probe["name"] == central) == is_held_out]}
         (folder / path.name).write_text(json.dumps(of))
         folders.append(folder)
-    return folders
+    return folders[0], folders[1]
 
 
-def measure(binary, name, sets, work, options):
+def measure(binary: lf.Binary, name: str, sets: tuple[pathlib.Path, pathlib.Path], work: pathlib.Path, options: list[str]) -> Measured:
     """Simplifies the first of two datasets and renders it by all methods at the poses of the second."""
     others, held_out = sets
     simplified = lf.run_json(binary, "simplify", others, "--held-out", held_out, *options, "-o", work / "scene.glb", "--json")
     container = work / "field.lfold"
-    frame = str(json.loads(rq.manifest_path(others).read_text())["frames"][0])
+    frame = str(json.loads(lf.manifest_path(others).read_text())["frames"][0])
     lf.run_json(binary, "encode", others, "--frames", frame, "--clip", "-o", container, "--json")
     render = [binary, "render", container, "--reference", held_out, "--frames", frame, "--null", "--json"]
     rendered = {method: lf.run_json(*render, "--method", method)["reference"] for method in METHODS}
     return Measured(name, simplified, rendered)
 
 
-def decibels(value):
+def decibels(value: float | None) -> str:
     return "" if value is None else f"{float(value):.2f}"
 
 
-def scenes(measured):
+def scenes(measured: list[Measured]) -> str:
     """Seurat table 1."""
     rows = []
     for of in measured:
@@ -82,7 +85,7 @@ def scenes(measured):
     return lf.table(head, rows)
 
 
-def held_out(measured):
+def held_out(measured: list[Measured]) -> str:
     """Simplified scenes beside other ways to the same images, none of which knows them."""
     rows = []
     for of in measured:
@@ -92,7 +95,7 @@ def held_out(measured):
     return lf.table(["set", "by", "PSNR dB", "PSNR-HVS-M dB", "SSIM"], rows)
 
 
-def stages(measured):
+def stages(measured: list[Measured]) -> str:
     """Seurat table 2."""
     timed = [stage for stage in STAGES if any(stage in of.simplified["stages"] for of in measured)]
     rows = []
@@ -104,7 +107,7 @@ def stages(measured):
     return lf.table(["set", *timed, "other", "seconds"], rows)
 
 
-def pages(binary, work, sets, options):
+def pages(binary: lf.Binary, work: str, sets: list[Given], options: list[str]) -> str:
     """All tables of sets, which are names with pairs of datasets or with one that is split; as Markdown."""
     measured = []
     for at, (name, given, held) in enumerate(sets):

@@ -135,6 +135,7 @@ class OneTask(Folder):
                 "signal.signal(signal.SIGTERM, lambda *_: sys.exit(130))\nprint('ready', flush=True)\nsignal.pause()\n")
         running = subprocess.Popen(["bash", FARM / "task", "encode", "room", "film.lfold", "1/1"], cwd=self.work, text=True,
                                    stdout=subprocess.PIPE, env=dict(os.environ, LIGHTFOLD="./waiting", LIGHTFOLD_RETRIES="3"))
+        assert running.stdout
         self.assertEqual(running.stdout.readline(), "ready\n")
         begin = time.monotonic()
         running.send_signal(signal.SIGTERM)
@@ -259,7 +260,7 @@ class Simulation(Folder):
                                           row("merge", 1, 1, 40, 4e6, 4e6, 0.04)])
         self.stages, _ = self.model.recorded(self.path)
 
-    def run_farm(self, machines: int, seed: int = 1, **other: Any) -> Any:
+    def run_farm(self, machines: int, seed: Any = 1, **other: Any) -> Any:
         return self.model.simulate(self.stages, Farm(**other), machines, seed)
 
     def test_time_is_that_of_the_processors(self) -> None:

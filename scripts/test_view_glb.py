@@ -28,14 +28,15 @@ class Refusals(unittest.TestCase):
         self.scene.write_bytes(b"glTF" + struct.pack("<III", 2, 20 + len(text), len(text)) + b"JSON" + text)
 
     def test_usage(self) -> None:
-        for arguments, words in [
+        cases: list[tuple[list[Any], str]] = [
             ([], "scripts/view-glb scene.glb"),
             (["nowhere.glb"], "nowhere.glb: no such file"),
             ([self.scene, "other.glb"], "other.glb: one scene was expected"),
             ([self.scene, "--size", "big"], "--size big: 1 to 9999 pixels"),
             ([self.scene, "--size"], "--size: a value was expected"),
             ([self.scene, "--fast"], "--fast: no such option"),
-        ]:
+        ]
+        for arguments, words in cases:
             found = run(*arguments)
             self.assertEqual(found.returncode, 2, arguments)
             self.assertIn(words, found.stderr)
@@ -44,14 +45,14 @@ class Refusals(unittest.TestCase):
         tools = pathlib.Path(self.folder.name) / "bin"
         tools.mkdir()
         for tool in ["bash", "basename", "cat", "dirname", "mkdir", "realpath"]:
-            (tools / tool).symlink_to(shutil.which(tool))
+            (tools / tool).symlink_to(shutil.which(tool) or tool)
         found = run(self.scene, "--out", self.folder.name, path=str(tools))
         self.assertEqual(found.returncode, 3, found.stderr)
         self.assertIn("NOT RUN: node and npm are missing", found.stderr)
 
     @unittest.skipUnless(shutil.which("node"), "node is missing")
     def test_other_files_are_refused(self) -> None:
-        program = ["node", SCRIPT.with_name("view_glb.mjs"), self.folder.name]
+        program: list[Any] = ["node", SCRIPT.with_name("view_glb.mjs"), self.folder.name]
         other = pathlib.Path(self.folder.name) / "text"
         other.write_text("no GLB at all, but a text")
         for path, words in [(self.scene, "extras name no viewing region"), (other, "not binary glTF")]:
