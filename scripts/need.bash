@@ -29,24 +29,27 @@ need_tool() {
     command -v "$1" >/dev/null || { echo "$1 is needed and not there" >&2; exit 1; }
 }
 
-# `need_python PACKAGE…` installs Python packages, in the versions of requirements.txt, into a virtual environment that is made
-# once, and sets `environment` to its folder and `python` to its interpreter. Returns 1 where they cannot be installed; without an environment
-# `python` is python3.
+# `need_python PACKAGE…` installs Python packages, in the versions of requirements.txt, into a virtual environment under the
+# target folder. Sets `environment` to its folder and `python` to its interpreter, or to python3 where it cannot be made.
+# Returns 1 where the packages cannot be installed.
 need_python() {
-    local here
+    local here done_already
     here=$(dirname "${BASH_SOURCE[0]}")
     environment=$(realpath -m "${CARGO_TARGET_DIR:-$here/../target}/scripts")
     python=$environment/bin/python
+    done_already=$environment/installed-$(cksum <<<"$* $(cat "$here/requirements.txt")" | cut -d' ' -f1)
+    [ ! -e "$done_already" ] || return 0
+    echo "installing $*" >&2
     if [ ! -x "$environment/bin/pip" ]; then
         # Debian has it in a package of its own.
         python3 -c 'import ensurepip' 2>/dev/null || need python3-venv
-        if ! python3 -m venv --system-site-packages "$environment" >&2; then
-            python=python3
-            echo "NOT INSTALLED, as python3 -m venv fails: $*" >&2
-            return 1
-        fi
+        python3 -m venv --system-site-packages "$environment" >&2 || python=python3
     fi
-    timeout 300 "$python" -m pip install --quiet --disable-pip-version-check -c "$here/requirements.txt" "$@" </dev/null >&2 && return
+    if [ "$python" != python3 ] &&
+        timeout 300 "$python" -m pip install --quiet --disable-pip-version-check -c "$here/requirements.txt" "$@" </dev/null >&2; then
+        touch "$done_already"
+        return
+    fi
     echo "NOT INSTALLED: $*" >&2
     return 1
 }
