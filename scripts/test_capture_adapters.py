@@ -17,16 +17,15 @@ import unittest
 import unittest.mock
 from typing import Any, Iterator
 
-try:
-    import images
-except ImportError as missing:
-    raise unittest.SkipTest(f"numpy, Pillow and OpenEXR are needed: {missing}") from missing
-import numpy as np
-import OpenEXR
+from for_tests import HERE, TARGET, Folder, lightfold, need_packages
 
-from images import Array
+need_packages()
+import numpy as np  # noqa: E402
+import OpenEXR  # noqa: E402
 
-HERE = pathlib.Path(__file__).resolve().parent
+import images  # noqa: E402
+from images import Array  # noqa: E402
+
 CAPTURE = HERE / "capture"
 sys.path.insert(0, str(CAPTURE))
 import exr  # noqa: E402
@@ -34,7 +33,6 @@ import layout  # noqa: E402
 
 sys.path.remove(str(CAPTURE))
 
-TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", HERE.parent / "target"))
 Vector = tuple[float, float, float]
 # A turn of 86 degrees about an axis of no face.
 TURN = [value / math.sqrt(30) for value in (1, 2, 3, 4)]
@@ -199,22 +197,14 @@ def close(found: Any, expected: Any, bound: float) -> bool:
     return all(abs(a - b) <= bound for a, b in zip(found, expected))
 
 
-def lightfold() -> str | None:
-    """The program, where it has been built."""
-    named = [os.environ.get("LIGHTFOLD")] + [str(TARGET / kind / "lightfold") for kind in ("debug", "release")]
-    return next((path for path in named if path and shutil.which(path)), None)
-
-
 def setUpModule() -> None:
     if not lightfold():
         print(f"\nNOT RUN: lightfold inspect --check: no program in {TARGET}; run cargo build", file=sys.stderr)
 
 
-class AdapterTest(unittest.TestCase):
+class AdapterTest(Folder):
     def setUp(self) -> None:
-        work = tempfile.TemporaryDirectory()
-        self.addCleanup(work.cleanup)
-        self.work = pathlib.Path(work.name)
+        super().setUp()
         quiet = unittest.mock.patch.object(layout, "say")
         quiet.start()
         self.addCleanup(quiet.stop)

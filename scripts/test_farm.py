@@ -5,37 +5,24 @@ the Slurm scripts with a Slurm of one machine, both with lightfold; what is miss
 """
 
 import filecmp
-import importlib.machinery
-import importlib.util
 import os
 import pathlib
 import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
-import types
 import unittest
 from typing import Any, Sequence
 
-FARM = pathlib.Path(__file__).resolve().parent / "farm"
-TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", FARM.parent.parent / "target"))
+from for_tests import HERE, Folder, lightfold, module_of
+
+FARM = HERE / "farm"
 # Writes down its arguments, and does as FAIL says: `2 75` ends the first two tries with exit code 75.
 RECORDER = """#!/usr/bin/env bash
 printf '%s\\n' "$*" >>"$CALLS"
 [ "$(wc -l <"$CALLS")" -gt "${FAIL% *}" ] || exit "${FAIL#* }"
 """
-
-
-def lightfold() -> str | None:
-    """The program of LIGHTFOLD, or the one that was built last in the target folder."""
-    named = os.environ.get("LIGHTFOLD")
-    if named:
-        return shutil.which(named)
-    built = [TARGET / kind / "lightfold" for kind in ("debug", "release")]
-    built = [path for path in built if path.is_file()]
-    return str(max(built, key=lambda path: path.stat().st_mtime)) if built else None
 
 
 def openjd() -> str | None:
@@ -48,19 +35,14 @@ def program(path: pathlib.Path, text: str) -> str:
     return str(path)
 
 
-class Folder(unittest.TestCase):
-    def setUp(self) -> None:
-        work = tempfile.TemporaryDirectory()
-        self.addCleanup(work.cleanup)
-        self.work = pathlib.Path(work.name)
-
+class FarmTest(Folder):
     def run_in(self, *command: Any, **environment: str) -> subprocess.CompletedProcess[str]:
         """Runs a command in the folder."""
         return subprocess.run([str(word) for word in command], cwd=self.work, capture_output=True, text=True,
                               env=dict(os.environ, **environment))
 
 
-class OneTask(Folder):
+class OneTask(FarmTest):
     def setUp(self) -> None:
         super().setUp()
         self.program = program(self.work / "recorder", RECORDER)
@@ -144,7 +126,7 @@ class OneTask(Folder):
         self.assertLess(time.monotonic() - begin, 10)
 
 
-class Template(Folder):
+class Template(FarmTest):
     """encode.openjd.yaml through openjd-cli, with lightfold."""
 
     def setUp(self) -> None:
@@ -209,7 +191,7 @@ class Template(Folder):
         self.assertEqual(self.calls("pack"), 0)
 
 
-class Slurm(Folder):
+class Slurm(FarmTest):
     def test_arrays_that_requeue(self) -> None:
         binary = lightfold()
         if not binary:
@@ -227,15 +209,6 @@ class Slurm(Folder):
             self.assertTrue(done.stderr)
 
 
-def simulation() -> types.ModuleType:
-    loader = importlib.machinery.SourceFileLoader("simulate", str(FARM / "simulate"))
-    spec = importlib.util.spec_from_loader("simulate", loader)
-    assert spec
-    module = importlib.util.module_from_spec(spec)
-    loader.exec_module(module)
-    return module
-
-
 class Farm:
     """A farm where nothing goes wrong."""
     streams, size, frames, shards = 2, 1000, 50, 10
@@ -247,10 +220,10 @@ class Farm:
         self.__dict__.update(other)
 
 
-class Simulation(Folder):
+class Simulation(FarmTest):
     def setUp(self) -> None:
         super().setUp()
-        self.model = simulation()
+        self.model = module_of("farm/simulate")
         # 0.1 s a megapixel of scanning, 1 s of encoding; 10 bytes read and 0.1 written for a pixel.
         self.path = self.work / "times.csv"
         row = lambda stage, shard, of, megapixels, read, written, seconds: dict(zip(self.model.HEAD, [

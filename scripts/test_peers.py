@@ -3,8 +3,6 @@
 import contextlib
 import csv
 import dataclasses
-import importlib.machinery
-import importlib.util
 import io
 import json
 import math
@@ -15,27 +13,25 @@ import struct
 import subprocess
 import sys
 import tempfile
-import types
 import unittest
+import unittest.mock
 from typing import Any, Iterator, Sequence
 
-try:
-    import images
-except ImportError as missing:
-    raise unittest.SkipTest(f"numpy, Pillow and OpenEXR are needed: {missing}") from missing
-import numpy as np
-import OpenEXR
-import PIL.Image
+from for_tests import HERE, module_of, need_packages
 
-import peers_color
-import peers_crops
-import peers_frames as pf
-import peers_table
-from peers_codecs import CODERS, Dial, Ffv1, PerStream, Rvl, Xz, Zstd, key_frames, rotated, x265
-from peers_kernels import Kernels
-from peers_measure import Contest, Depth, Errors, Given, Row, compare, depth_errors
+need_packages()
+import numpy as np  # noqa: E402
+import OpenEXR  # noqa: E402
+import PIL.Image  # noqa: E402
 
-HERE = pathlib.Path(__file__).resolve().parent
+import images  # noqa: E402
+import peers_color  # noqa: E402
+import peers_crops  # noqa: E402
+import peers_frames as pf  # noqa: E402
+import peers_table  # noqa: E402
+from peers_codecs import CODERS, Dial, Ffv1, PerStream, Rvl, Xz, Zstd, key_frames, rotated, x265  # noqa: E402
+from peers_kernels import Kernels  # noqa: E402
+from peers_measure import Contest, Depth, Errors, Given, Row, compare, depth_errors  # noqa: E402
 
 
 WORK = tempfile.TemporaryDirectory()
@@ -252,6 +248,7 @@ class ColorTest(unittest.TestCase):
                 self.assertRegex(str(error), "is not installed|has no lib")
                 continue
             sizes: list[int] = []
+            codec.at_once = len(codec.files)
             for codec.quality in (20, 45):
                 codec.encode()
                 sizes.append(codec.size())
@@ -371,31 +368,27 @@ class CommandTest(unittest.TestCase):
     def test_a_set_may_name_a_stream(self) -> None:
         path = FOLDER / "lightfield.json"
         path.write_text(json.dumps({"lightfield": 1, "name": "film", "files": {"depth": "a", "color": "b"}}))
-        found = script("peers").manifests([f"{path}:depth", str(path), f"{path.parent}:color"])
+        found = module_of("peers").manifests([f"{path}:depth", str(path), f"{path.parent}:color"])
         self.assertEqual(found, [("film", path, "depth"), ("film", path, None), ("film", path, "color")])
 
     def refused(self, *words: Any) -> str:
-        done = subprocess.run([sys.executable, HERE / "peers", *words], capture_output=True, text=True)
-        self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
-        return done.stderr
+        """What the script says on standard error, in one line."""
+        out, told = io.StringIO(), io.StringIO()
+        with unittest.mock.patch.object(sys, "argv", ["peers", *map(str, words)]), contextlib.redirect_stdout(out), \
+                contextlib.redirect_stderr(told):
+            code = module_of("peers").main()
+        self.assertEqual((code, out.getvalue(), told.getvalue().count("\n")), (2, "", 1), told.getvalue())
+        return told.getvalue()
 
     def test_a_wrong_manifest_is_one_sentence(self) -> None:
+        done = subprocess.run([sys.executable, HERE / "peers", "nowhere.json"], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (2, "", self.refused("nowhere.json")))
+        self.assertIn("nowhere.json is neither", done.stderr)
         path = FOLDER / "lightfield.json"
-        self.assertIn("nowhere.json is neither", self.refused("nowhere.json"))
         for text in ("{", "[]", "{}", json.dumps({"lightfield": 2, "files": {}})):
             path.write_text(text)
             self.assertIn("is not a manifest", self.refused(path))
         self.assertIn("--bound 1,x", self.refused("--bound", "1,x"))
-
-
-def script(name: str) -> types.ModuleType:
-    """A script without an ending as a module."""
-    loader = importlib.machinery.SourceFileLoader(name, str(HERE / name))
-    spec = importlib.util.spec_from_loader(name, loader)
-    assert spec
-    module = importlib.util.module_from_spec(spec)
-    loader.exec_module(module)
-    return module
 
 
 RATIOS = """\
@@ -416,7 +409,7 @@ class RecordTest(unittest.TestCase):
         text = ("scene      triangles build s   camera   256    512   1024   shadow random   sees shaded\n"
                 "landscape     250632    0.17            4.10   4.63   5.14     1.94   1.52   1.56   1.86\n"
                 "sponza.glb is not measured: it is not there\n")
-        bench = script("bench")
+        bench = module_of("bench")
         self.assertEqual(bench.rays_of(text), [["landscape", "250632", "0.17", "4.10", "4.63", "5.14", "1.94", "1.52",
                                                 "1.56", "1.86"]])
 
@@ -424,18 +417,18 @@ class RecordTest(unittest.TestCase):
         text = ("/tmp/x/sponza9.lfold: 9 views\n"
                 "                                               Mpixel/s  steps a ray  refine a ray\n"
                 "256²; 64 steps + 8; 9 views; pyramid              1.020         7.53          7.98\n\n")
-        self.assertEqual(script("bench").pixels_of(text),
+        self.assertEqual(module_of("bench").pixels_of(text),
                          [["sponza9", "256²; 64 steps + 8; 9 views; pyramid", "1.020", "7.53", "7.98"]])
 
     def test_figures_are_found_in_what_the_bench_prints(self) -> None:
-        figures = script("bench").figures_of(RATIOS)
+        figures = module_of("bench").figures_of(RATIOS)
         self.assertEqual(len(figures), 9)
         self.assertIn(["ratios: a.lfold streams depth, of plain", "4.1", "%"], figures)
         self.assertIn(["ratios: cells in the cache, lerp", "9030", "MB/s"], figures)
         self.assertIn(["ratios: a.lfold frames key threads 2, decode", "1991", "MB/s"], figures)
 
     def test_rows_are_appended_under_one_head(self) -> None:
-        bench, path = script("bench"), FOLDER / "timings.csv"
+        bench, path = module_of("bench"), FOLDER / "timings.csv"
         free, half = 0.25 * (os.cpu_count() or 1), 0.5 * (os.cpu_count() or 1)
         for value, load in (("1", free), ("2", half), ("3", half + 0.01)):
             bench.record([["a figure, of one", value, "s"]], "scripts/bench --record", load, path)
@@ -447,7 +440,7 @@ class RecordTest(unittest.TestCase):
         self.assertRegex(lines[1][0], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
 
     def test_what_is_recorded_has_every_column(self) -> None:
-        bench = script("bench")
+        bench = module_of("bench")
         lines = list(csv.reader(bench.TIMINGS.read_text().splitlines()))
         self.assertEqual(lines[0], bench.HEAD)
         for line in lines[1:]:

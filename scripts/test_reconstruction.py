@@ -3,16 +3,11 @@
 import contextlib
 import csv
 import html.parser
-import importlib.machinery
-import importlib.util
 import io
 import itertools
 import json
 import math
 import pathlib
-import sys
-import tempfile
-import types
 import unittest
 import unittest.mock
 import urllib.parse
@@ -20,20 +15,16 @@ import xml.etree.ElementTree
 from typing import Any, Callable
 
 import lightfold_runs as lf
+from for_tests import Folder, module_of, need_packages
 
-try:
-    import images
-except ImportError as missing:
-    raise unittest.SkipTest(f"numpy, Pillow and OpenEXR are needed: {missing}") from missing
-import numpy as np
+need_packages()
+import numpy as np  # noqa: E402
 
-import peers_frames as pf
-import reconstruction_page as rp
-import reconstruction_quality as rq
-import reconstruction_report as rr
-
-HERE = pathlib.Path(__file__).resolve().parent
-
+import images  # noqa: E402
+import peers_frames as pf  # noqa: E402
+import reconstruction_page as rp  # noqa: E402
+import reconstruction_quality as rq  # noqa: E402
+import reconstruction_report as rr  # noqa: E402
 
 
 def value_of(words: list[str], name: str) -> str | None:
@@ -67,25 +58,10 @@ def write_pictures(words: list[str]) -> None:
         images.write_png(name, pixels)
 
 
-def script() -> types.ModuleType:
-    """The script itself, as a module."""
-    loader = importlib.machinery.SourceFileLoader("reconstruction", str(HERE / "reconstruction-quality"))
-    spec = importlib.util.spec_from_loader("reconstruction", loader)
-    assert spec
-    module = importlib.util.module_from_spec(spec)
-    with unittest.mock.patch.object(sys, "dont_write_bytecode", True):
-        loader.exec_module(module)
-    return module
+class Stubbed(Folder):
+    """A stub in place of runs of lightfold, which notes what it was called with."""
 
-
-class Stubbed(unittest.TestCase):
-    """A folder, and a stub in place of runs of lightfold, which notes what it was called with."""
-
-    def setUp(self) -> None:
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.work = pathlib.Path(folder.name)
-        self.program = "lightfold"
+    program = "lightfold"
 
     def stub(self, material: bool) -> None:
         self.commands: list[list[str]] = []
@@ -218,7 +194,7 @@ class DatasetTest(Stubbed):
 class SceneTest(Stubbed):
     def test_a_scene_is_captured_from_corners_and_on_the_way_between_two(self) -> None:
         self.stub(material=True)
-        module = script()
+        module = module_of("reconstruction-quality")
         output = self.work / "out"
         with unittest.mock.patch.object(lf, "build", lambda: self.program), contextlib.redirect_stdout(io.StringIO()) as told, \
                 contextlib.redirect_stderr(io.StringIO()):
@@ -249,7 +225,7 @@ class SceneTest(Stubbed):
             xml.etree.ElementTree.parse(output / "mirrors" / name)
 
     def test_a_scene_of_ones_own_needs_a_place_for_its_probes(self) -> None:
-        module = script()
+        module = module_of("reconstruction-quality")
         with self.assertRaisesRegex(rq.Refused, "--centre"):
             module.main(["room.glb"])
         options = module.arguments(["a/room.glb", "--centre", "1,2,3"])
@@ -333,7 +309,7 @@ class PageTest(Stubbed):
     def run_script(self, *words: Any) -> None:
         with unittest.mock.patch.object(lf, "build", lambda: self.program), \
                 contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-            script().main([*map(str, words), "-o", str(self.work / "reports")])
+            module_of("reconstruction-quality").main([*map(str, words), "-o", str(self.work / "reports")])
 
     def test_a_page_shows_figures_and_crops_of_every_input(self) -> None:
         self.stub(material=False)
@@ -379,7 +355,7 @@ class PageTest(Stubbed):
         self.stub(material=False)
         manifest = self.dataset(["a", "b"])
         with self.assertRaises(SystemExit), contextlib.redirect_stderr(io.StringIO()) as told:
-            script().main([str(manifest), "--page", str(manifest)])
+            module_of("reconstruction-quality").main([str(manifest), "--page", str(manifest)])
         self.assertIn("--page: the folder cannot be made", told.getvalue())
         with self.assertRaisesRegex(rq.Refused, "different names"):
             self.run_script(manifest, self.work, "--page", self.work / "page")
