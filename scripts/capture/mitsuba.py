@@ -21,7 +21,7 @@ sys.path[:] = [entry for entry in sys.path if pathlib.Path(entry or ".").resolve
 
 ABOUT = """\
 Renders a scene of Mitsuba 3 from the cameras of lightfold and writes what `lightfold encode` reads. Mitsuba comes with
-  python3 -m pip install -r scripts/capture/requirements.txt
+  python3 -m pip install -c scripts/requirements.txt mitsuba numpy
 
   scripts/capture/mitsuba.py scene.xml --cameras cameras.json -o DIR
   scripts/capture/mitsuba.py scene.xml --cameras cameras.json -o DIR --size 1024 --samples 256 --aov depth,material
