@@ -1,4 +1,4 @@
-"""What tests of scripts share: a folder for each, the program, and scripts as modules."""
+"""Common parts of tests of scripts: a folder for each, the program, and scripts as modules."""
 
 import importlib.machinery
 import importlib.util

@@ -1,4 +1,4 @@
-"""What the scripts beside this file share: finding packages, the program and the footage, running, timing, writing tables."""
+"""Common parts of the scripts beside this file: finding packages, the program and the footage, running, timing, writing tables."""
 
 import argparse
 import datetime
@@ -37,7 +37,7 @@ def need_packages() -> None:
 
 
 def build() -> str:
-    """Builds the release binary and answers its path; LIGHTFOLD names another one instead."""
+    """Builds the release binary and returns its path; LIGHTFOLD names another one instead."""
     named = os.environ.get("LIGHTFOLD")
     if named:
         if not shutil.which(named):

@@ -76,7 +76,7 @@ class Codec:
 
     # How many of the pixels decoding writes, in percent: whole frames.
     written = 100.0
-    # What times of processes are taken with.
+    # Clock of the times of processes.
     clock: Callable[[], float] = staticmethod(time.perf_counter)
 
     def __init__(self, label: str, film: Film, bound: int | None = None):
@@ -86,7 +86,7 @@ class Codec:
         """NotMeasured where something is missing."""
 
     def encode(self) -> float | None:
-        """Seconds, or None where they are too few to be told from the start of a process."""
+        """Seconds, or None if they are less than the noise of the start of a process."""
         raise NotImplementedError
 
     def size(self) -> int:
@@ -96,7 +96,7 @@ class Codec:
         raise NotImplementedError
 
     def payloads(self) -> list[bytes]:
-        """What decoding gives back, as the film has it."""
+        """Decoded payloads, as the film has them."""
         raise NotImplementedError
 
     def codes(self) -> list[bytes]:
@@ -427,7 +427,7 @@ class PerStream(Played):
         return seconds_of([*QUIET, *source, "-fps_mode", "passthrough", "-f", "null", "-"], self.clock)
 
     def each(self, work: Callable[[int], T]) -> list[T]:
-        """What `work` answers for the place of every file."""
+        """Results of `work` for the index of every file."""
         with concurrent.futures.ThreadPoolExecutor(self.at_once) as pool:
             return list(pool.map(work, range(len(self.files))))
 
@@ -517,7 +517,7 @@ class Lightfold(Codec):
     def size(self) -> int:
         return os.path.getsize(self.file)
 
-    def decode(self) -> float:
+    def decode(self) -> float | None:
         command = [self.given.binary, "decode", self.file, "--null", "--repeat", PASSES, "--threads", self.given.threads]
         report = lf.run_json(*command, "--json")
         self.written = 100 * report["updated_pixels"] / report["pixels"]
@@ -531,11 +531,10 @@ class LightfoldColor(Lightfold):
     kind = "color"
 
 
-class OneThread(LightfoldColor):
-    """The same on one thread, by processor time."""
+class OneThread(Played, LightfoldColor):
+    """Ours on one thread, by processor time."""
 
     clock = staticmethod(processor_time)
-    loops = 0
 
     def __init__(self, label: str, film: Film, given: Given, options: Sequence[Any]):
         super().__init__(label, film, given, options)
@@ -547,9 +546,3 @@ class OneThread(LightfoldColor):
     def played(self, times: int) -> float:
         return seconds_of([self.given.binary, "decode", self.file, "--null", "--threads", "1", "--repeat", times, "-q"],
                           self.clock)
-
-    def decode(self) -> float:
-        if not self.loops:
-            once = max(self.played(4) - self.played(1), 1e-4) / 3
-            self.loops = min(max(round(LOOP_SECONDS / once), 2), LOOPS)
-        return max(self.played(1 + self.loops) - self.played(1), 1e-6) / self.loops

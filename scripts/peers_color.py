@@ -27,7 +27,7 @@ OURS: dict[str, tuple[list[str], Dial]] = {
 }
 
 
-# What is measured at a setting.
+# A figure by a setting.
 Measure = Callable[[float], float]
 
 
@@ -129,7 +129,7 @@ class Source:
 
 
 def add(contest: Contest, label: str, asked: str, find: Callable[[], pc.Codec | None]) -> None:
-    """The row of a codec that `find` answers, or one that says why there is none."""
+    """Adds the row of a codec that `find` returns, or one with the reason why there is none."""
     try:
         codec = find()
         row = contest.add(codec) if codec else contest.missing(label, "no setting has this score")

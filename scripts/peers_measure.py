@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclasses.dataclass
 class Given:
-    """What a run is given."""
+    """Inputs of a run."""
 
     binary: str
     kernels: Kernels
@@ -29,7 +29,7 @@ class Given:
 
 @dataclasses.dataclass
 class Row:
-    """What was found of one codec; figures that do not apply are None."""
+    """Figures of one codec; those that do not apply are None."""
 
     dataset: str
     stream: str
@@ -67,7 +67,7 @@ class Row:
 
 @dataclasses.dataclass
 class Depth:
-    """What depth is compared with: codes of 16 and of 24 bits, and the metres of the source where they are at hand."""
+    """Reference of depth: codes of 16 and of 24 bits, and the metres of the source where they are at hand."""
 
     streams: list[Stream]
     codes16: list[bytes]

@@ -122,7 +122,7 @@ def markdown(rows: list[Row], machine: str, stream: str) -> str:
     of_stream = [row for row in rows if row.stream == stream]
     for at, name in enumerate(dict.fromkeys(row.dataset for row in of_stream)):
         made = table([row for row in of_stream if row.dataset == name])
-        # What comes after the first set is folded: a page with all of it open is hard to read.
+        # Sets after the first are folded: a page with all of it open is hard to read.
         folded = [f"<details><summary>{name}, {stream}</summary>", made, "</details>"]
         parts += folded if at else [made]
     made_by = f"Made by `scripts/peers --{stream}` ({machine})."

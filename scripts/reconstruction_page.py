@@ -111,7 +111,7 @@ class Truths:
         return self.decoded(path, "color", image), edges
 
     def decoded(self, path: pathlib.Path, kind: str, image: dict[str, Any]) -> Array:
-        """What a PNG of one stream holds."""
+        """Pixels of one stream of an image."""
         probe, face, frame = image["probe"], image["face"], image["frame"]
         pick = ["--stream", kind, "--probe", probe, *([] if face == "view" else ["--face", face])]
         files = path.with_suffix("") / f"{probe}_{face}_{kind}.%04d.png"
@@ -234,7 +234,7 @@ def faces_of(pose: rq.Pose, truths: Truths) -> dict[str, Face]:
 
 
 class Pictures:
-    """Writes the pictures of an input into a folder beside the page, and answers what shows them."""
+    """Writes the pictures of an input into a folder beside the page, and returns the HTML that shows them."""
 
     def __init__(self, page: pathlib.Path, name: str):
         self.folder, self.name = page / name, name

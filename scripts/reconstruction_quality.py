@@ -1,4 +1,4 @@
-"""What scripts/reconstruction-quality measures: pictures rendered where the truth is known, by several methods."""
+"""Measurements of scripts/reconstruction-quality: pictures rendered where the truth is known, by several methods."""
 
 import dataclasses
 import itertools
@@ -14,7 +14,7 @@ Probe = tuple[str, Position]
 # The middle, and how far from it along each axis, in metres.
 Region = tuple[Position, Position]
 METHODS = [("splat", "points"), ("reproject", "ceiling"), ("calf", "paper"), ("march", "ours")]
-# So many probes of a dataset or scene are shown from where they stand.
+# Probes of a dataset or scene that are rendered from their own positions.
 MAX_OWN = 9
 # Where probes of scenes that come with the program, or with the data, stand: the middle, and how far from it, in metres.
 REGIONS: dict[str, Region] = {
@@ -32,9 +32,9 @@ SCENES_WITH_MIRRORS = ("mirrors",)
 KEEP_LAMPS = ["--hdr"]
 
 
-# How far from a straight way between two probes others may lie that count as being on it, in parts of its length.
+# Largest distance from the straight line between two probes at which another lies on it, in parts of its length.
 BESIDE = 0.01
-# So many such ways of a dataset are measured.
+# Lines of a dataset that are measured.
 MAX_LINES = 4
 
 
@@ -69,7 +69,7 @@ class Row:
     render_ms: float | None = None
     # Error near silhouettes of probes over that elsewhere.
     ghost_ratio: float | None = None
-    # Of a pose, the two probes that it lies between.
+    # The two probes that a pose lies between.
     line: str | None = None
 
 
@@ -131,7 +131,7 @@ class Renderer:
         self.poses: list[Pose] = []
 
     def report(self, case: Case, method: str, *more: Any, out: Sequence[Any] = ("--null",)) -> Any:
-        """What `render` reports; pictures go to `out` if this is the first time that it is asked for."""
+        """The report of `render`; pictures go to `out` if this is the first time that it is asked for."""
         words: list[Any] = [self.binary, "render", case.container, "--reference", case.reference, "--reference-probe", case.probe]
         if case.without:
             words += ["--exclude-probe", ",".join(case.without)]
@@ -154,7 +154,7 @@ class Renderer:
 
 
 def counts_of_views(probes: int) -> list[int]:
-    """How many active views are tried: all of few, and fewer and fewer of many."""
+    """Numbers of active views: all of few, and fewer and fewer of many."""
     steps = itertools.chain(range(1, 9), (12, 16, 24, 32, 48, 64))
     return [count for count in steps if count < probes] + [probes]
 

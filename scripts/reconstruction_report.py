@@ -1,4 +1,4 @@
-"""How scripts/reconstruction-quality shows what it measured: tables as Markdown and CSV, and charts as SVG."""
+"""Reports of scripts/reconstruction-quality: tables as Markdown and CSV, and charts as SVG."""
 
 import csv
 import dataclasses
@@ -111,7 +111,7 @@ def ticks(least: float, most: float, about: int = 6) -> list[float]:
     return [at * step for at in range(first, max(last, first + 1) + 1)]
 
 
-# Of a chart: its size and margins, in pixels.
+# Size and margins of a chart, in pixels.
 WIDE, HIGH, LEFT, RIGHT, TOP, BOTTOM = 760, 460, 64, 150, 40, 52
 
 
@@ -181,7 +181,7 @@ def chart(title: str, label: str, rows: list[Row], measure: tuple[str, str] = ("
 
 
 def of_lines(rows: list[Row]) -> list[str]:
-    """What poses of a dataset are, in a paragraph; nothing is said of a scene."""
+    """A paragraph about the poses of a dataset; none for a scene."""
     if any(row.line for row in rows):
         return ["Poses are probes that lie on the straight way between two others, as the truth is known at probes only. Those "
                 "between the two take no part in the pictures of their way; the two themselves do. A chart has the mean of "
@@ -193,7 +193,7 @@ def of_lines(rows: list[Row]) -> list[str]:
 
 @dataclasses.dataclass
 class Report:
-    """What is shown of an input, as Markdown and on a page."""
+    """Contents of the report of an input, as Markdown and on a page."""
 
     name: str
     command: str

@@ -1,4 +1,4 @@
-"""What scripts/simplify-quality measures: simplified scenes beside light fields that are rendered, and what their stages take."""
+"""Measurements of scripts/simplify-quality: simplified scenes beside light fields that are rendered, and times of stages."""
 
 import dataclasses
 import json

@@ -30,7 +30,7 @@ sampling are off; colour is what Cycles renders of the first view layer in use, 
 nodes that make perfect mirrors (reflect 1) and glass (Fresnel's reflect, and ior), and 0, 0, 1 elsewhere.
 """
 DEVICES = ["CPU", "CUDA", "OPTIX", "HIP", "METAL", "ONEAPI"]
-# What Cycles gives as the depth of nothing is 1e10.
+# Cycles writes 1e10 as the depth where nothing is.
 NOTHING = 1e9
 # Rougher surfaces are no mirrors and no glass.
 MAX_ROUGHNESS = 0.05
@@ -97,7 +97,7 @@ def give(target: Any, **values: Any) -> None:
 
 
 class Renderer:
-    """Answers images of views, for layout.capture."""
+    """Renders images of views, for layout.capture."""
 
     def __init__(self, bpy: Any, scene: Any, options: argparse.Namespace, work: str):
         self.bpy = bpy
@@ -217,7 +217,7 @@ class Renderer:
         return images
 
     def distances(self, view: View, depth: Array) -> Array:
-        """Metres along rays, of what Cycles gives: planar in perspective, distances in panoramas."""
+        """Metres along rays; Cycles writes planar depth in perspective and distances in panoramas."""
         metres = depth.astype(np.float64) * self.unit
         if view.projection != "equirect":
             u, v = view.pixels()
@@ -281,7 +281,7 @@ def optics_of(material: Any) -> tuple[str | None, float]:
     node = links[0].from_node
 
     def value(name: str) -> float:
-        """Of an input that nothing is linked to; of others, what makes neither mirror nor glass."""
+        """The value of an input that nothing is linked to; NaN, which makes neither mirror nor glass, for others."""
         socket = node.inputs.get(name)
         return socket.default_value if socket and not socket.is_linked else math.nan
 

@@ -1,5 +1,5 @@
 """OpenEXR scan-line files by numpy alone, as Blender's Python has no OpenEXR: written as lightfold's datasets have them, read as
-Blender is told to write them.
+blender.py has Blender write them.
 
 An image is a dict of channel names to arrays of rows.
 """

@@ -1,7 +1,7 @@
-"""What the adapters beside this file share: where cameras stand and look, what files are called, and what the manifest says.
+"""Common part of the adapters beside this file: poses of cameras, names of files, and the manifest.
 
-Everything here is in lightfold's axes, right-handed with +Y up, and in metres. An adapter answers images of a `View`; all the
-rest is here: options, cameras.json, order of work, seeds, going on after an interruption, lightfield.json.
+Everything here is in lightfold's axes, right-handed with +Y up, and in metres. An adapter renders images of a `View`; all
+the rest is here: options, cameras.json, order of work, seeds, resuming, lightfield.json.
 """
 
 import argparse
@@ -36,11 +36,11 @@ FACES: dict[str, tuple[Vector, Vector, Vector]] = {
     "pz": ((0, 0, 1), (1, 0, 0), (0, -1, 0)),
     "nz": ((0, 0, -1), (-1, 0, 0), (0, -1, 0)),
 }
-# What a person sees, who looks along -Z: perspective images, and the middle of an equirectangular one.
+# Forward, right and down of a viewer who looks along -Z: perspective images, and the middle of an equirectangular one.
 AHEAD: tuple[Vector, Vector, Vector] = ((0, 0, -1), (1, 0, 0), (0, -1, 0))
 KINDS = ["depth", "material", "normal"]
 CHANNELS: dict[str, Sequence[str]] = {"color": "RGB", "depth": "Z", "normal": "XYZ", "material": ["reflect", "refract", "ior"]}
-# What a camera of a cameras.json may say.
+# Keys that a camera of a cameras.json may have.
 KEYS = ["name", "position", "orientation", "fov_y_deg", "frames", "gain", "coverage"]
 STATE = "capture.partial.json"
 MANIFEST = "lightfield.json"
@@ -411,7 +411,7 @@ class Plan:
             self.range_m = [min(self.range_m[0], float(seen.min())), max(self.range_m[1], float(seen.max()))]
 
     def manifest(self) -> dict[str, Any]:
-        """What lightfield.json says."""
+        """Contents of lightfield.json."""
         def probe(camera: Camera) -> dict[str, Any]:
             said: dict[str, Any] = {"name": camera.name, "position": camera.position}
             if camera.frames != self.frames:
@@ -445,7 +445,7 @@ class Plan:
 
 
 class Renderer(Protocol):
-    """What an adapter has."""
+    """Renderer of an adapter."""
 
     def frame(self, number: int) -> None:
         """Goes to a frame."""
@@ -508,7 +508,7 @@ def run(main: Callable[[], None]) -> None:
 
 
 def scene_stamp(path: str) -> dict[str, Any]:
-    """What tells a scene's file from another: its name, length and time of change."""
+    """Identity of a scene's file: its name, length and time of change."""
     try:
         found = os.stat(path)
     except OSError as error:

@@ -148,7 +148,7 @@ class SceneFile:
 
 
 class Renderer:
-    """Answers images of views, for layout.capture. Rays of depth are cast in scalar_rgb, whatever renders colour."""
+    """Renders images of views, for layout.capture. Rays of depth are cast in scalar_rgb, whatever renders colour."""
 
     def __init__(self, mi: Any, options: argparse.Namespace, scenes: SceneFile):
         self.mi = mi
@@ -269,7 +269,7 @@ class Renderer:
 
 
 class Surface:
-    """What is to be known of a BSDF."""
+    """Properties of a BSDF."""
 
     def __init__(self, mi: Any, bsdf: Any):
         self.bsdf = bsdf
