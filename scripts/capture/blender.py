@@ -57,15 +57,6 @@ def arguments() -> argparse.Namespace:
     return options
 
 
-def package() -> Any:
-    try:
-        import bpy
-    except ImportError as error:
-        raise Refused("this is run by Blender (blender -b scene.blend -P scripts/capture/blender.py -- …), or by Python 3.11 "
-                      f"with bpy: python3.11 -m pip install bpy==4.2.23 ({error})") from error
-    return bpy
-
-
 def opened(bpy: Any, options: argparse.Namespace) -> Any:
     """The scene to render."""
     if bpy.app.version < (4, 2, 0):
@@ -300,7 +291,8 @@ def optics_of(material: Any) -> tuple[str | None, float]:
 
 def main() -> None:
     options = arguments()
-    bpy = package()
+    bpy = layout.package("bpy", "this is run by Blender (blender -b scene.blend -P scripts/capture/blender.py -- …), or by Python 3.11 "
+                         "with bpy: python3.11 -m pip install bpy==4.2.23")
     scene = opened(bpy, options)
     stamp = layout.scene_stamp(bpy.data.filepath)
     stamp |= {"renderer": f"Blender {bpy.app.version_string} Cycles", "denoise": options.denoise}

@@ -6,6 +6,7 @@ the rest is here: options, cameras.json, order of work, seeds, resuming, lightfi
 
 import argparse
 import dataclasses
+import importlib
 import json
 import math
 import os
@@ -452,6 +453,14 @@ class Renderer(Protocol):
 
     def images(self, view: View) -> dict[str, list[Array]]:
         """Planes of each kind that the view asks for, and maybe of others."""
+
+
+def package(name: str, hint: str) -> Any:
+    """A renderer's package, or the hint of how to get it."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise Refused(f"{hint} ({error})") from error
 
 
 def is_there(path: pathlib.Path) -> bool:

@@ -60,15 +60,6 @@ def arguments() -> argparse.Namespace:
     return options
 
 
-def package() -> Any:
-    try:
-        import mitsuba
-    except ImportError as error:
-        raise Refused("Mitsuba is not installed for this Python: python3 -m pip install -c "
-                      f"{HERE.parent / 'requirements.txt'} mitsuba numpy ({error})") from error
-    return mitsuba
-
-
 class SceneFile:
     """A scene as it is at each frame."""
 
@@ -332,7 +323,8 @@ def equirect_class(mi: Any) -> Any:
 
 def main() -> None:
     options = arguments()
-    mi = package()
+    mi = layout.package("mitsuba", "Mitsuba is not installed for this Python: python3 -m pip install -c "
+                        f"{HERE.parent / 'requirements.txt'} mitsuba numpy")
     if options.variant not in mi.variants():
         raise Refused(f"--variant {options.variant}: this Mitsuba has {', '.join(mi.variants())}")
     if options.threads:
