@@ -20,7 +20,9 @@ def need_packages() -> None:
     try:
         import images  # noqa: F401
     except ImportError as error:
-        raise unittest.SkipTest(f"numpy, Pillow and OpenEXR are needed: {error}") from error
+        reason = f"numpy, Pillow and OpenEXR are needed: {error}"
+        print(f"\nNOT RUN: {reason}", file=sys.stderr)
+        raise unittest.SkipTest(reason) from error
 
 
 def lightfold() -> str | None:
