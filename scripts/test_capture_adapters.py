@@ -593,21 +593,26 @@ class BlenderTest(AdapterTest):
     """Only where bpy is installed already: it is a third of a gigabyte."""
 
     python: str
+    blend: pathlib.Path
 
     @classmethod
     def setUpClass(cls) -> None:
         cls.python = python_with("bpy", "LIGHTFOLD_BPY") or ""
         if not cls.python:
             raise unittest.SkipTest("no Python with bpy")
-
-    def setUp(self) -> None:
-        super().setUp()
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.blend = pathlib.Path(folder.name) / "room.blend"
         signs = ((-1, -1), (1, -1), (1, 1), (-1, 1))
         walls = [([[p + a * u + b * v for p, u, v in zip(place, *edges)] for a, b in signs], light)
                  for edges, _, place, light in pieces()]
-        text = f"WALLS = {walls!r}\nBALLS = {BALLS!r}\nSTEP = {STEP}\nIOR = {IOR}\n{BLENDER_ROOM}"
-        (self.work / "room.py").write_text(text)
-        subprocess.run([self.python, str(self.work / "room.py"), str(self.work / "room.blend")], check=True, capture_output=True)
+        script = cls.blend.with_name("room.py")
+        script.write_text(f"WALLS = {walls!r}\nBALLS = {BALLS!r}\nSTEP = {STEP}\nIOR = {IOR}\n{BLENDER_ROOM}")
+        subprocess.run([cls.python, str(script), str(cls.blend)], check=True, capture_output=True)
+
+    def setUp(self) -> None:
+        super().setUp()
+        shutil.copy(self.blend, self.work)
         (self.work / "c.json").write_text(json.dumps(CAMERAS))
 
     def words(self, *words: str) -> list[str]:
