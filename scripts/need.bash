@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Sourced by the scripts beside it: `need PACKAGE…` installs the Debian packages that are missing, where root or sudo
-# allows it, and says so where it does not.
+# Sourced by the scripts beside it, to install what is missing.
+
+# `need PACKAGE…` installs Debian packages, where root or sudo allows it, and reports where it does not.
 
 need() {
     local missing=() package
@@ -26,4 +27,29 @@ need() {
 need_tool() {
     command -v "$1" >/dev/null || need "$2"
     command -v "$1" >/dev/null || { echo "$1 is needed and not there" >&2; exit 1; }
+}
+
+# `need_python PACKAGE…` installs Python packages, in the versions of requirements.txt, into a virtual environment under the
+# target folder. Sets `environment` to its folder and `python` to its interpreter, or to python3 where it cannot be made.
+# Returns 1 where the packages cannot be installed.
+need_python() {
+    local here done_already
+    here=$(dirname "${BASH_SOURCE[0]}")
+    environment=$(realpath -m "${CARGO_TARGET_DIR:-$here/../target}/scripts")
+    python=$environment/bin/python
+    done_already=$environment/installed-$(cksum <<<"$* $(cat "$here/requirements.txt")" | cut -d' ' -f1)
+    [ ! -e "$done_already" ] || return 0
+    echo "installing $*" >&2
+    if [ ! -x "$environment/bin/pip" ]; then
+        # Debian has it in a package of its own.
+        python3 -c 'import ensurepip' 2>/dev/null || need python3-venv
+        python3 -m venv --system-site-packages "$environment" >&2 || python=python3
+    fi
+    if [ "$python" != python3 ] &&
+        timeout 300 "$python" -m pip install --quiet --disable-pip-version-check -c "$here/requirements.txt" "$@" </dev/null >&2; then
+        touch "$done_already"
+        return
+    fi
+    echo "NOT INSTALLED: $*" >&2
+    return 1
 }

@@ -5,12 +5,15 @@ each stream is met. HAP, which stores each frame as BC1 (hap) or as BC3 of YCoCg
 """
 
 import collections
+import dataclasses
+import pathlib
+from typing import Any, Callable, Sequence
 
 import lightfold_runs as lf
 import peers_codecs as pc
 import peers_frames as pf
 from peers_codecs import Dial
-from peers_measure import Contest
+from peers_measure import Contest, Given, Row
 
 SCORES, PROMISES = [70, 80, 90], [40, 50]
 # How near a search comes, in points of the score, and what it may try for each.
@@ -18,13 +21,17 @@ NEAR, TRIES = 0.5, 8
 CELLS, TRANSFORM = ["--color-codec", "cells"], ["--color-codec", "transform"]
 BLOCKS = ["--color-block", "bc7", "--lzma2"]
 # Ours with a setting of quality: the options, and the one that is searched.
-OURS = {
+OURS: dict[str, tuple[list[str], Dial]] = {
     "lightfold, transform": ([*TRANSFORM, "--quality"], Dial(79, 1.0, 0, 100)),
     "lightfold, bc7 + LZMA2": ([*BLOCKS, "--psnr-final", "20", "--psnr"], Dial(38, 2.0, 20, 70)),
 }
 
 
-def search(measure, wanted, dial, known):
+# A figure by a setting.
+Measure = Callable[[float], float]
+
+
+def search(measure: Measure, wanted: float, dial: Dial, known: dict[float, float]) -> float | None:
     """The setting at which `measure`, which grows with it, is nearest to what is wanted and not more than NEAR below; None
     where there is none.
 
@@ -39,40 +46,44 @@ def search(measure, wanted, dial, known):
     return reaching(wanted, known)
 
 
-def reaching(wanted, known):
+def reaching(wanted: float, known: dict[float, float]) -> float | None:
     """The setting with the lowest value that is enough."""
-    return min((at for at, found in known.items() if found >= wanted - NEAR), key=known.get, default=None)
+    return min((at for at, found in known.items() if found >= wanted - NEAR), key=lambda at: known[at], default=None)
+
+
+# A figure of a codec that has encoded.
+Value = Callable[[pc.Codec], float]
 
 
 class Source:
     """Frames of a set's colour as 8 bits: the lossless container, its manifest, and the film that other codecs get."""
 
-    def __init__(self, given):
+    def __init__(self, given: Given):
         self.given, self.container, folder = given, given.work / "source.lfold", given.work / "source"
         # Fields of codecs at settings that a search has measured.
-        self.known = {}
+        self.known: dict[tuple[str, str], dict[str, float]] = {}
         lf.run_json(given.binary, "encode", given.manifest, "--stream", "color", "--clip", *CELLS, "--psnr", "200", "-o", self.container,
                     "--json")
         streams, width, height = pf.streams_of(lf.run_json(given.binary, "inspect", self.container, "--json"))
         lf.run_json(given.binary, "decode", self.container, "--format", "png", "-o", folder, "--json")
         self.manifest = (folder / "lightfield.json").read_text()
-        payloads = pf.read_dataset(given.kernels, folder, streams)
+        payloads = pf.read_dataset(folder, streams)
         self.film = pf.Film("color", width, height, "rgb24", 3, streams, payloads)
 
-    def quality(self, codec):
+    def quality(self, codec: pc.Codec) -> dict[str, float]:
         """Fields of a row."""
         setting = str(codec.options if isinstance(codec, pc.Lightfold) else getattr(codec, "quality", None))
         key = (codec.label, setting)
         if key not in self.known:
-            other = self.given.work / "shown"
             if isinstance(codec, pc.Lightfold):
                 other = codec.file
             else:
+                other = self.given.work / "shown"
                 pf.write_dataset(other, self.manifest, self.film, codec.payloads())
             self.known[key] = self.fields(other)
         return self.known[key]
 
-    def fields(self, other):
+    def fields(self, other: pathlib.Path) -> dict[str, float]:
         report = lf.run_json(self.given.binary, "diff", self.container, other, "--allow-clipping", "--ssimulacra2", "--json",
                              may_differ=True)
         found = report["color"]
@@ -82,40 +93,43 @@ class Source:
             raise pf.NotMeasured("no frame has a score")
         return {name: float(found[key]) for name, key in names.items()}
 
-    def score(self, codec):
+    def score(self, codec: pc.Codec) -> float:
         return self.quality(codec)["ssimulacra2"]
 
-    def ours(self, label, options):
-        return pc.OneThread(label, self.film, self.given, "color", options)
+    def ours(self, label: str, options: Sequence[Any]) -> pc.OneThread:
+        return pc.OneThread(label, self.film, self.given, options)
 
-    def rival_at(self, label, value, wanted, known):
+    def rival_at(self, label: str, value: Value, wanted: float, known: dict[float, float]) -> pc.PerStream | None:
         """A coder of ffmpeg where `value` of it is what is wanted; None where no setting has it."""
         codec = pc.PerStream(label, self.film, self.given.work)
         codec.open()
         codec.at_once = int(self.given.threads)
 
-        def measure(quality):
+        def measure(quality: float) -> float:
             codec.quality = quality
             codec.encode()
             return value(codec)
-        codec.quality = search(measure, wanted, codec.coder.dial, known)
+        found = search(measure, wanted, codec.coder.dial, known)
         codec.at_once = 1
-        return None if codec.quality is None else codec
+        if found is None:
+            return None
+        codec.quality = found
+        return codec
 
-    def ours_at(self, label, value, wanted, known):
+    def ours_at(self, label: str, value: Value, wanted: float, known: dict[float, float]) -> pc.OneThread | None:
         """Ours where `value` of it is what is wanted; None where no setting has it."""
         options, dial = OURS[label]
 
-        def measure(setting):
-            codec = pc.Lightfold(label, self.film, self.given, "color", [*options, setting])
+        def measure(setting: float) -> float:
+            codec = pc.LightfoldColor(label, self.film, self.given, [*options, setting])
             codec.encode()
             return value(codec)
         at = search(measure, wanted, dial, known)
         return None if at is None else self.ours(label, [*options, at])
 
 
-def add(contest, label, asked, find):
-    """The row of a codec that `find` answers, or one that says why there is none."""
+def add(contest: Contest, label: str, asked: str, find: Callable[[], pc.Codec | None]) -> None:
+    """Adds the row of a codec that `find` returns, or one with the reason why there is none."""
     try:
         codec = find()
         row = contest.add(codec) if codec else contest.missing(label, "no setting has this score")
@@ -126,29 +140,29 @@ def add(contest, label, asked, find):
     row.asked = asked
 
 
-def one_thread(kind, label, source, coder):
+def one_thread(kind: type[pc.Ffmpeg], label: str, source: Source, coder: list[str]) -> pc.Ffmpeg:
     """A coder of ffmpeg for the whole film, by processor time."""
-    codec = kind(label, source.film, "1", source.given.work, coder)
+    codec = kind(label, source.film, dataclasses.replace(source.given, threads="1"), coder)
     codec.clock = pc.processor_time
     return codec
 
 
-def at_scores(contest, source):
+def at_scores(contest: Contest, source: Source) -> None:
     """Codecs with a setting of quality at each score, the others as they are."""
     for label, coder in (("hap", ["hap", "-format", "hap"]), ("hap_q", ["hap", "-format", "hap_q"])):
         add(contest, label, "–", lambda: one_thread(pc.Ffmpeg, label, source, ["-pix_fmt", "rgba", "-c:v", *coder]))
-    known = collections.defaultdict(dict)
+    known: dict[str, dict[float, float]] = collections.defaultdict(dict)
     for wanted in SCORES:
-        for labels, find in ((pc.CODERS, source.rival_at), (OURS, source.ours_at)):
-            for label in labels:
-                add(contest, label, f"{wanted}", lambda: find(label, source.score, wanted, known[label]))
-                contest.note(f"{label} at {wanted} {contest.rows[-1].note}".rstrip())
+        for label in [*pc.CODERS, *OURS]:
+            find = source.rival_at if label in pc.CODERS else source.ours_at
+            add(contest, label, f"{wanted}", lambda: find(label, source.score, wanted, known[label]))
+            contest.note(f"{label} at {wanted} {contest.rows[-1].note}".rstrip())
     add(contest, "ffv1", "lossless", lambda: one_thread(pc.Ffv1, "ffv1", source, ["-pix_fmt", "bgr0"]))
     for label, more in (("lightfold, cells + zstd", "--zstd"), ("lightfold, cells + LZMA2", "--lzma2")):
         add(contest, label, "lossless", lambda: source.ours(label, [*CELLS, "--psnr", "200", more]))
 
 
-def at_promises(contest, source):
+def at_promises(contest: Contest, source: Source) -> None:
     """Ours at each PSNR that every frame of every cell keeps."""
     for least in PROMISES:
         for label, options in (
@@ -158,7 +172,7 @@ def at_promises(contest, source):
             add(contest, label, f"every cell {least}", lambda: source.ours(label, [*options, "--psnr", least]))
 
 
-def measure(source, name, runs):
+def measure(source: Source, name: str, runs: tuple[int, int]) -> list[Row]:
     """The rows of a set's colour."""
     contest = Contest(name, "color")
     at_scores(contest, source)

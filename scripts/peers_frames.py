@@ -4,19 +4,25 @@ A `Film` is what a codec is handed: for each stream the bytes of its frames, one
 such bytes to codes. Mapping and its way back are outside every time that is taken.
 """
 
-import array
 import dataclasses
 import json
+import math
 import pathlib
 import re
-import struct
 import subprocess
-import typing
-import zlib
+from typing import Any, Callable
 
-import png_images
+import numpy as np
+
+import images
+import lightfold_runs as lf
+from images import Array
 
 BACKGROUND = 65535
+# The largest code of 24 bits that is not the background.
+TOP_24 = (1 << 24) - 2
+# CALF 7.1: bit i goes to channel i mod 3 (red, green, blue), place i div 3. ffmpeg's gbrp has planes of green, blue and red.
+PLANE_OF_CHANNEL = (2, 0, 1)
 
 
 class NotMeasured(Exception):
@@ -32,11 +38,11 @@ class Stream:
     """One probe and face."""
 
     probe: str
-    face: str
+    face: str | None
     first_frame: int
     frames: int
-    near_far: tuple = (1.0, 1.0)
-    pick: tuple = ()
+    near_far: tuple[float, float] = (1.0, 1.0)
+    pick: tuple[str, ...] = ()
 
 
 @dataclasses.dataclass
@@ -48,30 +54,30 @@ class Film:
     height: int
     pixel_format: str
     unit: int
-    streams: list
-    payloads: list
+    streams: list[Stream]
+    payloads: list[bytes]
     # Bytes of a stream that came back -> its codes.
-    back: typing.Callable = staticmethod(lambda payload: payload)
+    back: Callable[[bytes], bytes] = bytes
     # Values of a pixel, where it has one channel; the largest is the background.
     values: int = 65536
     wide: bool = False
 
     @property
-    def frame_bytes(self):
+    def frame_bytes(self) -> int:
         return self.width * self.height * self.unit
 
     @property
-    def frames(self):
+    def frames(self) -> int:
         return sum(stream.frames for stream in self.streams)
 
-    def raw(self, work):
+    def raw(self, work: images.Path) -> pathlib.Path:
         """The path of a file with all frames."""
         path = pathlib.Path(work) / f"{self.name}.raw"
         if not path.exists():
             path.write_bytes(b"".join(self.payloads))
         return path
 
-    def split(self, data):
+    def split(self, data: bytes) -> list[bytes]:
         """Payloads out of the bytes of the whole film."""
         expected = sum(map(len, self.payloads))
         if len(data) != expected:
@@ -82,37 +88,74 @@ class Film:
             at += len(payload)
         return found
 
-    def images(self, payload):
+    def images(self, payload: bytes) -> list[bytes]:
         """The frames of a stream."""
         return [payload[at:at + self.frame_bytes] for at in range(0, len(payload), self.frame_bytes)]
 
 
-def mapped(film, name, pixel_format, unit, each, back, **more):
-    """A film whose images are `each` of those of another, and come back by `back`."""
-    joined = lambda change, payload, size: b"".join(
-        change(payload[at:at + size]) for at in range(0, len(payload), size))
-    made = Film(name, film.width, film.height, pixel_format, unit, film.streams, [], **more)
-    made.payloads = [joined(each, payload, film.frame_bytes) for payload in film.payloads]
-    made.back = lambda payload: joined(back, payload, made.frame_bytes)
-    return made
+    def pixels(self, payload: bytes, frame: int) -> Array:
+        """A frame of 8-bit RGB."""
+        return np.frombuffer(payload, np.uint8).reshape(-1, self.height, self.width, 3)[frame]
 
 
-def swizzled(kernels, film):
+Change = Callable[[bytes], bytes]
+
+
+def mapped(film: Film, like: Film, each: Change, back: Change) -> Film:
+    """A film as `like`, whose images are `each` of those of another, and come back by `back`."""
+    joined = lambda change, payload, size: b"".join(change(payload[at:at + size]) for at in range(0, len(payload), size))
+    like.payloads = [joined(each, payload, film.frame_bytes) for payload in film.payloads]
+    like.back = lambda payload: joined(back, payload, like.frame_bytes)
+    return like
+
+
+def type_of_codes(wide: bool) -> str:
+    return "<u4" if wide else "<u2"
+
+
+def swizzle(codes: bytes, wide: bool = False) -> bytes:
+    """Planes of green, blue and red of the codes of one image."""
+    values = np.frombuffer(codes, type_of_codes(wide)).astype(np.uint32)
+    planes = np.zeros((3, values.size), np.uint8)
+    for bit in range(24):
+        planes[PLANE_OF_CHANNEL[bit % 3]] |= ((values >> bit & 1) << bit // 3).astype(np.uint8)
+    return planes.tobytes()
+
+
+def unswizzle(planes: bytes, wide: bool = False) -> bytes:
+    """Codes of one image. A lossy codec may set bits that 16-bit codes do not have: such a pixel gets the largest code."""
+    values = np.frombuffer(planes, np.uint8).reshape(3, -1).astype(np.uint32)
+    codes = np.zeros(values.shape[1], np.uint32)
+    for bit in range(24):
+        codes |= (values[PLANE_OF_CHANNEL[bit % 3]] >> bit // 3 & 1) << bit
+    return (codes if wide else np.minimum(codes, BACKGROUND)).astype(type_of_codes(wide)).tobytes()
+
+
+def swizzled(film: Film) -> Film:
     """Codes dealt out to red, green and blue, bit by bit (CALF 7.1)."""
-    return mapped(film, film.name + "-rgb", "gbrp", 3, lambda image: kernels.swizzle(image, film.wide),
-                  lambda image: kernels.unswizzle(image, film.wide), wide=film.wide)
+    like = Film(film.name + "-rgb", film.width, film.height, "gbrp", 3, film.streams, [], wide=film.wide)
+    return mapped(film, like, lambda image: swizzle(image, film.wide), lambda image: unswizzle(image, film.wide))
 
 
-def step_tables(bound):
-    """(levels, code -> level, level -> code): levels are 2 * bound + 1 codes wide, the background is a level of its own."""
+def codes24(metres: bytes, codes: bytes, near_far: tuple[float, float]) -> bytes:
+    """24-bit codes in 32 bits, of 32-bit floats, by equation 13 as formats/depth.md 2 has it; 16-bit `codes` have the background."""
+    near_m, far_m = near_far
+    span = math.log1p((far_m - near_m) / near_m)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        place = np.log1p((np.frombuffer(metres, "<f4").astype(float) - near_m) / near_m) / span if span > 0 else 0.0
+    finer = np.floor(np.fmin(np.fmax(place, 0), 1) * TOP_24 + 0.5)
+    return np.where(np.frombuffer(codes, "<u2") == BACKGROUND, TOP_24 + 1, finer).astype("<u4").tobytes()
+
+
+def step_tables(bound: int) -> tuple[Array, Array]:
+    """(code -> level, level -> code): levels are 2 * bound + 1 codes wide, the background is a level of its own."""
     step = 2 * bound + 1
     levels = (BACKGROUND - 1) // step + 2
-    down = [code // step for code in range(BACKGROUND)] + [levels - 1]
-    up = [min(level * step + bound, BACKGROUND - 1) for level in range(levels - 1)] + [BACKGROUND]
-    return levels, down, up
+    down = np.append(np.arange(BACKGROUND) // step, levels - 1)
+    return down, np.append(np.minimum(np.arange(levels - 1) * step + bound, BACKGROUND - 1), BACKGROUND)
 
 
-def gray_of(levels):
+def gray_of(levels: int) -> str:
     """The narrowest gray of ffmpeg that holds so many levels."""
     for bits, name in ((8, "gray"), (10, "gray10le"), (12, "gray12le")):
         if levels <= 1 << bits:
@@ -120,50 +163,48 @@ def gray_of(levels):
     return "gray16le"
 
 
-def stepped(film, bound):
+def stepped(film: Film, bound: int) -> Film:
     """Codes in steps of 2 * bound + 1: within the bound, and the background is kept."""
-    levels, down, up = step_tables(bound)
-    kind = gray_of(levels)
+    down, up = step_tables(bound)
+    kind = gray_of(len(up))
     unit = 1 if kind == "gray" else 2
-    letter = "B" if unit == 1 else "H"
+    narrow = "<u1" if unit == 1 else "<u2"
+    like = Film(f"steps-{bound}", film.width, film.height, kind, unit, film.streams, [], values=len(up))
 
-    def translate(table, given, made):
-        return lambda image: array.array(made, map(table.__getitem__, array.array(given, image))).tobytes()
+    def translate(table: Array, given: str, made: str) -> Change:
+        # A lossy codec may give back more than there are levels.
+        return lambda image: table.take(np.frombuffer(image, given), mode="clip").astype(made).tobytes()
 
-    # A lossy codec could give back more than there are levels.
-    up = up + [BACKGROUND] * ((1 << 8 * unit) - len(up))
-    return mapped(film, f"steps-{bound}", kind, unit, translate(down, "H", letter), translate(up, letter, "H"),
-                  values=levels)
+    return mapped(film, like, translate(down, "<u2", narrow), translate(up, narrow, "<u2"))
 
 
-def png_image(kernels, path):
+def png_bytes(path: images.Path) -> bytes:
     """Samples of a PNG of 8-bit colour or 16-bit gray; 16 bits in this order: low byte first."""
-    _, _, step, samples = png_images.read(path, kernels.png_rows)
-    if step == 4:
+    pixels = images.read_png(path)
+    if pixels.shape[2:] == (4,):
         raise ValueError(f"{path} has alpha; colour without was expected")
-    return samples
+    return pixels.astype(pixels.dtype.newbyteorder("<")).tobytes()
 
 
-def write_dataset(folder, manifest, film, payloads):
+def write_dataset(folder: pathlib.Path, manifest: str, film: Film, payloads: list[bytes]) -> None:
     """Frames of 8-bit colour as files of a manifest that `decode` wrote."""
     folder.mkdir(exist_ok=True)
     (folder / "lightfield.json").write_text(manifest)
     pattern = json.loads(manifest)["files"]["color"]
     for stream, payload in zip(film.streams, payloads):
-        for at, image in enumerate(film.images(payload)):
-            path = folder / frame_path(pattern, stream.probe, stream.face, stream.first_frame + at)
+        for at in range(stream.frames):
+            path = folder / frame_path(pattern, stream, at)
             path.parent.mkdir(parents=True, exist_ok=True)
-            png_images.write(path, film.width, image)
+            images.write_png(path, film.pixels(payload, at))
 
 
-def read_dataset(kernels, folder, streams):
+def read_dataset(folder: pathlib.Path, streams: list[Stream]) -> list[bytes]:
     """8-bit colour of every stream, out of the folder that `decode` wrote."""
     pattern = json.loads((folder / "lightfield.json").read_text())["files"]["color"]
-    path = lambda stream, at: folder / frame_path(pattern, stream.probe, stream.face, stream.first_frame + at)
-    return [b"".join(png_image(kernels, path(stream, at)) for at in range(stream.frames)) for stream in streams]
+    return [b"".join(png_bytes(folder / frame_path(pattern, stream, at)) for at in range(stream.frames)) for stream in streams]
 
 
-def decoded_payloads(binary, kernels, container, kind, streams, work):
+def decoded_payloads(binary: lf.Binary, container: pathlib.Path, kind: str, streams: list[Stream], work: images.Path) -> list[bytes]:
     """Codes or 8-bit colour of every stream of a container, through the PNG files that `decode` writes."""
     folder = pathlib.Path(work) / "png"
     payloads = []
@@ -173,13 +214,13 @@ def decoded_payloads(binary, kernels, container, kind, streams, work):
         if done.returncode:
             raise NotMeasured(done.stderr.strip())
         files = sorted(folder.iterdir())
-        payloads.append(b"".join(png_image(kernels, file) for file in files))
+        payloads.append(b"".join(map(png_bytes, files)))
         for file in files:
             file.unlink()
     return payloads
 
 
-def streams_of(report):
+def streams_of(report: dict[str, Any]) -> tuple[list[Stream], int, int]:
     """(streams, width, height) of a container's `inspect --json`."""
     sizes = {(stream["width"], stream["height"]) for stream in report["streams"]}
     if len(sizes) != 1:
@@ -192,90 +233,39 @@ def streams_of(report):
         near_far = (stream.get("near_m", 1.0), stream.get("far_m", 1.0))
         counts = (stream["first_frame"], stream["frames"])
         streams.append(Stream(stream["probe"], stream.get("face"), *counts, near_far, tuple(pick)))
-    return streams, *sizes.pop()
+    width, height = sizes.pop()
+    return streams, width, height
 
 
-def frame_path(pattern, probe, face, frame):
-    """The file of a frame by a manifest's pattern."""
-    text = pattern.replace("{probe}", str(probe)).replace("{face}", str(face))
-    text = re.sub(r"%0?(\d*)d", lambda found: str(frame).zfill(int(found[1] or 1)), text)
-    return re.sub(r"#+", lambda found: str(frame).zfill(len(found[0])), text)
+def frame_path(pattern: str, stream: Stream, at: int) -> str:
+    """The file of a frame of a stream, counted from its first, by a manifest's pattern."""
+    text = pattern.replace("{probe}", stream.probe).replace("{face}", str(stream.face))
+    frame = str(stream.first_frame + at)
+    text = re.sub(r"%0?(\d*)d", lambda found: frame.zfill(int(found[1] or 1)), text)
+    return re.sub(r"#+", lambda found: frame.zfill(len(found[0])), text)
 
 
-COMPRESSION = {0: ("none", 1), 2: ("ZIPS", 1), 3: ("ZIP", 16)}
-SAMPLE_BYTES = {0: 4, 1: 2, 2: 4}
+def exr_metres(path: pathlib.Path, size: tuple[int, int]) -> bytes:
+    """32-bit floats of the depth of an EXR file of that size: its channel Z, or the only one."""
+    if path.suffix != ".exr" or not path.is_file():
+        raise NotMeasured("24-bit codes are made from EXR files, one for each face and frame")
+    try:
+        channels = images.read_exr(path)
+    except images.NotRead as error:
+        raise NotMeasured(str(error)) from error
+    depth = channels.get("Z", next(iter(channels.values())) if len(channels) == 1 else None)
+    if depth is None or depth.dtype != np.float32:
+        raise NotMeasured("24-bit codes are made from the channel Z, or an only one, of 32-bit floats")
+    if depth.shape[::-1] != size:
+        raise NotMeasured("24-bit codes are made from files of the size of a face")
+    return depth.astype("<f4").tobytes()
 
 
-def exr_attributes(data):
-    """(attributes, where they end) of an EXR file of one part in scan lines."""
-    if data[:4] != b"v/1\x01" or len(data) < 8 or data[5] & 0b1010:
-        raise NotMeasured("24-bit codes are made from EXR files of scan lines, of one part")
-    at, found = 8, {}
-    while data[at]:
-        name, kind, rest = data[at:at + 600].split(b"\0", 2)
-        at += len(name) + len(kind) + 2
-        [size] = struct.unpack_from("<I", data, at)
-        found[name.decode()] = data[at + 4:at + 4 + size]
-        at += 4 + size
-    return found, at + 1
-
-
-def exr_channels(words):
-    """(name, bytes of a sample, is it a 32-bit float) in the order in which lines hold them."""
-    at, found = 0, []
-    while words[at]:
-        name = words[at:].split(b"\0", 1)[0]
-        at += len(name) + 1
-        [kind] = struct.unpack_from("<I", words, at)
-        found.append((name.decode(), SAMPLE_BYTES[kind], kind == 2))
-        at += 16
-    return found
-
-
-def exr_floats(kernels, path):
-    """(width, height, bytes of 32-bit floats) of the depth of an EXR file: its channel Z, or the only one."""
-    data = pathlib.Path(path).read_bytes()
-    attributes, at = exr_attributes(data)
-    x0, y0, x1, y1 = struct.unpack("<4i", attributes["dataWindow"])
-    width, height = x1 - x0 + 1, y1 - y0 + 1
-    channels = exr_channels(attributes["channels"])
-    wanted = [name for name, _, _ in channels if name == "Z" or len(channels) == 1]
-    packed_as = attributes["compression"][0]
-    if not wanted or packed_as not in COMPRESSION:
-        raise NotMeasured("24-bit codes are made from the channel Z, or an only one, of plain EXR files and of those in ZIP")
-    before = sum(size for name, size, _ in channels if name < wanted[0]) * width
-    if not dict((name, is_float) for name, _, is_float in channels)[wanted[0]]:
-        raise NotMeasured("24-bit codes are made from depth of 32-bit floats")
-    line = sum(size for _, size, _ in channels) * width
-    lines = COMPRESSION[packed_as][1]
-    rows = {}
-    for offset in struct.unpack_from(f"<{-(-height // lines)}Q", data, at):
-        y, size = struct.unpack_from("<iI", data, offset)
-        body, count = data[offset + 8:offset + 8 + size], min(lines, y1 + 1 - y)
-        if len(body) < count * line:
-            body = kernels.exr_unpredict(zlib.decompress(body))
-        for row in range(count):
-            rows[y + row] = body[row * line + before:row * line + before + 4 * width]
-    return width, height, b"".join(rows[y] for y in sorted(rows))
-
-
-def source_metres(kernels, manifest, streams, size):
+def source_metres(manifest: images.Path, streams: list[Stream], size: tuple[int, int]) -> list[bytes]:
     """32-bit metres of every stream out of the source's files, or NotMeasured where this script cannot read them."""
     said = json.loads(pathlib.Path(manifest).read_text())
     depth = said.get("depth", {})
     if said["projection"] == "equirect" or depth.get("kind", "distance") != "distance" or depth.get("unit", "m") != "m":
         raise NotMeasured("24-bit codes are made from files of distances in metres, one for each face")
-    pattern = said["files"]["depth"]
-    payloads = []
-    for stream in streams:
-        frames = []
-        for frame in range(stream.first_frame, stream.first_frame + stream.frames):
-            path = pathlib.Path(manifest).parent / frame_path(pattern, stream.probe, stream.face, frame)
-            if path.suffix != ".exr" or not path.is_file():
-                raise NotMeasured("24-bit codes are made from EXR files, one for each face and frame")
-            *found, floats = exr_floats(kernels, path)
-            if tuple(found) != size:
-                raise NotMeasured("24-bit codes are made from files of the size of a face")
-            frames.append(floats)
-        payloads.append(b"".join(frames))
-    return payloads
+    folder, pattern = pathlib.Path(manifest).parent, said["files"]["depth"]
+    return [b"".join(exr_metres(folder / frame_path(pattern, stream, at), size) for at in range(stream.frames)) for stream in streams]

@@ -1,8 +1,10 @@
 """Rows of scripts/peers as Markdown and CSV."""
 
 import statistics
+from typing import Any
 
 import lightfold_runs as lf
+from peers_measure import Row
 
 FOOT = """\
 E: the error bound of a codec, in 16-bit log codes; –: no bound. Ratios are to lightfold of the same
@@ -36,66 +38,67 @@ CSV_HEAD = [
 ]
 
 
-def shown(value, form):
+def shown(value: float | None, form: str) -> str:
     """A figure, or nothing where there is none."""
     return "" if value is None else form.format(value)
 
 
-def short_time(seconds):
+def short_time(seconds: float | None) -> str:
     """Seconds of encoding; what is below the noise of ffmpeg's start is no figure."""
     return "" if seconds is None else "< 0.01" if seconds < 0.005 else f"{seconds:.2f}"
 
 
-def milliseconds(seconds):
+def milliseconds(seconds: float | None) -> str:
     return "" if seconds is None else f"{1000 * seconds:.1f}"
 
 
-def ratio(value, first):
+def ratio(value: float | None, first: float | None) -> str:
     return "" if value is None or not first else f"{value / first:.2f}"
 
 
-def error(value):
+def error(value: float | None) -> str:
     """An error in codes or metres: 0 where there is none at all."""
     return "" if value is None else "0" if value == 0 else f"{value:.2g}" if value < 1 else f"{value:.4g}"
 
 
-def firsts(rows):
+def firsts(rows: list[Row]) -> list[Row | None]:
     """For each depth row, ours that it is compared with."""
     ours = {row.bound: row for row in reversed(rows) if row.label.startswith("lightfold --max-error")}
     return [ours.get(row.bound, ours.get(0)) for row in rows]
 
 
-def depth_table(rows):
+def depth_table(rows: list[Row]) -> str:
     head = ["set", "E", "codec", "MB", "MB, ratio", "encode s", "decode ms", "time, ratio", "written %", "worst codes",
             "RMS codes", "worst m", "RMS m", "background wrong"]
-    lines = []
+    lines: list[list[Any]] = []
     for row, first in zip(rows, firsts(rows)):
+        first = first or Row("", "", "")
         bound = "–" if row.bound is None else row.bound
         if row.note.startswith("not measured"):
             lines.append([row.dataset, bound, row.label, row.note, *[""] * (len(head) - 4)])
             continue
         lines.append([
-            row.dataset, bound, row.label, lf.megabytes(row.bytes), ratio(row.bytes, first and first.bytes),
-            short_time(row.encode_s), milliseconds(row.decode_s), ratio(row.decode_s, first and first.decode_s),
+            row.dataset, bound, row.label, lf.megabytes(row.bytes or 0), ratio(row.bytes, first.bytes),
+            short_time(row.encode_s), milliseconds(row.decode_s), ratio(row.decode_s, first.decode_s),
             shown(row.written_percent, "{:.1f}"), error(row.max_error_codes), error(row.rms_error_codes),
             error(row.max_error_m), error(row.rms_error_m), row.background_wrong,
         ])
     return lf.table(head, lines)
 
 
-def speed(row, seconds):
+def speed(row: Row, seconds: float | None) -> str:
     """Megapixels a second."""
     return shown(seconds and row.pixels / seconds / 1e6, "{:.3g}")
 
 
-def color_table(rows):
+def color_table(rows: list[Row]) -> str:
     """Rows at a score, then those at a promise, as tables of their own."""
     promises = [row for row in rows if row.asked.startswith("every cell")]
     means = [row for row in rows if row not in promises]
     return "\n\n".join(colors(part) for part in (means, promises) if part)
 
 
-def colors(rows):
+def colors(rows: list[Row]) -> str:
     head = ["set", "asked", "codec", "kB", "SSIMULACRA2", "10th percentile", "butteraugli", "PSNR-HVS-M dB", "PSNR dB",
             "lowest cell dB", "encode Mpixel/s", "decode Mpixel/s"]
     lines = []
@@ -105,32 +108,32 @@ def colors(rows):
             lines.append([*first, row.note, *[""] * (len(head) - 4)])
             continue
         lines.append([
-            *first, f"{row.bytes / 1000:.0f}", shown(row.ssimulacra2, "{:.2f}"), shown(row.ssimulacra2_p10, "{:.2f}"),
+            *first, f"{(row.bytes or 0) / 1000:.0f}", shown(row.ssimulacra2, "{:.2f}"), shown(row.ssimulacra2_p10, "{:.2f}"),
             shown(row.butteraugli, "{:.3f}"), shown(row.psnr_hvs_m_db, "{:.2f}"), shown(row.psnr_db, "{:.2f}"),
             shown(row.lowest_cell_db, "{:.2f}"), speed(row, row.encode_s), speed(row, row.decode_s),
         ])
     return lf.table(head, lines)
 
 
-def markdown(rows, machine, stream):
+def markdown(rows: list[Row], machine: str, stream: str) -> str:
     """The tables of a stream with what their columns mean."""
     table, foot = {"depth": (depth_table, FOOT), "color": (color_table, COLOR_FOOT)}[stream]
     parts = []
     of_stream = [row for row in rows if row.stream == stream]
     for at, name in enumerate(dict.fromkeys(row.dataset for row in of_stream)):
         made = table([row for row in of_stream if row.dataset == name])
-        # What comes after the first set is folded: a page with all of it open is hard to read.
+        # Sets after the first are folded: a page with all of it open is hard to read.
         folded = [f"<details><summary>{name}, {stream}</summary>", made, "</details>"]
         parts += folded if at else [made]
     made_by = f"Made by `scripts/peers --{stream}` ({machine})."
     return "\n\n".join([*parts, foot.replace("\n", " "), made_by])
 
 
-def spread(times):
+def spread(times: list[float]) -> list[float | None]:
     return [statistics.median(times), min(times), max(times)] if times else [None] * 3
 
 
-def csv_rows(rows, machine, date):
+def csv_rows(rows: list[Row], machine: str, date: str) -> list[list[Any]]:
     """The head and a line for each row; figures in full, nothing where there is none."""
     lines = [CSV_HEAD]
     for row in rows:

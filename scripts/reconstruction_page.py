@@ -5,21 +5,23 @@ the truth crosses, by the sum of squared errors: in turn the one that is worst b
 that overlap none chosen before.
 """
 
-import array
 import dataclasses
 import html
 import itertools
 import math
 import pathlib
 import re
-import sys
 import urllib.parse
+from typing import Any, Iterable, Iterator, Sequence
 
+import numpy as np
+
+import images
 import lightfold_runs as lf
 import peers_frames as pf
-import png_images
 import reconstruction_quality as rq
 import reconstruction_report as rr
+from images import Array
 
 # Labels of methods, and what the page calls them.
 BEFORE, AFTER = "paper", "ours"
@@ -58,43 +60,27 @@ code{font:13px 'DejaVu Sans Mono',Consolas,monospace;overflow-wrap:anywhere}
 
 # ---- pictures
 
-def read_png(path):
-    """(width, height, samples) of a PNG of 8-bit RGB or RGBA, as RGB that is black where alpha is 0, or of 16-bit gray."""
+def read_png(path: images.Path) -> Array:
+    """RGB that is black where alpha is 0, or codes of 16 bits."""
     try:
-        width, height, step, samples = png_images.read(path)
-    except png_images.NotRead as error:
+        pixels = images.read_png(path)
+    except images.NotRead as error:
         raise rq.Refused(str(error)) from error
-    if step == 2:
-        codes = array.array("H", samples)
-        if sys.byteorder == "big":
-            codes.byteswap()
-        return width, height, codes
-    return width, height, without_alpha(samples) if step == 4 else samples
+    return without_alpha(pixels) if pixels.shape[2:] == (4,) else pixels
 
 
-def without_alpha(samples):
-    rgb = bytearray(len(samples) // 4 * 3)
-    for channel in range(3):
-        rgb[channel::3] = bytes(value if alpha else 0 for value, alpha in zip(samples[channel::4], samples[3::4]))
-    return rgb
+def without_alpha(pixels: Array) -> Array:
+    return pixels[..., :3] * (pixels[..., 3:] > 0)
 
 
-def cropped(picture, width, window):
-    starts = (3 * (y * width + window.left) for y in range(window.top, window.top + window.side))
-    return b"".join(picture[start:start + 3 * window.side] for start in starts)
-
-
-def error_picture(truth, shown, width, windows):
+def error_picture(truth: Array, shown: Array, windows: Iterable["Window"]) -> Array:
     """The largest difference of the codes of each pixel, in gray; windows are framed."""
-    gain = [min(255, code * 255 // WHITE_CODES) for code in range(256)]
-    largest = [gain[max(map(abs, of))] for of in zip(*[iter(a - b for a, b in zip(truth, shown))] * 3)]
-    drawn = bytearray(value for value in largest for _ in range(3))
+    largest = np.abs(truth.astype(int) - shown).max(axis=2, keepdims=True)
+    drawn = np.minimum(largest * 255 // WHITE_CODES, 255).astype(np.uint8).repeat(3, axis=2)
     for window in windows:
-        last = window.side - 1
-        for x, y in itertools.product(range(window.side), repeat=2):
-            if x in (0, last) or y in (0, last):
-                at = 3 * ((window.top + y) * width + window.left + x)
-                drawn[at:at + 3] = bytes(FRAME)
+        square = window.of(drawn)
+        square[[0, -1]] = FRAME
+        square[:, [0, -1]] = FRAME
     return drawn
 
 
@@ -103,11 +89,11 @@ def error_picture(truth, shown, width, windows):
 class Truths:
     """Pictures and depth of probes of datasets, from a container that keeps them without loss."""
 
-    def __init__(self, binary, work):
+    def __init__(self, binary: lf.Binary, work: pathlib.Path):
         self.binary, self.work = binary, work
-        self.containers = {}
+        self.containers: dict[tuple[pathlib.Path, int], tuple[pathlib.Path, dict[tuple[str, str], tuple[float, float]]]] = {}
 
-    def container(self, case, frame):
+    def container(self, case: rq.Case, frame: int) -> tuple[pathlib.Path, dict[tuple[str, str], tuple[float, float]]]:
         """(container, ranges of depth by probe and face) of the dataset of a case."""
         if (case.reference, frame) not in self.containers:
             path = self.work / f"truth_{len(self.containers)}.lfold"
@@ -117,16 +103,15 @@ class Truths:
             self.containers[case.reference, frame] = path, ranges
         return self.containers[case.reference, frame]
 
-    def of(self, case, image):
-        """(width, height, RGB, silhouettes) of an image that is in a report."""
+    def of(self, case: rq.Case, image: dict[str, Any]) -> tuple[Array, Array | None]:
+        """RGB and silhouettes of an image that is in a report."""
         path, ranges = self.container(case, image["frame"])
-        width, height, rgb = self.decoded(path, "color", image)
         near_far = ranges.get((image["probe"], image["face"]))
-        edges = silhouettes(self.decoded(path, "depth", image)[2], width, near_far) if near_far else None
-        return width, height, rgb, edges
+        edges = silhouettes(self.decoded(path, "depth", image), near_far) if near_far else None
+        return self.decoded(path, "color", image), edges
 
-    def decoded(self, path, kind, image):
-        """What a PNG of one stream holds."""
+    def decoded(self, path: pathlib.Path, kind: str, image: dict[str, Any]) -> Array:
+        """Pixels of one stream of an image."""
         probe, face, frame = image["probe"], image["face"], image["frame"]
         pick = ["--stream", kind, "--probe", probe, *([] if face == "view" else ["--face", face])]
         files = path.with_suffix("") / f"{probe}_{face}_{kind}.%04d.png"
@@ -134,16 +119,18 @@ class Truths:
         return read_png(str(files) % frame)
 
 
-def silhouettes(codes, width, near_far):
+def silhouettes(codes: Array, near_far: tuple[float, float]) -> Array:
     """1 for each pixel beside which there is another surface, by the codes of depth, else 0."""
     near_m, far_m = near_far
     most = DIFFERENCE * (pf.BACKGROUND - 1) / max(math.log(far_m / near_m), 1e-9)
-    differ = lambda a, b: abs(a - b) > most if pf.BACKGROUND not in (a, b) else a != b
-    found = bytearray(len(codes))
-    for step in (1, width):
-        for at in range(len(codes) - step):
-            if (step > 1 or (at + 1) % width) and differ(codes[at], codes[at + step]):
-                found[at] = found[at + step] = 1
+    found = np.zeros(codes.shape, int)
+    # Beside each other, and with rows for columns below each other.
+    for of, edges in ((codes.astype(int), found), (codes.astype(int).T, found.T)):
+        first, second = of[:, :-1], of[:, 1:]
+        background = (first == pf.BACKGROUND) | (second == pf.BACKGROUND)
+        differ = np.where(background, first != second, np.abs(first - second) > most)
+        edges[:, :-1] |= differ
+        edges[:, 1:] |= differ
     return found
 
 
@@ -157,54 +144,54 @@ class Window:
     left: int
     top: int
     side: int
-    errors: dict
+    errors: dict[str, int]
     edge: int
 
-    def overlaps(self, other):
+    def of(self, pixels: Array) -> Array:
+        """The part of a picture that it shows."""
+        return pixels[self.top:self.top + self.side, self.left:self.left + self.side]
+
+    def overlaps(self, other: "Window") -> bool:
         return self.face == other.face and max(abs(self.left - other.left), abs(self.top - other.top)) < self.side
 
-    def psnr_db(self, label):
-        return png_images.psnr_db(self.errors[label], 3 * self.side**2)
+    def psnr_db(self, label: str) -> float:
+        return images.psnr_db(self.errors[label], 3 * self.side**2)
 
 
-def squares(a, b):
+def squares(a: Array, b: Array) -> Array:
     """The sum of squared differences of each pixel's codes."""
-    each = [(x - y) * (x - y) for x, y in zip(a, b)]
-    return [sum(of) for of in zip(each[0::3], each[1::3], each[2::3])]
+    return ((a.astype(int) - b)**2).sum(axis=2)
 
 
 class Sums:
     """Sums of values of pixels over squares."""
 
-    def __init__(self, values, width):
-        self.rows = [[0] * (width + 1)]
-        for start in range(0, len(values), width):
-            row = itertools.accumulate(values[start:start + width], initial=0)
-            self.rows.append([a + b for a, b in zip(self.rows[-1], row)])
+    def __init__(self, values: Array):
+        self.above_left = np.pad(values.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
 
-    def within(self, left, top, side):
-        above, below = self.rows[top], self.rows[top + side]
-        return below[left + side] - below[left] - above[left + side] + above[left]
+    def within(self, left: int, top: int, side: int) -> int:
+        above, below = self.above_left[top], self.above_left[top + side]
+        return int(below[left + side] - below[left] - above[left + side] + above[left])
 
 
-def windows_of(face, errors, edges, size):
+def windows_of(face: str, errors: dict[str, Array], edges: Array | None) -> Iterator[Window]:
     """Windows of a face: `errors` are values of pixels by method, `edges` are its silhouettes or None where they are unknown."""
-    width, height = size
+    height, width = next(iter(errors.values())).shape
     side = min(SIDE, width, height)
-    sums = {label: Sums(values, width) for label, values in errors.items()}
-    edge = edges and Sums(edges, width)
+    sums = {label: Sums(values) for label, values in errors.items()}
+    edge = None if edges is None else Sums(edges)
     for top, left in itertools.product(range(0, height - side + 1, STEP), range(0, width - side + 1, STEP)):
         square = left, top, side
         of_methods = {label: of.within(*square) for label, of in sums.items()}
         yield Window(face, *square, of_methods, edge.within(*square) if edge else side)
 
 
-def choose(windows, count):
+def choose(windows: list[Window], count: int) -> list[tuple[str, Window]]:
     """(method whose error is the largest there, window), in turn before and after. A silhouette crosses a window that has as
     many of its pixels as its side is long; where none is crossed, all windows take part."""
     crossed = [window for window in windows if window.edge >= window.side] or windows
     ranked = {label: sorted(crossed, key=lambda window: -window.errors[label]) for label in (BEFORE, AFTER)}
-    chosen = []
+    chosen: list[tuple[str, Window]] = []
     for _, label in zip(range(count), itertools.cycle(ranked)):
         free = (window for window in ranked[label] if not any(window.overlaps(other) for _, other in chosen))
         window = next(free, None)
@@ -219,85 +206,83 @@ def choose(windows, count):
 class Face:
     """An image of a pose: RGB of the truth and of each method, and windows that crops are chosen from."""
 
-    width: int
-    pictures: dict
-    psnr_db: dict
-    windows: list
+    pictures: dict[str, Array]
+    psnr_db: dict[str, float | None]
+    windows: list[Window]
 
 
-def faces_of(pose, truths):
+def faces_of(pose: rq.Pose, truths: Truths) -> dict[str, Face]:
     """The images of the first frame of a pose, by the name of the face."""
-    images = {label: pose.reports[label]["reference"]["images"] for label in COMPARED}
-    first = min(image["frame"] for image in images[AFTER])
+    reported = {label: pose.reports[label]["reference"]["images"] for label in COMPARED}
+    first = min(image["frame"] for image in reported[AFTER])
     found = {}
-    for at, image in enumerate(images[AFTER]):
+    for at, image in enumerate(reported[AFTER]):
         if image["frame"] != first:
             continue
-        width, height, truth, edges = truths.of(pose.case, image)
+        truth, edges = truths.of(pose.case, image)
         pictures = {"truth": truth}
         for label in COMPARED:
             path = pose.picture(label, image)
-            *size, pictures[label] = read_png(path)
-            if size != [width, height]:
-                raise rq.Refused(f"{path}: {width} x {height} pixels were expected, as the truth has, not {size[0]} x {size[1]}")
+            pictures[label] = read_png(path)
+            if pictures[label].shape != truth.shape:
+                (high, wide, _), (height, width, _) = truth.shape, pictures[label].shape
+                raise rq.Refused(f"{path}: {wide} x {high} pixels were expected, as the truth has, not {width} x {height}")
         errors = {label: squares(truth, pictures[label]) for label in COMPARED}
-        psnr_db = {label: rq.number(images[label][at]["psnr_db"]) for label in COMPARED}
-        windows = list(windows_of(image["face"], errors, edges, (width, height)))
-        found[image["face"]] = Face(width, pictures, psnr_db, windows)
+        psnr_db = {label: rq.number(reported[label][at]["psnr_db"]) for label in COMPARED}
+        found[image["face"]] = Face(pictures, psnr_db, list(windows_of(image["face"], errors, edges)))
     return found
 
 
 class Pictures:
-    """Writes the pictures of an input into a folder beside the page, and answers what shows them."""
+    """Writes the pictures of an input into a folder beside the page, and returns the HTML that shows them."""
 
-    def __init__(self, page, name):
+    def __init__(self, page: pathlib.Path, name: str):
         self.folder, self.name = page / name, name
         self.folder.mkdir(parents=True, exist_ok=True)
 
-    def cell(self, place, what, picture, width):
-        """An image and its PSNR: `place` is (start of the file's name, words), `picture` is (RGB, dB or None)."""
-        (stem, words), (rgb, psnr_db) = place, picture
+    def cell(self, place: tuple[str, str], what: str, rgb: Array, psnr_db: float | None) -> str:
+        """An image and its PSNR: `place` is (start of the file's name, words)."""
+        stem, words = place
         file = f"{stem}_{re.sub('[^a-z]+', '_', what).strip('_')}.png"
-        png_images.write(self.folder / file, width, rgb)
-        address, height = urllib.parse.quote(f"{self.name}/{file}"), len(rgb) // (3 * width)
+        images.write_png(self.folder / file, rgb)
+        address, (height, width, _) = urllib.parse.quote(f"{self.name}/{file}"), rgb.shape
         alt = html.escape(f"{what}: {words}")
         shown = f'<img src="{address}" alt="{alt}" width="{width}" height="{height}" loading="lazy">'
         under = "" if psnr_db is None else rr.decibels(psnr_db) + (" dB" if math.isfinite(psnr_db) else "")
         return shown + under
 
-    def crops(self, pose, faces, chosen):
+    def crops(self, pose: rq.Pose, faces: dict[str, Face], chosen: list[tuple[str, Window]]) -> str:
         """A row for each crop."""
         lines = []
         for label, window in chosen:
             face = faces[window.face]
-            draw = lambda of: png_images.enlarged(cropped(face.pictures[of], face.width, window), window.side, SCALE)
-            shown = {"truth": (draw("truth"), None)}
+            draw = lambda of: images.enlarged(window.of(face.pictures[of]), SCALE)
+            shown: dict[str, tuple[Array, float | None]] = {"truth": (draw("truth"), None)}
             shown |= {name: (draw(of), window.psnr_db(of)) for of, name in COMPARED.items()}
             stem = f"{pose.case.probe}_{window.face}_{window.left}_{window.top}"
             place = stem, f"crop of face {window.face} at column {window.left}, row {window.top}"
             first = f"{window.face}, {window.left}, {window.top}<br>worst of {COMPARED[label]}"
-            lines.append([first, *(self.cell(place, what, of, window.side * SCALE) for what, of in shown.items())])
-        return table(f"{pose.title}: crops", ["face, column, row", *shown], lines, "pictures")
+            lines.append([first, *(self.cell(place, what, *of) for what, of in shown.items())])
+        return table(f"{pose.title}: crops", ["face, column, row", "truth", *COMPARED.values()], lines, "pictures")
 
-    def whole(self, pose, faces, chosen):
+    def whole(self, pose: rq.Pose, faces: dict[str, Face], chosen: list[tuple[str, Window]]) -> str:
         """A row for each face that crops are of."""
+        compared = {COMPARED[of]: of for of in (BEFORE, AFTER)}
         lines = []
         for name, face in faces.items():
             windows = [window for _, window in chosen if window.face == name]
             if not windows:
                 continue
-            times = max(1, WHOLE // face.width)
-            errors = {of: error_picture(face.pictures["truth"], face.pictures[of], face.width, windows) for of in (BEFORE, AFTER)}
-            shown = {"truth": (face.pictures["truth"], None)}
-            shown |= {COMPARED[of]: (face.pictures[of], face.psnr_db[of]) for of in errors}
-            shown |= {f"error of {COMPARED[of]}": (error, None) for of, error in errors.items()}
+            truth = face.pictures["truth"]
+            shown: dict[str, tuple[Array, float | None]] = {"truth": (truth, None)}
+            shown |= {method: (face.pictures[of], face.psnr_db[of]) for method, of in compared.items()}
+            shown |= {f"error of {method}": (error_picture(truth, face.pictures[of], windows), None) for method, of in compared.items()}
             place = f"{pose.case.probe}_{name}", f"face {name}"
-            drawn = lambda rgb: png_images.enlarged(rgb, face.width, times)
-            draw = lambda what, rgb, db: self.cell(place, what, (drawn(rgb), db), face.width * times)
-            lines.append([name, *(draw(what, *of) for what, of in shown.items())])
-        return table(f"{pose.title}: whole pictures", ["face", *shown], lines, "pictures")
+            times = max(1, WHOLE // truth.shape[1])
+            lines.append([name, *(self.cell(place, what, images.enlarged(rgb, times), db) for what, (rgb, db) in shown.items())])
+        return table(f"{pose.title}: whole pictures", ["face", "truth", *compared, *(f"error of {method}" for method in compared)], lines, "pictures")
 
-    def of(self, pose, truths):
+    def of(self, pose: rq.Pose, truths: Truths) -> str:
         """Crops and whole pictures of a pose."""
         faces = faces_of(pose, truths)
         chosen = choose([window for face in faces.values() for window in face.windows], CROPS)
@@ -309,12 +294,12 @@ class Pictures:
 
 # ---- HTML
 
-def paragraph(text):
+def paragraph(text: str) -> str:
     """A paragraph; `words` are code."""
     return "<p>" + re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(text)) + "</p>"
 
 
-def table(title, head, lines, kind="figures"):
+def table(title: str, head: Iterable[str], lines: Iterable[Sequence[str]], kind: str = "figures") -> str:
     """A table of cells that are HTML; the first of a line is its header."""
     name = html.escape(title)
     columns = "".join(f'<th scope="col">{html.escape(cell)}</th>' for cell in head)
@@ -324,7 +309,7 @@ def table(title, head, lines, kind="figures"):
             f"<caption>{name}</caption>\n<thead><tr>{columns}</tr></thead>\n<tbody>\n{rows}\n</tbody>\n</table>\n</div>")
 
 
-def section(page, report, poses, truths):
+def section(page: pathlib.Path, report: rr.Report, poses: list[rq.Pose], truths: Truths) -> str:
     """The part of a page about one input; its pictures are written beside the page."""
     pictures = Pictures(page, report.name)
     escaped = lambda lines: [[html.escape(str(cell)) for cell in line] for line in lines]
@@ -335,7 +320,7 @@ def section(page, report, poses, truths):
     return "\n".join([*parts, "<h3>Figures</h3>", *map(paragraph, report.about), *figures, *charts, "</section>"])
 
 
-def write(page, sections):
+def write(page: pathlib.Path, sections: list[str]) -> None:
     """index.html, without scripts and without anything from a network."""
     title = "Pictures rendered from light fields, before and after"
     parts = ['<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',

@@ -1,18 +1,23 @@
-"""What scripts/reconstruction-quality measures: pictures rendered where the truth is known, by several methods."""
+"""Measurements of scripts/reconstruction-quality: pictures rendered where the truth is known, by several methods."""
 
 import dataclasses
 import itertools
 import json
 import math
 import pathlib
+from typing import Any, Iterable, Sequence
 
 import lightfold_runs as lf
 
+Position = tuple[float, ...]
+Probe = tuple[str, Position]
+# The middle, and how far from it along each axis, in metres.
+Region = tuple[Position, Position]
 METHODS = [("splat", "points"), ("reproject", "ceiling"), ("calf", "paper"), ("march", "ours")]
-# So many probes of a dataset or scene are shown from where they stand.
+# Probes of a dataset or scene that are rendered from their own positions.
 MAX_OWN = 9
 # Where probes of scenes that come with the program, or with the data, stand: the middle, and how far from it, in metres.
-REGIONS = {
+REGIONS: dict[str, Region] = {
     "courtyard": ((0.0, 1.5, 0.0), (0.3, 0.2, 0.3)),
     "interior": ((0.0, 1.5, 0.3), (0.3, 0.2, 0.3)),
     "mirrors": ((0.0, 1.6, 1.1), (0.3, 0.15, 0.2)),
@@ -27,9 +32,9 @@ SCENES_WITH_MIRRORS = ("mirrors",)
 KEEP_LAMPS = ["--hdr"]
 
 
-# How far from a straight way between two probes others may lie that count as being on it, in parts of its length.
+# Largest distance from the straight line between two probes at which another lies on it, in parts of its length.
 BESIDE = 0.01
-# So many such ways of a dataset are measured.
+# Lines of a dataset that are measured.
 MAX_LINES = 4
 
 
@@ -45,7 +50,7 @@ class Case:
     reference: pathlib.Path
     probe: str
     # Probes of the container that do not take part.
-    without: tuple = ()
+    without: tuple[str, ...] = ()
     frames: str = "0"
 
 
@@ -54,42 +59,42 @@ class Row:
     """Figures of one method in one place of one table."""
 
     table: str
-    place: object
+    place: Any
     method: str
     psnr_db: float
-    ssim: object
-    hole_percent: float
-    psnr_db_mirrors: object = None
-    psnr_db_glass: object = None
-    render_ms: object = None
+    ssim: float | None
+    hole_percent: float | None
+    psnr_db_mirrors: float | None = None
+    psnr_db_glass: float | None = None
+    render_ms: float | None = None
     # Error near silhouettes of probes over that elsewhere.
-    ghost_ratio: object = None
-    # Of a pose, the two probes that it lies between.
-    line: object = None
+    ghost_ratio: float | None = None
+    # The two probes that a pose lies between.
+    line: str | None = None
 
 
-def number(value):
+def number(value: Any) -> float | None:
     """A number of a report, if there is one."""
     return None if value is None else float(value)
 
 
-def mean(values):
-    values = [value for value in values if value is not None]
-    return sum(values) / len(values) if values else None
+def mean(values: Iterable[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return sum(known) / len(known) if known else None
 
 
-def mean_psnr(values):
+def mean_psnr(values: Iterable[float]) -> float:
     """Mean over images, as papers have it, without those that are exact; infinite where all are."""
     return mean(value for value in values if math.isfinite(value)) or math.inf
 
 
-def row_of(table, place, method, report):
+def row_of(table: str, place: Any, method: str, report: dict[str, Any]) -> Row:
     """The figures of a report of `render`."""
     reference = report["reference"]
     images = reference["images"]
     return Row(
         table, place, method,
-        mean_psnr([number(image["psnr_db"]) for image in images]),
+        mean_psnr(float(image["psnr_db"]) for image in images),
         mean(number(image["ssim"]) for image in images),
         mean(number(image["hole_percent"]) for image in images),
         number(reference.get("psnr_db_mirrors")),
@@ -105,29 +110,29 @@ class Pose:
 
     title: str
     case: Case
-    reports: dict
+    reports: dict[str, Any]
     folder: pathlib.Path
 
-    def picture(self, label, image):
+    def picture(self, label: str, image: dict[str, Any]) -> pathlib.Path:
         """The file of an image that is in a report."""
         return pictures_of(self.folder, self.case, label) / f"{image['probe']}_{image['face']}.{image['frame']:04}.png"
 
 
-def pictures_of(folder, case, label):
+def pictures_of(folder: pathlib.Path, case: Case, label: str) -> pathlib.Path:
     return folder / "pictures" / f"{case.probe}_{label}"
 
 
 class Renderer:
     """Runs `lightfold render` on cases, each once; `options` are given to all of them."""
 
-    def __init__(self, binary, options):
+    def __init__(self, binary: lf.Binary, options: list[str]):
         self.binary, self.options = binary, options
-        self.known = {}
-        self.poses = []
+        self.known: dict[Any, Any] = {}
+        self.poses: list[Pose] = []
 
-    def report(self, case, method, *more, out=("--null",)):
-        """What `render` reports; pictures go to `out` if this is the first time that it is asked for."""
-        words = [self.binary, "render", case.container, "--reference", case.reference, "--reference-probe", case.probe]
+    def report(self, case: Case, method: str, *more: Any, out: Sequence[Any] = ("--null",)) -> Any:
+        """The report of `render`; pictures go to `out` if this is the first time that it is asked for."""
+        words: list[Any] = [self.binary, "render", case.container, "--reference", case.reference, "--reference-probe", case.probe]
         if case.without:
             words += ["--exclude-probe", ",".join(case.without)]
         words += ["--frames", case.frames, "--method", method, "--stats", "--json", *self.options, *more]
@@ -135,7 +140,7 @@ class Renderer:
             self.known[case, method, more] = lf.run_json(*words, *out)
         return self.known[case, method, more]
 
-    def draw(self, title, case, folder):
+    def draw(self, title: str, case: Case, folder: pathlib.Path) -> None:
         """Keeps pictures and error maps of a pose, before its rows are asked for."""
         reports = {}
         for method, label in METHODS:
@@ -143,26 +148,20 @@ class Renderer:
             reports[label] = self.report(case, method, out=out)
         self.poses.append(Pose(title, case, reports, folder))
 
-    def rows(self, table, place, case, *more):
+    def rows(self, table: str, place: Any, case: Case, *more: Any) -> list[Row]:
         """A row for each method."""
         return [row_of(table, place, label, self.report(case, method, *more)) for method, label in METHODS]
 
 
-def counts_of_views(probes):
-    """How many active views are tried: all of few, and fewer and fewer of many."""
+def counts_of_views(probes: int) -> list[int]:
+    """Numbers of active views: all of few, and fewer and fewer of many."""
     steps = itertools.chain(range(1, 9), (12, 16, 24, 32, 48, 64))
     return [count for count in steps if count < probes] + [probes]
 
 
-def manifest_path(manifest):
-    """The file of a dataset that is named by it or by its folder."""
-    manifest = pathlib.Path(manifest)
-    return manifest / "lightfield.json" if manifest.is_dir() else manifest
-
-
-def probes_of(manifest):
+def probes_of(manifest: str | pathlib.Path) -> list[Probe]:
     """(name, position) of the probes of a dataset."""
-    path = manifest_path(manifest)
+    path = lf.manifest_path(manifest)
     try:
         probes = json.loads(path.read_text())["probes"]
         return [(probe["name"], tuple(probe["position"])) for probe in probes]
@@ -170,7 +169,7 @@ def probes_of(manifest):
         raise Refused(f"{path}: this is no lightfield.json: {error}") from error
 
 
-def held_out(probes, wanted):
+def held_out(probes: Sequence[Probe], wanted: list[str]) -> list[str]:
     """Names of the probes that are left out in turn: those that are wanted, all of up to four, else the most central."""
     names = [name for name, _ in probes]
     for name in wanted:
@@ -181,9 +180,9 @@ def held_out(probes, wanted):
     return [most_central(probes)]
 
 
-def most_central(probes):
+def most_central(probes: Sequence[Probe]) -> str:
     """The name of the probe that is nearest to the middle of all."""
-    middle = [mean(position[axis] for _, position in probes) for axis in range(3)]
+    middle = [sum(position[axis] for _, position in probes) / len(probes) for axis in range(3)]
     return min(probes, key=lambda probe: math.dist(probe[1], middle))[0]
 
 
@@ -194,13 +193,13 @@ class Line:
     first: str
     last: str
     # (part of the way, name), from the first to the last.
-    between: tuple
+    between: tuple[tuple[float, str], ...]
 
-    def name(self):
+    def name(self) -> str:
         return f"{self.first} to {self.last}"
 
 
-def lines_of(probes, most=MAX_LINES):
+def lines_of(probes: Sequence[Probe], most: int = MAX_LINES) -> list[Line]:
     """Lines with the most probes between their ends, then the longest; a part of a longer line is none of its own."""
     found = []
     for (first, start), (last, end) in itertools.combinations(probes, 2):
@@ -216,7 +215,7 @@ def lines_of(probes, most=MAX_LINES):
         if between:
             found.append((len(between), length, Line(first, last, tuple(sorted(between)))))
     found.sort(key=lambda entry: entry[:2], reverse=True)
-    chosen = []
+    chosen: list[Line] = []
     for _, _, line in found:
         on = lambda other: {other.first, other.last, *(name for _, name in other.between)}
         if not any(on(line) <= on(other) for other in chosen):
@@ -224,72 +223,81 @@ def lines_of(probes, most=MAX_LINES):
     return chosen[:most]
 
 
-def corners(region):
+def corners(region: Region) -> list[Position]:
     """Eight positions around the middle of a region."""
     middle, reach = region
     signs = itertools.product((-1, 1), repeat=3)
     return [tuple(at + sign * far for at, sign, far in zip(middle, corner, reach)) for corner in signs]
 
 
-def line(start, end, poses):
+def line(start: Position, end: Position, poses: int) -> list[tuple[float, Position]]:
     """(part of the way, position) of poses from one point to another, both included."""
     parts = [at / (poses - 1) for at in range(poses)]
     return [(part, tuple(a + part * (b - a) for a, b in zip(start, end))) for part in parts]
 
 
-def write_cameras(path, named):
+def write_cameras(path: pathlib.Path, named: Iterable[Probe]) -> None:
     """A file of cameras of (name, position)."""
     cameras = [{"name": name, "position": list(position)} for name, position in named]
     path.write_text(json.dumps({"lightfold_cameras": 1, "cameras": cameras}))
 
 
-def measure_dataset(binary, renderer, manifest, work, wanted, frames):
-    """Leaves one probe out at a time; answers rows."""
+@dataclasses.dataclass
+class Dataset:
+    """A dataset to measure: probes to leave out, or none to choose them, and frames."""
+
+    manifest: pathlib.Path
+    wanted: list[str]
+    frames: str = "0"
+
+
+def measure_dataset(renderer: Renderer, dataset: Dataset, work: pathlib.Path) -> list[Row]:
+    """Leaves one probe out at a time."""
+    manifest, frames = dataset.manifest, dataset.frames
     probes = probes_of(manifest)
     if len(probes) < 2:
         raise Refused(f"{manifest}: it has one probe; one to leave out and one to render from were expected")
-    left_out = held_out(probes, wanted)
+    left_out = held_out(probes, dataset.wanted)
     container = work / "field.lfold"
-    lamps = KEEP_LAMPS if "material" in json.loads(manifest_path(manifest).read_text()) else ["--clip"]
-    lf.run_json(binary, "encode", manifest, "--frames", frames, *lamps, "-o", container, "--json")
+    lamps = KEEP_LAMPS if "material" in json.loads(lf.manifest_path(manifest).read_text()) else ["--clip"]
+    lf.run_json(renderer.binary, "encode", manifest, "--frames", frames, *lamps, "-o", container, "--json")
     rows = []
     for probe in left_out:
-        case = Case(container, pathlib.Path(manifest), probe, (probe,), frames)
+        case = Case(container, manifest, probe, (probe,), frames)
         renderer.draw(f"Probe {probe}, left out", case, work)
         of_probe = renderer.rows("left out", probe, case)
         rows += of_probe + with_and_without_effects(renderer, probe, case, of_probe)
-    central = Case(container, pathlib.Path(manifest), left_out[0], (left_out[0],), frames)
-    rows += by_views(renderer, central, len(probes) - 1)
-    rows += at_probes(renderer, container, pathlib.Path(manifest), [name for name, _ in probes], frames)
+    everywhere = Case(container, manifest, left_out[0], frames=frames)
+    rows += by_views(renderer, dataclasses.replace(everywhere, without=(left_out[0],)), len(probes) - 1)
+    rows += at_probes(renderer, everywhere, [name for name, _ in probes])
     for line in lines_of(probes):
-        rows += along(renderer, container, manifest, line, frames)
+        rows += along(renderer, everywhere, line)
     return rows
 
 
-def at_probes(renderer, container, reference, names, frames="0"):
+def at_probes(renderer: Renderer, case: Case, names: list[str]) -> list[Row]:
     """Rows of pictures from where probes stand, all of which take part: a picture becomes what the probe recorded."""
-    cases = {name: Case(container, reference, name, frames=frames) for name in names[:MAX_OWN]}
-    return [row for name, case in cases.items() for row in renderer.rows("at a probe", name, case)]
+    return [row for name in names[:MAX_OWN] for row in renderer.rows("at a probe", name, dataclasses.replace(case, probe=name))]
 
 
-def free_positions(region):
+def free_positions(region: Region) -> list[Position]:
     """Six positions within a region, off the straight ways between its corners."""
     middle, reach = region
     parts = itertools.permutations((-0.6, 0.2, 0.7))
     return [tuple(at + part * far for at, part, far in zip(middle, three, reach)) for three in parts]
 
 
-def along(renderer, container, manifest, line, frames):
+def along(renderer: Renderer, case: Case, line: Line) -> list[Row]:
     """Rows by pose on a line of a dataset (CALF figure 11). The truth is known at probes only: those between the ends are
     poses and take no part in any picture; the ends take part, as they do where a scene is captured for this."""
     without = tuple(name for _, name in line.between)
     rows = []
     for part, name in ((0.0, line.first), *line.between, (1.0, line.last)):
-        rows += renderer.rows("by pose", part, Case(container, pathlib.Path(manifest), name, without, frames))
+        rows += renderer.rows("by pose", part, dataclasses.replace(case, probe=name, without=without))
     return [dataclasses.replace(row, line=line.name()) for row in rows]
 
 
-def shown_of_scene(named, free):
+def shown_of_scene(named: dict[str, float], free: list[str]) -> list[tuple[str, str, str]]:
     """(title, folder of the reference, name) of the poses of a scene whose pictures are kept; `named` are those on the way."""
     near, middle = list(named)[1], list(named)[len(named) // 2]
     return [
@@ -300,21 +308,37 @@ def shown_of_scene(named, free):
     ]
 
 
-def measure_scene(binary, renderer, scene, work, settings):
-    """Captures a scene from eight corners and from poses on the way between two of them; answers rows."""
-    around = corners(settings.region)
-    poses = line(around[0], around[-1], settings.poses)
+@dataclasses.dataclass
+class Scene:
+    """A scene to measure: where probes stand, the side of a face, samples of a pixel, and poses on the way between two probes."""
+
+    name: str
+    region: Region
+    size: int
+    samples: int
+    poses: int
+
+
+def capture_scene(binary: lf.Binary, scene: Scene, cameras: dict[str, Iterable[Probe]], work: pathlib.Path) -> None:
+    """Captures datasets of cameras by their names."""
+    options = ["--frames", "0", "--size", scene.size, "--samples", scene.samples, "--aov", "depth,material"]
+    for name, probes in cameras.items():
+        file = work / f"{name}.json"
+        write_cameras(file, probes)
+        lf.run_json(binary, "capture", scene.name, "--cameras", file, *options, "-o", work / name, "--json")
+
+
+def measure_scene(renderer: Renderer, scene: Scene, work: pathlib.Path) -> list[Row]:
+    """Captures a scene from eight corners and from poses on the way between two of them."""
+    around = {f"{at:02}": position for at, position in enumerate(corners(scene.region))}
+    poses = line(around["00"], around["07"], scene.poses)
     named = {f"pose_{at:02}": part for at, (part, _) in enumerate(poses)}
-    write_cameras(work / "probes.json", [(f"{at:02}", position) for at, position in enumerate(around)])
-    free = {f"free_{at}": position for at, position in enumerate(free_positions(settings.region))}
+    free = {f"free_{at}": position for at, position in enumerate(free_positions(scene.region))}
     positions = [*zip(named, (position for _, position in poses)), *free.items()]
-    write_cameras(work / "poses.json", positions)
-    options = ["--frames", "0", "--size", settings.size, "--samples", settings.samples, "--aov", "depth,material"]
-    for name in ("probes", "poses"):
-        lf.run_json(binary, "capture", scene, "--cameras", work / f"{name}.json", *options, "-o", work / name, "--json")
+    capture_scene(renderer.binary, scene, {"probes": around.items(), "poses": positions}, work)
     container = work / "field.lfold"
-    lamps = KEEP_LAMPS if str(scene) in SCENES_WITH_MIRRORS else ["--clip"]
-    lf.run_json(binary, "encode", work / "probes", *lamps, "-o", container, "--json")
+    lamps = KEEP_LAMPS if scene.name in SCENES_WITH_MIRRORS else ["--clip"]
+    lf.run_json(renderer.binary, "encode", work / "probes", *lamps, "-o", container, "--json")
     rows = []
     for title, reference, name in shown_of_scene(named, list(free)):
         renderer.draw(title, Case(container, work / reference, name), work)
@@ -322,19 +346,19 @@ def measure_scene(binary, renderer, scene, work, settings):
         rows += renderer.rows("by pose", part, Case(container, work / "poses", name))
     for name in free:
         rows += renderer.rows("free poses", name, Case(container, work / "poses", name))
-    rows += at_probes(renderer, container, work / "probes", [f"{at:02}" for at in range(len(around))])
-    middle = Case(container, work / "poses", list(named)[settings.poses // 2])
+    rows += at_probes(renderer, Case(container, work / "probes", ""), list(around))
+    middle = Case(container, work / "poses", list(named)[scene.poses // 2])
     both = renderer.rows("midway", "all", middle)
     rows += both + with_and_without_effects(renderer, "midway", middle, both)
     return rows + by_views(renderer, middle, len(around))
 
 
-def by_views(renderer, case, probes):
+def by_views(renderer: Renderer, case: Case, probes: int) -> list[Row]:
     """Rows by the number of active views, the nearest first (CALF figure 9)."""
     return [row for count in counts_of_views(probes) for row in renderer.rows("by views", count, case, "--views", count)]
 
 
-def with_and_without_effects(renderer, place, case, known):
+def with_and_without_effects(renderer: Renderer, place: str, case: Case, known: list[Row]) -> list[Row]:
     """Rows with mirrors and glass, and with views blended there (CALF figure 12); none where there are neither.
 
     `known` are the rows of the case with effects, one for each method.

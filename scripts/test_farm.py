@@ -5,19 +5,19 @@ the Slurm scripts with a Slurm of one machine, both with lightfold; what is miss
 """
 
 import filecmp
-import importlib.machinery
-import importlib.util
 import os
 import pathlib
 import shutil
 import signal
 import subprocess
-import tempfile
+import sys
 import time
 import unittest
+from typing import Any, Sequence
 
-FARM = pathlib.Path(__file__).resolve().parent / "farm"
-TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", FARM.parent.parent / "target"))
+from for_tests import HERE, Folder, lightfold, module_of
+
+FARM = HERE / "farm"
 # Writes down its arguments, and does as FAIL says: `2 75` ends the first two tries with exit code 75.
 RECORDER = """#!/usr/bin/env bash
 printf '%s\\n' "$*" >>"$CALLS"
@@ -25,40 +25,25 @@ printf '%s\\n' "$*" >>"$CALLS"
 """
 
 
-def lightfold():
-    """The program of LIGHTFOLD, or the one that was built last in the target folder."""
-    named = os.environ.get("LIGHTFOLD")
-    if named:
-        return shutil.which(named)
-    built = [TARGET / kind / "lightfold" for kind in ("debug", "release")]
-    built = [path for path in built if path.is_file()]
-    return str(max(built, key=lambda path: path.stat().st_mtime)) if built else None
+def openjd() -> str | None:
+    return shutil.which("openjd") or shutil.which(pathlib.Path(sys.executable).with_name("openjd"))
 
 
-def openjd():
-    return shutil.which("openjd") or shutil.which(str(TARGET / "farm" / "bin" / "openjd"))
-
-
-def program(path, text):
+def program(path: pathlib.Path, text: str) -> str:
     path.write_text(text)
     path.chmod(0o755)
     return str(path)
 
 
-class Folder(unittest.TestCase):
-    def setUp(self):
-        work = tempfile.TemporaryDirectory()
-        self.addCleanup(work.cleanup)
-        self.work = pathlib.Path(work.name)
-
-    def run_in(self, *command, **environment):
+class FarmTest(Folder):
+    def run_in(self, *command: Any, **environment: str) -> subprocess.CompletedProcess[str]:
         """Runs a command in the folder."""
         return subprocess.run([str(word) for word in command], cwd=self.work, capture_output=True, text=True,
                               env=dict(os.environ, **environment))
 
 
-class OneTask(Folder):
-    def setUp(self):
+class OneTask(FarmTest):
+    def setUp(self) -> None:
         super().setUp()
         self.program = program(self.work / "recorder", RECORDER)
         # What tasks before have written: a task whose inputs are missing may be tried again.
@@ -70,7 +55,7 @@ class OneTask(Folder):
             for name in names:
                 (parts / name).touch()
 
-    def task(self, *words, fail="0 0", **environment):
+    def task(self, *words: str, fail: str = "0 0", **environment: str) -> tuple[int, list[str]]:
         """(exit code, what the program was called with) of one task."""
         calls = self.work / "calls"
         calls.unlink(missing_ok=True)
@@ -78,7 +63,7 @@ class OneTask(Folder):
                            LIGHTFOLD_RETRY_SECONDS="0", **environment)
         return done.returncode, calls.read_text().splitlines() if calls.exists() else []
 
-    def test_command_lines(self):
+    def test_command_lines(self) -> None:
         parts = "film.lfold.parts"
         for words, expected in [
             (["scan", "room", "film.lfold", "2/3"],
@@ -93,16 +78,16 @@ class OneTask(Folder):
         ]:
             self.assertEqual(self.task(*words), (0, [expected]))
 
-    def test_inputs_that_are_missing_may_be_tried_again(self):
+    def test_inputs_that_are_missing_may_be_tried_again(self) -> None:
         for words in [["merge-scans", "room", "film.lfold", "3"], ["encode", "room", "film.lfold", "1/5"], ["merge", "room", "film.lfold", "3"]]:
             self.assertEqual(self.task(*words, LIGHTFOLD_RETRIES="0"), (75, []), words)
 
-    def test_an_empty_output_is_beside_the_dataset(self):
+    def test_an_empty_output_is_beside_the_dataset(self) -> None:
         for dataset in ["sets/room", "sets/room/", "sets/room/lightfield.json"]:
             _, calls = self.task("merge", dataset, "", "1")
             self.assertEqual(calls, ["pack sets/room.lfold.parts/shard-1-of-1.lfold -o sets/room.lfold --progress none"])
 
-    def test_options_of_one_line(self):
+    def test_options_of_one_line(self) -> None:
         recorder = program(self.work / "words", '#!/usr/bin/env bash\nprintf "<%s>" "$@"\n')
         done = self.run_in("bash", FARM / "task", "encode", "room", "film.lfold", "1/1", "--psnr", "45", LIGHTFOLD=recorder,
                            LIGHTFOLD_OPTIONS="--depth-channel 'a depth' --stream=\"depth\"", LIGHTFOLD_PROGRESS="openjd",
@@ -110,28 +95,29 @@ class OneTask(Folder):
         self.assertTrue(done.stdout.endswith(
             "<--psnr><45><--depth-channel><a depth><--stream=depth><--progress><openjd><--threads><2>"), done.stdout)
 
-    def test_scans_get_the_options_of_encodes(self):
+    def test_scans_get_the_options_of_encodes(self) -> None:
         _, calls = self.task("scan", "room", "film.lfold", "1/1", "--near=2", "--psnr", "45", LIGHTFOLD_OPTIONS="--lzma2")
         self.assertEqual(calls, ["scan room --shard 1/1 -o film.lfold.parts/scan-1-of-1.json --near=2 --psnr 45 --lzma2 "
                                  "--progress none"])
 
-    def test_what_is_refused(self):
+    def test_what_is_refused(self) -> None:
         for words in [[], ["encode"], ["encode", "room", "", "0/3"], ["encode", "room", "", "4/3"], ["encode", "room", "", "3"],
                       ["merge", "room", "", "1/3"], ["scanner", "room", "", "1/3"], ["merge", "room", "", "many"]]:
             self.assertEqual(self.task(*words), (2, []), words)
 
-    def test_exit_code_75_alone_is_tried_again(self):
+    def test_exit_code_75_alone_is_tried_again(self) -> None:
         words = ["encode", "room", "film.lfold", "3/4"]
         for fail, retries, code, tries in [("2 75", "3", 0, 3), ("2 75", "1", 75, 2), ("2 75", "0", 75, 1), ("2 2", "3", 2, 1),
                                            ("2 1", "3", 1, 1), ("2 130", "3", 130, 1)]:
             found, calls = self.task(*words, fail=fail, LIGHTFOLD_RETRIES=retries)
             self.assertEqual((found, len(calls)), (code, tries), fail)
 
-    def test_sigterm_reaches_the_program(self):
+    def test_sigterm_reaches_the_program(self) -> None:
         program(self.work / "waiting", "#!/usr/bin/env python3\nimport signal, sys\n"
                 "signal.signal(signal.SIGTERM, lambda *_: sys.exit(130))\nprint('ready', flush=True)\nsignal.pause()\n")
         running = subprocess.Popen(["bash", FARM / "task", "encode", "room", "film.lfold", "1/1"], cwd=self.work, text=True,
                                    stdout=subprocess.PIPE, env=dict(os.environ, LIGHTFOLD="./waiting", LIGHTFOLD_RETRIES="3"))
+        assert running.stdout
         self.assertEqual(running.stdout.readline(), "ready\n")
         begin = time.monotonic()
         running.send_signal(signal.SIGTERM)
@@ -140,15 +126,15 @@ class OneTask(Folder):
         self.assertLess(time.monotonic() - begin, 10)
 
 
-class Template(Folder):
+class Template(FarmTest):
     """encode.openjd.yaml through openjd-cli, with lightfold."""
 
-    def setUp(self):
+    def setUp(self) -> None:
         super().setUp()
         if not openjd():
-            self.skipTest("openjd is missing: pip install -r scripts/farm/requirements.txt")
+            self.skipTest("openjd is missing: pip install -c scripts/requirements.txt openjd-cli")
 
-    def capture(self, *options):
+    def capture(self, *options: str) -> str:
         binary = lightfold()
         if not binary:
             self.skipTest("lightfold is not built")
@@ -159,7 +145,7 @@ class Template(Folder):
             self.assertEqual(done.returncode, 0, done.stderr)
         return binary
 
-    def openjd_run(self, *parameters, options=(), failing=None):
+    def openjd_run(self, *parameters: str, options: Sequence[str] = (), failing: str = "") -> subprocess.CompletedProcess[str]:
         """Runs the template and one encode; `failing` is a case of a shell that stands before the program of the template."""
         binary = self.capture(*options)
         if failing:
@@ -168,17 +154,17 @@ class Template(Folder):
         words = [word for parameter in (*parameters, f"Options={' '.join(['--clip', *options])}") for word in ("-p", parameter)]
         return self.run_in(openjd(), "run", FARM / "encode.openjd.yaml", *words, "-p", f"Lightfold={binary}")
 
-    def calls(self, words):
+    def calls(self, words: str) -> int:
         return sum(words in line for line in (self.work / "calls").read_text().splitlines())
 
-    def same_bytes(self, path):
+    def same_bytes(self, path: str) -> None:
         self.assertTrue(filecmp.cmp(self.work / "one.lfold", self.work / path, shallow=False), "other bytes than one encode")
 
-    def test_it_is_a_valid_template(self):
+    def test_it_is_a_valid_template(self) -> None:
         done = self.run_in(openjd(), "check", FARM / "encode.openjd.yaml")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
-    def test_all_steps_write_the_bytes_of_one_encode(self):
+    def test_all_steps_write_the_bytes_of_one_encode(self) -> None:
         done = self.openjd_run("Dataset=room", "Shards=3")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.same_bytes("room.lfold")
@@ -186,7 +172,7 @@ class Template(Folder):
         self.assertIn("Chunks run: 8", done.stdout)
         self.assertIn("openjd_progress: 100", done.stdout)
 
-    def test_one_of_eight_shards_fails_once_and_is_tried_again(self):
+    def test_one_of_eight_shards_fails_once_and_is_tried_again(self) -> None:
         mark = self.work / "failed"
         done = self.openjd_run("Dataset=room", "Output=film.lfold", "Shards=8", "Retries=1", "RetrySeconds=0",
                                options=["--depth-codec", "quadtree", "--psnr", "45"],
@@ -196,7 +182,7 @@ class Template(Folder):
         for shard in range(1, 9):
             self.assertEqual(self.calls(f"scan-of-8.json --shard {shard}/8"), 2 if shard == 3 else 1)
 
-    def test_bad_input_ends_the_job_at_once(self):
+    def test_bad_input_ends_the_job_at_once(self) -> None:
         done = self.openjd_run("Dataset=room", "Output=film.lfold", "Shards=2", "RetrySeconds=0",
                                failing="*encode*\"--shard 2/2\"*) exit 2 ;;")
         self.assertNotEqual(done.returncode, 0)
@@ -205,8 +191,8 @@ class Template(Folder):
         self.assertEqual(self.calls("pack"), 0)
 
 
-class Slurm(Folder):
-    def test_arrays_that_requeue(self):
+class Slurm(FarmTest):
+    def test_arrays_that_requeue(self) -> None:
         binary = lightfold()
         if not binary:
             self.skipTest("lightfold is not built")
@@ -216,18 +202,11 @@ class Slurm(Folder):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertEqual(done.stdout.count("passed: "), 2)
 
-    def test_usage(self):
+    def test_usage(self) -> None:
         for words in [[], ["room", "--shards", "0"], ["room", "--shards"], ["room", "--fast"], ["room", "other"], ["nowhere"]]:
             done = self.run_in("bash", FARM / "slurm" / "submit", *words)
             self.assertEqual(done.returncode, 2, words)
             self.assertTrue(done.stderr)
-
-
-def simulation():
-    loader = importlib.machinery.SourceFileLoader("simulate", str(FARM / "simulate"))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("simulate", loader))
-    loader.exec_module(module)
-    return module
 
 
 class Farm:
@@ -237,14 +216,14 @@ class Farm:
     disk_mb, start_seconds, retry_seconds = 1000.0, 0.0, 60.0
     slow_share, slow_factor, failures = 0.0, 3.0, 0.0
 
-    def __init__(self, **other):
+    def __init__(self, **other: Any):
         self.__dict__.update(other)
 
 
-class Simulation(Folder):
-    def setUp(self):
+class Simulation(FarmTest):
+    def setUp(self) -> None:
         super().setUp()
-        self.model = simulation()
+        self.model = module_of("farm/simulate")
         # 0.1 s a megapixel of scanning, 1 s of encoding; 10 bytes read and 0.1 written for a pixel.
         self.path = self.work / "times.csv"
         row = lambda stage, shard, of, megapixels, read, written, seconds: dict(zip(self.model.HEAD, [
@@ -254,10 +233,10 @@ class Simulation(Folder):
                                           row("merge", 1, 1, 40, 4e6, 4e6, 0.04)])
         self.stages, _ = self.model.recorded(self.path)
 
-    def run_farm(self, machines, seed=1, **other):
+    def run_farm(self, machines: int, seed: Any = 1, **other: Any) -> Any:
         return self.model.simulate(self.stages, Farm(**other), machines, seed)
 
-    def test_time_is_that_of_the_processors(self):
+    def test_time_is_that_of_the_processors(self) -> None:
         # 100 megapixels, half of them scanned.
         for machines, scan, encode in [(1, 5.0, 100.0), (5, 1.0, 20.0), (10, 0.5, 10.0), (99, 0.5, 10.0), (4, 1.5, 30.0)]:
             (found_scan, found_encode, _), work = self.run_farm(machines)
@@ -265,21 +244,21 @@ class Simulation(Folder):
             self.assertAlmostEqual(found_encode, encode)
             self.assertAlmostEqual(work, 105.0 + 0.1)
 
-    def test_merging_is_one_copy(self):
+    def test_merging_is_one_copy(self) -> None:
         # 10 MB, read and written at 1000 MB/s; joining took 1 ms a megapixel, which is longer.
         (_, _, merge), _ = self.run_farm(1)
         self.assertAlmostEqual(merge, 0.1)
         (_, _, merge), _ = self.run_farm(1, disk_mb=10.0)
         self.assertAlmostEqual(merge, 2.0)
 
-    def test_a_slow_file_server_bounds_the_time(self):
+    def test_a_slow_file_server_bounds_the_time(self) -> None:
         # 1 GB of images at 10 MB/s.
         (_, encode, _), _ = self.run_farm(10, server_gbit=0.08)
         self.assertAlmostEqual(encode, 100.0)
         self.assertEqual(self.model.limit(self.stages, Farm(server_gbit=0.08), 10), "file server")
         self.assertEqual(self.model.limit(self.stages, Farm(), 2), "processors")
 
-    def test_failures_and_slow_tasks_cost_time_and_a_seed_repeats_them(self):
+    def test_failures_and_slow_tasks_cost_time_and_a_seed_repeats_them(self) -> None:
         (plain_scan, plain_encode, _), _ = self.run_farm(2)
         for other in ({"failures": 0.5}, {"slow_share": 0.5}, {"start_seconds": 5.0}):
             (scan, encode, _), _ = self.run_farm(2, **other)
@@ -287,25 +266,25 @@ class Simulation(Folder):
             self.assertEqual(self.run_farm(2, **other), self.run_farm(2, **other))
         self.assertNotEqual(self.run_farm(2, 1, failures=0.5), self.run_farm(2, 2, failures=0.5))
 
-    def test_a_failed_task_waits_and_is_run_again(self):
+    def test_a_failed_task_waits_and_is_run_again(self) -> None:
         class Chance:
             draws = iter([0.9, 0.1, 0.5, 0.9, 0.9])
 
-            def random(self):
+            def random(self) -> float:
                 return next(self.draws)
 
         end, work = self.model.schedule(1, [10.0], Farm(failures=0.2), Chance())
         self.assertAlmostEqual(end, 5.0 + 60.0 + 10.0)
         self.assertAlmostEqual(work, 15.0)
 
-    def test_a_table_is_printed_from_what_is_recorded(self):
+    def test_a_table_is_printed_from_what_is_recorded(self) -> None:
         for times in [self.path, self.model.TIMES]:
             done = self.run_in(FARM / "simulate", "--times", times, "--machines", "1,7")
             self.assertEqual(done.returncode, 0, done.stderr)
             rows = [line.split(" | ")[0] for line in done.stdout.splitlines() if line.startswith("| ")]
             self.assertEqual(rows, ["| machines", "| ---", "| 1", "| 7"])
 
-    def test_a_stage_that_is_not_recorded_is_named(self):
+    def test_a_stage_that_is_not_recorded_is_named(self) -> None:
         self.path.write_text("".join(line for line in self.path.read_text().splitlines(True) if ",merge," not in line))
         done = self.run_in(FARM / "simulate", "--times", self.path)
         self.assertNotEqual(done.returncode, 0)

@@ -83,7 +83,7 @@ function serve(pictures) {
     return new Promise(resolve => server.listen(0, "127.0.0.1", () => resolve(server)));
 }
 
-// Runs in the page: draws all poses in a mode, and answers the PSNR to our own picture and the picture itself.
+// Runs in the page: draws all poses in a mode, and returns the PSNR to our own picture and the picture itself.
 async function drawInPage({ poses, size, fovDeg, mode, own }) {
     const THREE = await import("three");
     const { GLTFLoader } = await import("three/addons/loaders/GLTFLoader.js");

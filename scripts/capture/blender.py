@@ -1,16 +1,19 @@
 #!/usr/bin/env python3
 """Captures a scene of Blender with Cycles as a light-field dataset: cube maps of colour, depth, material and normals."""
 
+import argparse
 import math
 import pathlib
 import sys
 import tempfile
-from array import array
+from typing import Any
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-import exr  # noqa: E402
 import layout  # noqa: E402
-from layout import Refused, run  # noqa: E402
+import exr  # noqa: E402
+import numpy as np  # noqa: E402
+from exr import Array  # noqa: E402
+from layout import Refused, Vector, View, run  # noqa: E402
 
 ABOUT = """\
 Renders a scene of Blender 4.2 or later with Cycles from the cameras of lightfold and writes what `lightfold encode` reads. It is
@@ -27,7 +30,7 @@ sampling are off; colour is what Cycles renders of the first view layer in use, 
 nodes that make perfect mirrors (reflect 1) and glass (Fresnel's reflect, and ior), and 0, 0, 1 elsewhere.
 """
 DEVICES = ["CPU", "CUDA", "OPTIX", "HIP", "METAL", "ONEAPI"]
-# What Cycles gives as the depth of nothing is 1e10.
+# Cycles writes 1e10 as the depth where nothing is.
 NOTHING = 1e9
 # Rougher surfaces are no mirrors and no glass.
 MAX_ROUGHNESS = 0.05
@@ -38,7 +41,7 @@ PASSES = ["combined", "z", "mist", "position", "normal", "vector", "uv", "object
           "cryptomatte_asset"]
 
 
-def arguments():
+def arguments() -> argparse.Namespace:
     parser = layout.parser("scripts/capture/blender.py", ABOUT)
     parser.add_argument("scene", metavar="SCENE", nargs="?", help="scene.blend; none where Blender has opened it")
     parser.add_argument("--denoise", action="store_true", help="denoise colour with OpenImageDenoise")
@@ -54,16 +57,7 @@ def arguments():
     return options
 
 
-def package():
-    try:
-        import bpy
-    except ImportError as error:
-        raise Refused("this is run by Blender (blender -b scene.blend -P scripts/capture/blender.py -- …), or by Python 3.11 "
-                      f"with bpy: python3.11 -m pip install bpy==4.2.23 ({error})") from error
-    return bpy
-
-
-def opened(bpy, options):
+def opened(bpy: Any, options: argparse.Namespace) -> Any:
     """The scene to render."""
     if bpy.app.version < (4, 2, 0):
         raise Refused(f"this is Blender {bpy.app.version_string}: 4.2 or later was expected")
@@ -81,12 +75,12 @@ def opened(bpy, options):
     return bpy.context.scene
 
 
-def metres_per_unit(scene):
+def metres_per_unit(scene: Any) -> float:
     """Metres in one of the scene's units."""
     return scene.unit_settings.scale_length if scene.unit_settings.system != "NONE" else 1.0
 
 
-def give(target, **values):
+def give(target: Any, **values: Any) -> None:
     """Sets those attributes that this release has."""
     for name, value in values.items():
         if hasattr(target, name):
@@ -94,19 +88,19 @@ def give(target, **values):
 
 
 class Renderer:
-    """Answers images of views, for layout.capture."""
+    """Renders images of views, for layout.capture."""
 
-    def __init__(self, bpy, scene, options, work):
+    def __init__(self, bpy: Any, scene: Any, options: argparse.Namespace, work: str):
         self.bpy = bpy
         self.scene = scene
         self.options = options
         self.work = pathlib.Path(work)
         self.unit = metres_per_unit(scene)
         self.layer = next((layer for layer in scene.view_layers if layer.use), scene.view_layers[0])
-        self.materials = {}
+        self.materials: dict[int, tuple[str | None, float]] = {}
         self.prepare()
 
-    def prepare(self):
+    def prepare(self) -> None:
         scene, bpy = self.scene, self.bpy
         for layer in scene.view_layers:
             layer.use = layer == self.layer
@@ -135,18 +129,17 @@ class Renderer:
             self.materials[material.pass_index] = optics_of(material)
         self.bounces = scene.cycles.max_bounces
 
-    def frame(self, number):
+    def frame(self, number: int) -> None:
         self.scene.frame_set(number)
 
-    def images(self, view):
+    def images(self, view: View) -> dict[str, list[Array]]:
         self.pose(view)
         found = {}
         if "color" in view.kinds:
             give(self.scene.cycles, samples=self.options.samples, seed=view.seed, pixel_filter_type="BOX", filter_width=1.0,
                  use_denoising=self.options.denoise, denoiser="OPENIMAGEDENOISE", max_bounces=self.bounces)
             planes = self.render([])
-            color = [planes[f"Combined.{channel}"] for channel in "RGB"]
-            found["color"] = [view.mirror(plane) for plane in color] if view.mirrored else color
+            found["color"] = view.mirror([planes[f"Combined.{channel}"] for channel in "RGB"])
         if view.kinds != ["color"]:
             # One ray, whose place in the pixel is within a two-hundredth of the middle.
             give(self.scene.cycles, samples=1, seed=0, pixel_filter_type="GAUSSIAN", filter_width=0.01, use_denoising=False,
@@ -156,7 +149,7 @@ class Renderer:
             found.update(self.surfaces(view, planes))
         return found
 
-    def pose(self, view):
+    def pose(self, view: View) -> None:
         """Puts the camera where the view is, looking forward; left and right are exchanged later."""
         import mathutils
         width, height = view.size
@@ -174,12 +167,16 @@ class Renderer:
             lens.sensor_height = 36.0
             lens.sensor_width = 36.0 * width / height
             lens.lens = 18.0 / view.tangents[1]
-        right = [-value for value in view.right] if view.mirrored else view.right
-        columns = [to_blender(right), to_blender(view.up), to_blender([-value for value in view.forward]),
-                   to_blender([value / self.unit for value in view.camera.position])]
+        right = times(-1, view.right) if view.mirrored else view.right
+        columns = [to_blender(right), to_blender(view.up), to_blender(times(-1, view.forward)), self.place(view)]
         self.camera.matrix_world = mathutils.Matrix([[column[row] for column in columns] for row in range(3)] + [[0, 0, 0, 1]])
 
-    def render(self, passes):
+    def place(self, view: View) -> Vector:
+        """Where the camera stands, in the scene's axes and units."""
+        x, y, z = view.camera.position
+        return to_blender((x / self.unit, y / self.unit, z / self.unit))
+
+    def render(self, passes: list[str]) -> dict[str, Array]:
         """Planes of the passes by the end of their name, such as Depth.Z."""
         for name in PASSES:
             give(self.layer, **{f"use_pass_{name}": name in passes or name == "combined"})
@@ -192,80 +189,80 @@ class Renderer:
             raise Refused(f"Blender cannot render: {str(error).strip().splitlines()[0].removeprefix('Error: ')}") from error
         if not path.is_file():
             raise Refused("Blender wrote no image: see what it said above")
-        size, channels = exr.read(path)
+        channels = exr.read(path)
+        height, width = next(iter(channels.values())).shape
         expected = (self.scene.render.resolution_x, self.scene.render.resolution_y)
-        if size != expected:
-            raise Refused(f"Blender rendered {size[0]}x{size[1]} pixels: {expected[0]}x{expected[1]} were expected")
+        if (width, height) != expected:
+            raise Refused(f"Blender rendered {width}x{height} pixels: {expected[0]}x{expected[1]} were expected")
         return {".".join(name.split(".")[-2:]): plane for name, plane in channels.items()}
 
-    def surfaces(self, view, planes):
-        depth = array("f", self.distances(view, planes["Depth.Z"]))
-        images = {"depth": [view.mirror(depth) if view.mirrored else depth]}
+    def surfaces(self, view: View, planes: dict[str, Array]) -> dict[str, list[Array]]:
+        images = {"depth": view.mirror([self.distances(view, planes["Depth.Z"])])}
         if "Normal.X" not in planes:
             return images
         # Blender's x, y, z are lightfold's x, -z, y.
-        normals = [planes["Normal.X"], planes["Normal.Z"], array("f", [-value for value in planes["Normal.Y"]])]
-        if view.mirrored:
-            normals = [view.mirror(plane) for plane in normals]
-        images["normal"] = facing(normals, view)
-        index = planes.get("IndexMA.X", planes.get("Material Index.X"))
+        images["normal"] = facing(view.mirror([planes["Normal.X"], planes["Normal.Z"], -planes["Normal.Y"]]), view)
         if "material" in view.kinds:
-            index = view.mirror(index) if view.mirrored else index
-            images["material"] = self.optics(view, index, images["normal"])
+            index = planes["IndexMA.X"] if "IndexMA.X" in planes else planes["Material Index.X"]
+            images["material"] = self.optics(view, view.mirror([index])[0], images["normal"])
         return images
 
-    def distances(self, view, depth):
-        """Metres along rays, of what Cycles gives: planar in perspective, distances in panoramas."""
-        unit = self.unit
-        if view.projection == "equirect":
-            return [value * unit if value < NOTHING else math.inf for value in depth]
-        wide, high = view.tangents
-        return [value * unit * math.sqrt(1 + (u * wide) ** 2 + (v * high) ** 2) if value < NOTHING else math.inf
-                for value, (u, v) in zip(depth, view.pixels())]
+    def distances(self, view: View, depth: Array) -> Array:
+        """Metres along rays; Cycles writes planar depth in perspective and distances in panoramas."""
+        metres = depth.astype(np.float64) * self.unit
+        if view.projection != "equirect":
+            u, v = view.pixels()
+            metres *= np.sqrt(1 + (u * view.tangents[0]) ** 2 + (v * view.tangents[1]) ** 2)
+        return np.where(depth < NOTHING, metres, math.inf)
 
-    def optics(self, view, index, normals):
-        planes = [array("f"), array("f"), array("f")]
-        for number, direction, *normal in zip(index, view.directions(), *normals):
-            kind, ior = self.materials.get(round(number), (None, 1.0))
-            values = (0.0, 0.0, 1.0)
+    def optics(self, view: View, index: Array, normals: list[Array]) -> list[Array]:
+        """Planes of reflect, refract and ior, by the numbers of materials and normals."""
+        found = np.zeros((3, *index.shape))
+        found[2] = 1
+        number = index.round().astype(int)
+        directions = view.directions()
+        cosines = np.minimum(1.0, np.abs(dots(directions, normals)))
+        for material, (kind, ior) in self.materials.items():
+            pixels = number == material
             if kind == "mirror":
-                values = (1.0, 0.0, 1.0)
+                found[0][pixels] = 1
             elif kind == "glass":
-                values = layout.glass(min(1.0, abs(dot(direction, normal))), ior, self.is_inside(view, direction))
-            for plane, value in zip(planes, values):
-                plane.append(value)
-        return planes
+                for row, column in np.argwhere(pixels):
+                    inside = self.is_inside(view, tuple(directions[row, column].tolist()))
+                    found[:, row, column] = layout.glass(float(cosines[row, column]), ior, inside)
+        return list(found)
 
-
-    def is_inside(self, view, direction):
-        """Whether a ray first meets a surface from behind, which Cycles' normals do not tell: they face the camera."""
-        origin = to_blender([value / self.unit for value in view.camera.position])
+    def is_inside(self, view: View, direction: Vector) -> bool:
+        """True if a ray first meets a surface from behind; Cycles' normals face the camera always."""
         toward = to_blender(direction)
-        found, _, normal, *_ = self.scene.ray_cast(self.bpy.context.evaluated_depsgraph_get(), origin, toward)
-        return found and dot(normal, toward) > 0
+        graph = self.bpy.context.evaluated_depsgraph_get()
+        found, _, normal, *_ = self.scene.ray_cast(graph, self.place(view), toward)
+        return bool(found and sum(a * b for a, b in zip(normal, toward)) > 0)
 
 
-def dot(one, other):
-    return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
+def dots(directions: Array, normals: list[Array]) -> Array:
+    """Dot products of the directions of pixels, in the last axis, and planes of normals."""
+    return directions[..., 0] * normals[0] + directions[..., 1] * normals[1] + directions[..., 2] * normals[2]
 
 
-def facing(normals, view):
+def facing(normals: list[Array], view: View) -> list[Array]:
     """Normals that face the camera."""
-    turned = [array("f"), array("f"), array("f")]
-    for direction, *normal in zip(view.directions(), *normals):
-        sign = -1.0 if dot(direction, normal) > 0 else 1.0
-        for plane, value in zip(turned, normal):
-            # Adding 0 makes a zero that is not negative.
-            plane.append(sign * value + 0.0)
-    return turned
+    sign = np.where(dots(view.directions(), normals) > 0, -1.0, 1.0)
+    # Adding 0 makes a zero that is not negative.
+    return [(sign * plane + 0.0).astype(np.float32) for plane in normals]
 
 
-def to_blender(vector):
+def times(factor: float, vector: Vector) -> Vector:
+    x, y, z = vector
+    return factor * x, factor * y, factor * z
+
+
+def to_blender(vector: Vector) -> Vector:
     x, y, z = vector
     return x, -z, y
 
 
-def optics_of(material):
+def optics_of(material: Any) -> tuple[str | None, float]:
     """("mirror" or "glass" or None, ior) of a material, as far as its nodes say it without a texture."""
     tree = material.node_tree if material.use_nodes else None
     output = tree and next((node for node in tree.nodes if node.type == "OUTPUT_MATERIAL" and node.is_active_output), None)
@@ -274,8 +271,8 @@ def optics_of(material):
         return None, 1.0
     node = links[0].from_node
 
-    def value(name):
-        """Of an input that nothing is linked to; of others, what makes neither mirror nor glass."""
+    def value(name: str) -> float:
+        """The value of an input that nothing is linked to; NaN, which makes neither mirror nor glass, for others."""
         socket = node.inputs.get(name)
         return socket.default_value if socket and not socket.is_linked else math.nan
 
@@ -292,9 +289,10 @@ def optics_of(material):
     return None, 1.0
 
 
-def main():
+def main() -> None:
     options = arguments()
-    bpy = package()
+    bpy = layout.package("bpy", "this is run by Blender (blender -b scene.blend -P scripts/capture/blender.py -- …), or by Python 3.11 "
+                         "with bpy: python3.11 -m pip install bpy==4.2.23")
     scene = opened(bpy, options)
     stamp = layout.scene_stamp(bpy.data.filepath)
     stamp |= {"renderer": f"Blender {bpy.app.version_string} Cycles", "denoise": options.denoise}

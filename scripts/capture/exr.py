@@ -1,55 +1,58 @@
-"""OpenEXR scan-line files in Python's own library: written as lightfold's datasets have them, read as renderers leave them.
+"""OpenEXR scan-line files by numpy alone, as Blender's Python has no OpenEXR: written as lightfold's datasets have them, read as
+blender.py has Blender write them.
 
-An image is a dict of channel names to `array("f")`, row 0 first. What is written are ZIP blocks of 16 rows; what can be read
-is that, single rows of it, and rows that are not compressed, of 16- and 32-bit floats.
+An image is a dict of channel names to arrays of rows.
 """
 
-import array
-import itertools
 import os
+import pathlib
 import struct
-import sys
 import zlib
+from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[Any]
 MAGIC = 20000630
-HALF, FLOAT = 1, 2
-ROWS = {0: 1, 2: 1, 3: 16}
-ZIP = 3
-# A half holds no more; what is brighter is written as this.
-LARGEST_HALF = 65504.0
+# Types of samples: 1 and 2.
+KINDS: dict[int, np.dtype[Any]] = {1: np.dtype("<f2"), 2: np.dtype("<f4")}
+NO_COMPRESSION, ZIP = 0, 3
+ZIP_ROWS = 16
+MAX_HALF = 65504.0
 
 
 class BadImage(ValueError):
     """A file that is not such an image."""
 
 
-def write(path, size, channels, kind):
-    """Writes channels of one type, HALF or FLOAT. The file appears under its name when it is whole."""
-    width, height = size
+def half(values: Array) -> Array:
+    """Half floats: what is too bright gets the largest one of its sign, and what is no number 0."""
+    return np.nan_to_num(np.clip(values, -MAX_HALF, MAX_HALF), nan=0.0).astype(KINDS[1])
+
+
+def write(path: str | pathlib.Path, channels: dict[str, Array]) -> None:
+    """Writes channels of one type, half or 32-bit floats, in ZIP blocks. The file appears under its name when it is whole."""
     names = sorted(channels)
-    pack = packed_half if kind == HALF else packed_float
-    rows = {name: pack(channels[name]) for name in names}
-    stride = width * (2 if kind == HALF else 4)
-    blocks = []
-    for first in range(0, height, ROWS[ZIP]):
-        lines = range(first, min(first + ROWS[ZIP], height))
-        raw = b"".join(rows[name][line * stride:(line + 1) * stride] for line in lines for name in names)
-        blocks.append((first, squeezed(raw)))
-    head = header(width, height, [(name, kind) for name in names])
-    offset = len(head) + 8 * len(blocks)
-    offsets = []
-    for _, data in blocks:
+    # Rows, each of all channels in turn.
+    rows = np.stack([channels[name] for name in names], axis=1)
+    kind = next(number for number, of in KINDS.items() if of == rows.dtype.newbyteorder("<"))
+    head = header(rows.shape[2], rows.shape[0], [(name, kind) for name in names])
+    starts = range(0, len(rows), ZIP_ROWS)
+    blocks = [squeezed(rows[start:start + ZIP_ROWS].astype(KINDS[kind]).tobytes()) for start in starts]
+    offsets, offset = [], len(head) + 8 * len(blocks)
+    for block in blocks:
         offsets.append(offset)
-        offset += 8 + len(data)
+        offset += 8 + len(block)
     partial = f"{path}.partial"
     with open(partial, "wb") as file:
         file.write(head + struct.pack(f"<{len(offsets)}Q", *offsets))
-        for first, data in blocks:
-            file.write(struct.pack("<ii", first, len(data)) + data)
+        for start, block in zip(starts, blocks):
+            file.write(struct.pack("<ii", start, len(block)) + block)
     os.replace(partial, path)
 
 
-def header(width, height, channels):
+def header(width: int, height: int, channels: list[tuple[str, int]]) -> bytes:
     listed = b"".join(name.encode() + struct.pack("<xiB3xii", kind, 0, 1, 1) for name, kind in channels) + b"\0"
     window = struct.pack("<4i", 0, 0, width - 1, height - 1)
     attributes = [
@@ -68,53 +71,37 @@ def header(width, height, channels):
     return head + b"\0"
 
 
-def packed_half(values):
-    clipped = [value if -LARGEST_HALF <= value <= LARGEST_HALF else half_of_odd(value) for value in values]
-    return struct.pack(f"<{len(clipped)}e", *clipped)
-
-
-def half_of_odd(value):
-    """What becomes of values that no half holds: the largest one of their sign, and 0 for what is no number."""
-    return LARGEST_HALF if value > 0 else -LARGEST_HALF if value < 0 else 0.0
-
-
-def packed_float(values):
-    found = array.array("f", values)
-    if sys.byteorder == "big":
-        found.byteswap()
-    return found.tobytes()
-
-
-def squeezed(raw):
-    """A block as ZIP has it: even bytes, then odd ones, differences of neighbours, zlib; as it is where that is no gain."""
-    apart = raw[0::2] + raw[1::2]
-    steps = apart[:1] + bytes([(this - last + 128) & 255 for last, this in zip(apart, apart[1:])])
-    data = zlib.compress(steps, 6)
+def squeezed(raw: bytes) -> bytes:
+    """A ZIP block: even bytes, then odd ones, differences of neighbours, zlib; as it is where that is no gain."""
+    apart = np.frombuffer(raw[0::2] + raw[1::2], np.uint8)
+    steps = apart.copy()
+    steps[1:] = apart[1:] - apart[:-1] + 128
+    data = zlib.compress(steps.tobytes(), 6)
     return data if len(data) < len(raw) else raw
 
 
-def unsqueezed(data, length):
-    steps = zlib.decompressobj().decompress(data, length + 1)
-    if len(steps) != length:
-        raise BadImage("a block has not the length of its rows")
-    apart = bytes(itertools.accumulate(steps, lambda last, step: (last + step - 128) & 255))
-    half = (length + 1) // 2
-    raw = bytearray(length)
-    raw[0::2], raw[1::2] = apart[:half], apart[half:]
-    return bytes(raw)
-
-
-def read(path):
-    """((width, height), channels) of the image."""
-    with open(path, "rb") as file:
-        data = file.read()
+def read(path: str | pathlib.Path) -> dict[str, Array]:
+    """Channels of an image whose scan lines are not compressed."""
+    data = pathlib.Path(path).read_bytes()
     try:
-        return parsed(data)
-    except (struct.error, IndexError, KeyError, ValueError, zlib.error) as error:
+        attributes, at = attributes_of(data)
+        left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"])
+        if attributes["compression"][0] != NO_COMPRESSION:
+            raise BadImage("it is compressed")
+        samples = [(name, kind, (right - left + 1,)) for name, kind in listed(attributes["channels"])]
+        # Each line behind its number and length; the table of their offsets goes before.
+        line = np.dtype([("", "<i4"), ("", "<i4"), *samples])
+        height = bottom - top + 1
+        lines = np.frombuffer(data, line, height, at + 8 * height)
+        if [*np.frombuffer(data, "<u8", height, at)] != [at + 8 * height + row * line.itemsize for row in range(height)]:
+            raise BadImage("lines are not in order")
+    except (struct.error, IndexError, KeyError, ValueError) as error:
         raise BadImage(f"{path}: this is not an OpenEXR file of scan lines that can be read here: {error}") from error
+    return {name: lines[name].astype(np.float32) for name, *_ in samples}
 
 
-def parsed(data):
+def attributes_of(data: bytes) -> tuple[dict[str, bytes], int]:
+    """Attributes of a file's head, and where it ends."""
     magic, version = struct.unpack_from("<ii", data)
     if magic != MAGIC or version & ~0x4FF:
         raise BadImage("it has another magic number, or tiles, parts or deep pixels")
@@ -125,48 +112,20 @@ def parsed(data):
         length, = struct.unpack_from("<i", data, at)
         attributes[name] = data[at + 4:at + 4 + length]
         at += 4 + length
-    at += 1
-    left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"])
-    width, height = right - left + 1, bottom - top + 1
-    channels = listed(attributes["channels"])
-    compression = attributes["compression"][0]
-    rows = ROWS[compression]
-    planes = {name: bytearray() for name, _ in channels}
-    for offset in struct.unpack_from(f"<{-(-height // rows)}Q", data, at):
-        first, length = struct.unpack_from("<ii", data, offset)
-        lines = min(rows, bottom + 1 - first)
-        whole = lines * sum(width * pixel_bytes(kind) for _, kind in channels)
-        block = data[offset + 8:offset + 8 + length]
-        raw = unsqueezed(block, whole) if compression and length < whole else block
-        if len(block) != length or len(raw) != whole:
-            raise BadImage("a block ends early")
-        start = 0
-        for _ in range(lines):
-            for name, kind in channels:
-                end = start + width * pixel_bytes(kind)
-                planes[name] += raw[start:end]
-                start = end
-    formats = {name: "e" if kind == HALF else "f" for name, kind in channels}
-    values = {name: array.array("f", struct.unpack(f"<{width * height}{formats[name]}", planes[name])) for name in planes}
-    return (width, height), values
+    return attributes, at + 1
 
 
-def word(data, at):
+def word(data: bytes, at: int) -> tuple[str, int]:
     end = data.index(b"\0", at)
     return data[at:end].decode(), end + 1
 
 
-def listed(data):
+def listed(data: bytes) -> list[tuple[str, np.dtype[Any]]]:
+    """Names and types of channels, in the order in which lines have them."""
     channels, at = [], 0
     while data[at]:
         name, at = word(data, at)
         kind, = struct.unpack_from("<i", data, at)
-        if kind not in (HALF, FLOAT):
-            raise BadImage(f"channel {name} is of integers")
-        channels.append((name, kind))
+        channels.append((name, KINDS[kind]))
         at += 16
     return channels
-
-
-def pixel_bytes(kind):
-    return 2 if kind == HALF else 4

@@ -1,12 +1,12 @@
-"""What the adapters beside this file share: where cameras stand and look, what files are called, and what the manifest says.
+"""Common part of the adapters beside this file: poses of cameras, names of files, and the manifest.
 
-Everything here is in lightfold's axes, right-handed with +Y up, and in metres. An adapter answers images of a `View`; all the
-rest is here: options, cameras.json, order of work, seeds, going on after an interruption, lightfield.json.
+Everything here is in lightfold's axes, right-handed with +Y up, and in metres. An adapter renders images of a `View`; all
+the rest is here: options, cameras.json, order of work, seeds, resuming, lightfield.json.
 """
 
 import argparse
-import array
 import dataclasses
+import importlib
 import json
 import math
 import os
@@ -15,11 +15,21 @@ import re
 import sys
 import time
 import zlib
+from typing import Any, Callable, Protocol, Sequence
+
+try:
+    import numpy as np
+except ImportError as error:
+    print("error: this Python has no numpy: for mitsuba.py, python3 -m pip install -c scripts/requirements.txt mitsuba numpy; for "
+          f"blender.py, Blender's own has it, and Python 3.11 after pip install bpy==4.2.23 ({error})", file=sys.stderr)
+    raise SystemExit(2) from error
 
 import exr
+from exr import Array
 
+Vector = tuple[float, float, float]
 # The faces of an OpenGL cube map: forward, right and down in the image. Each is the mirror image of what a person sees there.
-FACES = {
+FACES: dict[str, tuple[Vector, Vector, Vector]] = {
     "px": ((1, 0, 0), (0, 0, -1), (0, -1, 0)),
     "nx": ((-1, 0, 0), (0, 0, 1), (0, -1, 0)),
     "py": ((0, 1, 0), (1, 0, 0), (0, 0, 1)),
@@ -27,11 +37,11 @@ FACES = {
     "pz": ((0, 0, 1), (1, 0, 0), (0, -1, 0)),
     "nz": ((0, 0, -1), (-1, 0, 0), (0, -1, 0)),
 }
-# What a person sees, who looks along -Z: perspective images, and the middle of an equirectangular one.
-AHEAD = ((0, 0, -1), (1, 0, 0), (0, -1, 0))
+# Forward, right and down of a viewer who looks along -Z: perspective images, and the middle of an equirectangular one.
+AHEAD: tuple[Vector, Vector, Vector] = ((0, 0, -1), (1, 0, 0), (0, -1, 0))
 KINDS = ["depth", "material", "normal"]
-CHANNELS = {"color": "RGB", "depth": "Z", "normal": "XYZ", "material": ["reflect", "refract", "ior"]}
-# What a camera of a cameras.json may say.
+CHANNELS: dict[str, Sequence[str]] = {"color": "RGB", "depth": "Z", "normal": "XYZ", "material": ["reflect", "refract", "ior"]}
+# Keys that a camera of a cameras.json may have.
 KEYS = ["name", "position", "orientation", "fov_y_deg", "frames", "gain", "coverage"]
 STATE = "capture.partial.json"
 MANIFEST = "lightfield.json"
@@ -52,15 +62,15 @@ release of the renderer give the same images. See that all is as it should be, a
 class Refused(SystemExit):
     """Input that cannot be worked with: one sentence, and the exit code 2."""
 
-    def __init__(self, sentence):
+    def __init__(self, sentence: str):
         super().__init__(2)
         self.sentence = sentence
 
-    def __str__(self):
+    def __str__(self) -> str:
         return self.sentence
 
 
-def parser(prog, about):
+def parser(prog: str, about: str) -> argparse.ArgumentParser:
     """Options that both adapters have."""
     parser = argparse.ArgumentParser(prog=prog, description=about, epilog=EPILOG,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -90,10 +100,10 @@ class Camera:
     """A probe to be. `frames` is what it shows, inclusive."""
 
     name: str
-    position: list
-    orientation: list = None
-    fov_y_deg: float = None
-    frames: list = None
+    position: list[float]
+    orientation: list[float] | None = None
+    fov_y_deg: float | None = None
+    frames: list[int] | None = None
 
 
 @dataclasses.dataclass
@@ -105,66 +115,54 @@ class View:
 
     camera: Camera
     face: str
-    forward: tuple
-    right: tuple
-    down: tuple
-    size: tuple
+    forward: Vector
+    right: Vector
+    down: Vector
+    size: tuple[int, int]
     projection: str
-    tangents: tuple
+    tangents: tuple[float, float]
     seed: int
-    kinds: list
+    kinds: list[str]
 
     @property
-    def mirrored(self):
-        """Whether a camera that looks forward sees the image with left and right exchanged."""
+    def mirrored(self) -> bool:
+        """True if a camera that looks forward sees the image with left and right exchanged."""
         return self.projection == "cube"
 
     @property
-    def up(self):
-        return tuple(-value for value in self.down)
+    def up(self) -> Vector:
+        x, y, z = self.down
+        return -x, -y, -z
 
     @property
-    def fov_y_deg(self):
+    def fov_y_deg(self) -> float:
         return math.degrees(2 * math.atan(self.tangents[1]))
 
-    def pixels(self):
-        """(u, v) of the middle of each pixel, row 0 first: from -1 to 1 over the image, to the right and down."""
-        width, height = self.size
-        across = [2 * (col + 0.5) / width - 1 for col in range(width)]
-        for row in range(height):
-            v = 2 * (row + 0.5) / height - 1
-            for u in across:
-                yield u, v
+    def pixels(self) -> tuple[Array, Array]:
+        """u and v of the middle of each pixel: from -1 to 1 over the image, to the right and down."""
+        u, v = (2 * (np.arange(side) + 0.5) / side - 1 for side in self.size)
+        across, down = np.meshgrid(u, v)
+        return across, down
 
-    def local_directions(self):
-        """(right, down, forward) of the ray through the middle of each pixel; forward is 1, or in panoramas the length."""
+    def directions(self) -> Array:
+        """Unit directions in the world of rays through the middle of each pixel, in the last axis."""
+        u, v = self.pixels()
         if self.projection == "equirect":
-            for u, v in self.pixels():
-                lon, lat = u * math.pi, -v * math.pi / 2
-                yield math.sin(lon) * math.cos(lat), -math.sin(lat), math.cos(lon) * math.cos(lat)
+            lon, lat = u * math.pi, -v * math.pi / 2
+            x, y, z = np.sin(lon) * np.cos(lat), -np.sin(lat), np.cos(lon) * np.cos(lat)
         else:
-            wide, high = self.tangents
-            for u, v in self.pixels():
-                yield u * wide, v * high, 1.0
+            x, y, z = u * self.tangents[0], v * self.tangents[1], np.ones_like(u)
+        scale = 1 / np.sqrt(x * x + y * y + z * z)
+        x, y, z = x * scale, y * scale, z * scale
+        return np.stack([x * right + y * down + z * forward
+                         for right, down, forward in zip(self.right, self.down, self.forward)], axis=-1)
 
-    def directions(self):
-        """Unit direction in the world of the ray through the middle of each pixel."""
-        (rx, ry, rz), (dx, dy, dz), (fx, fy, fz) = self.right, self.down, self.forward
-        for x, y, z in self.local_directions():
-            scale = 1 / math.sqrt(x * x + y * y + z * z)
-            x, y, z = x * scale, y * scale, z * scale
-            yield x * rx + y * dx + z * fx, x * ry + y * dy + z * fy, x * rz + y * dz + z * fz
-
-    def mirror(self, plane):
-        """The plane with left and right exchanged."""
-        width = self.size[0]
-        mirrored = array.array("f")
-        for start in range(0, len(plane), width):
-            mirrored.extend(plane[start:start + width][::-1])
-        return mirrored
+    def mirror(self, planes: list[Array]) -> list[Array]:
+        """Planes of the file, of those that a camera sees which looks forward: left and right are exchanged in cube maps."""
+        return [plane[:, ::-1] for plane in planes] if self.mirrored else planes
 
 
-def fresnel(cosine, ior):
+def fresnel(cosine: float, ior: float) -> float:
     """The part of unpolarised light that a surface of glass reflects, met at that cosine from outside."""
     cosine = abs(cosine)
     inside = math.sqrt(max(0.0, 1 - (1 - cosine * cosine) / (ior * ior))) if ior * ior > 1 - cosine * cosine else 0.0
@@ -175,18 +173,18 @@ def fresnel(cosine, ior):
     return (across * across + along * along) / 2
 
 
-def glass(cosine, ior, inside):
+def glass(cosine: float, ior: float, inside: bool) -> Vector:
     """reflect, refract and ior of a surface of glass. A camera inside of it looks from the dense side to the thin one."""
     reflected = fresnel(cosine, 1 / ior if inside else ior)
     return reflected, 1 - reflected, ior
 
 
-def rotated(vector, orientation):
+def rotated(vector: Vector, orientation: Sequence[float] | None) -> Vector:
     """A vector turned by a unit quaternion x, y, z, w."""
+    a, b, c = map(float, vector)
     if orientation is None:
-        return tuple(float(value) for value in vector)
+        return a, b, c
     x, y, z, w = orientation
-    a, b, c = vector
     # Twice the cross product of the quaternion's axis and the vector.
     i, j, k = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
     return a + w * i + y * k - z * j, b + w * j + z * i - x * k, c + w * k + x * j - y * i
@@ -194,7 +192,7 @@ def rotated(vector, orientation):
 
 # ---- cameras.json
 
-def read_cameras(path):
+def read_cameras(path: str) -> list[Camera]:
     """The cameras of a cameras.json, or of the probes of a lightfield.json."""
     try:
         text = sys.stdin.read() if path == "-" else pathlib.Path(path).read_text(encoding="utf-8")
@@ -224,7 +222,7 @@ def read_cameras(path):
     return cameras
 
 
-def camera_of(entry, number, known):
+def camera_of(entry: Any, number: str, known: list[str] | None) -> Camera:
     if not isinstance(entry, dict):
         raise ValueError('an object with a "position" was expected')
     for key in entry:
@@ -251,7 +249,7 @@ def camera_of(entry, number, known):
     return camera
 
 
-def numbers(entry, key, count):
+def numbers(entry: dict[str, Any], key: str, count: int) -> list[float]:
     found = entry.get(key)
     if not isinstance(found, list) or len(found) != count or not all(
             isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value) for value in found):
@@ -261,7 +259,7 @@ def numbers(entry, key, count):
 
 # ---- options
 
-def frames_of(words):
+def frames_of(words: str) -> list[int]:
     """First and last frame of `A-B` or `A`."""
     found = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", words)
     first, last = (int(found[1]), int(found[2] or found[1])) if found else (1, 0)
@@ -270,7 +268,7 @@ def frames_of(words):
     return [first, last]
 
 
-def size_of(words, projection):
+def size_of(words: str | None, projection: str) -> tuple[int, int]:
     words = words or ("2048" if projection == "equirect" else "512")
     found = re.fullmatch(r"(\d{1,6})(?:x(\d{1,6}))?", words)
     width = int(found[1]) if found else 0
@@ -284,7 +282,7 @@ def size_of(words, projection):
     return width, height
 
 
-def kinds_of(words):
+def kinds_of(words: str) -> list[str]:
     found = [] if words == "none" else words.split(",")
     for kind in found:
         if kind not in KINDS:
@@ -299,7 +297,7 @@ class Plan:
     with; `frames` and `fps` are those of the scene.
     """
 
-    def __init__(self, options, scene, frames, fps):
+    def __init__(self, options: argparse.Namespace, scene: dict[str, Any], frames: list[int], fps: float):
         self.options = options
         self.scene = scene
         self.fps = fps
@@ -307,10 +305,10 @@ class Plan:
         self.cameras = read_cameras(options.cameras)
         self.size = size_of(options.size, options.projection)
         self.kinds = kinds_of(options.aov)
-        looked = [camera.frames for camera in self.cameras]
+        looked = [camera.frames for camera in self.cameras if camera.frames]
         if options.frames:
             frames = frames_of(options.frames)
-        elif all(looked):
+        elif len(looked) == len(self.cameras):
             frames = [min(first for first, _ in looked), max(last for _, last in looked)]
         if options.samples < 1:
             raise Refused(f"--samples {options.samples}: at least 1 was expected")
@@ -318,57 +316,61 @@ class Plan:
             raise Refused(f"--fov {options.fov}: it must lie between 0 and 180 degrees")
         if options.threads is not None and options.threads < 1:
             raise Refused(f"--threads {options.threads}: at least 1 was expected")
-        for camera in self.cameras:
-            first, last = camera.frames or frames
-            camera.frames = [max(first, frames[0]), min(last, frames[1])]
-            if camera.frames[0] > camera.frames[1]:
-                raise Refused(f"camera {camera.name} looks in the frames {first}-{last}, the capture is of {frames[0]}-{frames[1]}")
-            if options.projection == "perspective":
-                camera.fov_y_deg = camera.fov_y_deg or options.fov
-                if camera.fov_y_deg is None:
-                    raise Refused(f"camera {camera.name} has no field of view: give one with --fov to all that have none")
-        self.frames = [min(camera.frames[0] for camera in self.cameras), max(camera.frames[1] for camera in self.cameras)]
+        seen = [self.complete(camera, frames) for camera in self.cameras]
+        self.frames = [min(first for first, _ in seen), max(last for _, last in seen)]
         self.range_m = [math.inf, 0.0]
 
+    def complete(self, camera: Camera, frames: list[int]) -> list[int]:
+        """Gives a camera the frames, of those of the capture, and the field of view that it has not; returns the frames."""
+        first, last = camera.frames or frames
+        camera.frames = [max(first, frames[0]), min(last, frames[1])]
+        if camera.frames[0] > camera.frames[1]:
+            raise Refused(f"camera {camera.name} looks in the frames {first}-{last}, the capture is of {frames[0]}-{frames[1]}")
+        if self.options.projection == "perspective":
+            camera.fov_y_deg = camera.fov_y_deg or self.options.fov
+            if camera.fov_y_deg is None:
+                raise Refused(f"camera {camera.name} has no field of view: give one with --fov to all that have none")
+        return camera.frames
+
     @property
-    def faces(self):
+    def faces(self) -> list[str]:
         return list(FACES) if self.options.projection == "cube" else ["view"]
 
-    def pattern(self, kind):
+    def pattern(self, kind: str) -> str:
         folder = "probe_{probe}/face_{face}" if self.options.projection == "cube" else "probe_{probe}"
         return f"{folder}/{kind}.%04d.exr"
 
-    def path(self, kind, camera, face, frame):
+    def path(self, kind: str, camera: Camera, face: str, frame: int) -> pathlib.Path:
         pattern = self.pattern(kind).replace("{probe}", camera.name).replace("{face}", face)
         return self.folder / (pattern % frame)
 
-    def view(self, camera, face, frame, kinds):
-        axes = [rotated(axis, camera.orientation) for axis in FACES.get(face, AHEAD)]
-        high = math.tan(math.radians(camera.fov_y_deg) / 2) if self.options.projection == "perspective" else 1.0
+    def view(self, camera: Camera, face: str, frame: int, kinds: list[str]) -> View:
+        forward, right, down = (rotated(axis, camera.orientation) for axis in FACES.get(face, AHEAD))
+        high = math.tan(math.radians(camera.fov_y_deg) / 2) if camera.fov_y_deg and self.options.projection == "perspective" else 1.0
         noise = frame if self.options.noise == "moving" else 0
         seed = zlib.crc32(f"{self.options.seed} {camera.name} {face} {noise}".encode()) & 0x7FFFFFFF
         tangents = (high * self.size[0] / self.size[1], high)
-        return View(camera, face, *axes, self.size, self.options.projection, tangents, seed, kinds)
+        return View(camera, face, forward, right, down, self.size, self.options.projection, tangents, seed, kinds)
 
-    def missing(self, frame):
+    def missing(self, frame: int) -> list[View]:
         """Views of a frame with the kinds of image that are not there."""
         found = []
         for camera in self.cameras:
-            if camera.frames[0] <= frame <= camera.frames[1]:
+            if camera.frames and camera.frames[0] <= frame <= camera.frames[1]:
                 for face in self.faces:
                     kinds = [kind for kind in self.kinds if not is_there(self.path(kind, camera, face, frame))]
                     if kinds:
                         found.append(self.view(camera, face, frame, kinds))
         return found
 
-    def state(self):
+    def state(self) -> dict[str, Any]:
         options = self.options
         cameras = [dataclasses.asdict(camera) for camera in self.cameras]
         return {"scene": self.scene, "cameras": cameras, "frames": self.frames, "fps": self.fps, "size": list(self.size),
                 "samples": options.samples, "kinds": self.kinds, "projection": options.projection, "seed": options.seed,
                 "noise": options.noise}
 
-    def claim(self):
+    def claim(self) -> None:
         """Makes the folder, or finds what an interrupted capture left there."""
         state = self.folder / STATE
         if self.folder.exists() and not self.folder.is_dir():
@@ -392,25 +394,27 @@ class Plan:
             if left.get(key) != wanted[key]:
                 raise Refused(f"{self.folder}: the interrupted capture was of other {key}: give the same, or name another folder")
 
-    def store(self, view, frame, images):
+    def store(self, view: View, frame: int, images: dict[str, list[Array]]) -> None:
         """Writes the images of a view, planes by kind."""
         for kind in view.kinds:
-            planes = dict(zip(CHANNELS[kind], images[kind]))
+            planes = dict(zip(CHANNELS[kind], (plane.astype(np.float32) for plane in images[kind])))
             if kind == "depth":
                 self.see(planes["Z"])
+            else:
+                planes = {name: exr.half(plane) for name, plane in planes.items()}
             path = self.path(kind, view.camera, view.face, frame)
             path.parent.mkdir(parents=True, exist_ok=True)
-            exr.write(path, self.size, planes, exr.FLOAT if kind == "depth" else exr.HALF)
+            exr.write(path, planes)
 
-    def see(self, depth):
-        seen = [value for value in depth if value < math.inf]
-        if seen:
-            self.range_m = [min(self.range_m[0], min(seen)), max(self.range_m[1], max(seen))]
+    def see(self, depth: Array) -> None:
+        seen = depth[depth < math.inf]
+        if seen.size:
+            self.range_m = [min(self.range_m[0], float(seen.min())), max(self.range_m[1], float(seen.max()))]
 
-    def manifest(self):
-        """What lightfield.json says."""
-        def probe(camera):
-            said = {"name": camera.name, "position": camera.position}
+    def manifest(self) -> dict[str, Any]:
+        """Contents of lightfield.json."""
+        def probe(camera: Camera) -> dict[str, Any]:
+            said: dict[str, Any] = {"name": camera.name, "position": camera.position}
             if camera.frames != self.frames:
                 said["frames"] = camera.frames
             if camera.orientation is not None:
@@ -420,8 +424,9 @@ class Plan:
             return said
 
         projection = "cubemap" if self.options.projection == "cube" else self.options.projection
-        said = {"lightfield": 1, "name": self.options.name or self.folder.resolve().name or "capture", "fps": self.fps,
-                "frames": self.frames, "projection": projection, "size": list(self.size)}
+        name = self.options.name or self.folder.resolve().name or "capture"
+        said: dict[str, Any] = {"lightfield": 1, "name": name, "fps": self.fps, "frames": self.frames, "projection": projection,
+                                "size": list(self.size)}
         if projection == "cubemap":
             said["faces"] = "opengl-cube"
         if "depth" in self.kinds:
@@ -435,18 +440,36 @@ class Plan:
                          "noise": self.options.noise}
         return said
 
-    def finish(self):
+    def finish(self) -> None:
         (self.folder / MANIFEST).write_text(json.dumps(self.manifest(), indent=1) + "\n")
         (self.folder / STATE).unlink()
 
 
-def is_there(path):
-    """Whether an image was written: it has its name only when it is whole."""
+class Renderer(Protocol):
+    """Renderer of an adapter."""
+
+    def frame(self, number: int) -> None:
+        """Goes to a frame."""
+
+    def images(self, view: View) -> dict[str, list[Array]]:
+        """Planes of each kind that the view asks for, and maybe of others."""
+
+
+def package(name: str, hint: str) -> Any:
+    """A renderer's package, or the hint of how to get it."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise Refused(f"{hint} ({error})") from error
+
+
+def is_there(path: pathlib.Path) -> bool:
+    """True if an image was written: it has its name only when it is whole."""
     return path.is_file() and path.stat().st_size > 0
 
 
-def capture(plan, renderer):
-    """Renders all that is missing: `renderer.frame(number)` before each frame, `renderer.images(view)` for each view."""
+def capture(plan: Plan, renderer: Renderer) -> None:
+    """Renders all that is missing."""
     plan.claim()
     frames = range(plan.frames[0], plan.frames[1] + 1)
     count = sum(len(plan.missing(frame)) for frame in frames)
@@ -466,16 +489,16 @@ def capture(plan, renderer):
         f"in {time.monotonic() - began:.1f} s{seen}")
 
 
-def say(words):
+def say(words: str) -> None:
     print(words, file=sys.stderr, flush=True)
 
 
-def run(main):
+def run(main: Callable[[], None]) -> None:
     """Calls `main`; a refusal is one line and exit code 2, an interruption says how to go on, and any other error is 1.
 
     Blender ends with 0 after an exception that nobody caught, so all are caught.
     """
-    code = 1
+    code: Any = 1
     try:
         main()
         code = 0
@@ -493,8 +516,8 @@ def run(main):
     sys.exit(code)
 
 
-def scene_stamp(path):
-    """What tells a scene's file from another: its name, length and time of change."""
+def scene_stamp(path: str) -> dict[str, Any]:
+    """Identity of a scene's file: its name, length and time of change."""
     try:
         found = os.stat(path)
     except OSError as error:

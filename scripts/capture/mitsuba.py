@@ -2,23 +2,26 @@
 """Captures a scene of Mitsuba 3 as a light-field dataset: cube maps of colour, depth, material and normals."""
 
 # Mitsuba's package has this file's name: it must be found before the folder in which this file lies.
+import argparse
 import importlib.machinery
 import importlib.util
 import pathlib
 import re
 import sys
-from array import array
+import types
+from typing import Any
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 import layout  # noqa: E402
-from layout import Refused, run  # noqa: E402
+import numpy as np  # noqa: E402
+from layout import Array, Refused, Vector, View, run  # noqa: E402
 
 sys.path[:] = [entry for entry in sys.path if pathlib.Path(entry or ".").resolve() != HERE]
 
 ABOUT = """\
 Renders a scene of Mitsuba 3 from the cameras of lightfold and writes what `lightfold encode` reads. Mitsuba comes with
-  python3 -m pip install -r scripts/capture/requirements.txt
+  python3 -m pip install -c scripts/requirements.txt mitsuba numpy
 
   scripts/capture/mitsuba.py scene.xml --cameras cameras.json -o DIR
   scripts/capture/mitsuba.py scene.xml --cameras cameras.json -o DIR --size 1024 --samples 256 --aov depth,material
@@ -33,12 +36,14 @@ less than a half is passed through. Material is that of perfect mirrors (reflect
 """
 # Surfaces with holes that one ray passes at most.
 MAX_HOLES = 64
+# Reflect, refract and ior of a surface that is no mirror and no glass.
+NO_OPTICS = (0.0, 0.0, 1.0)
 # lightfold's axes in the scene's, and back.
 TO_SCENE = {"y": lambda x, y, z: (x, y, z), "z": lambda x, y, z: (x, -z, y)}
 TO_WORLD = {"y": lambda x, y, z: (x, y, z), "z": lambda x, y, z: (x, z, -y)}
 
 
-def arguments():
+def arguments() -> argparse.Namespace:
     parser = layout.parser("scripts/capture/mitsuba.py", ABOUT)
     parser.add_argument("scene", metavar="SCENE", help="scene.xml, shot.%%04d.xml or shot.py")
     parser.add_argument("--fps", type=float, default=24.0, help="frames per second [default: 24]")
@@ -55,26 +60,17 @@ def arguments():
     return options
 
 
-def package():
-    try:
-        import mitsuba
-    except ImportError as error:
-        raise Refused("Mitsuba is not installed for this Python: python3 -m pip install -r "
-                      f"{HERE / 'requirements.txt'} ({error})") from error
-    return mitsuba
-
-
 class SceneFile:
     """A scene as it is at each frame."""
 
-    def __init__(self, mi, options):
+    def __init__(self, mi: Any, options: argparse.Namespace):
         self.mi = mi
         self.path = options.scene
         self.fps = options.fps
         self.pattern = bool(re.search(r"%0?\d*d|#+", pathlib.Path(self.path).name))
         self.defined = dict(self.definition(words) for words in options.define)
-        self.module = None
-        self.uses = []
+        self.module: Any = None
+        self.uses: list[str] = []
         if self.path.endswith(".py"):
             self.module = self.python()
         elif not self.pattern:
@@ -82,32 +78,34 @@ class SceneFile:
             self.uses = [name for name in ("frame", "time") if re.search(rf"\${name}\b", text)]
 
     @staticmethod
-    def definition(words):
+    def definition(words: str) -> tuple[str, str]:
         name, equals, value = words.partition("=")
         if not (name and equals):
             raise Refused(f"-D {words}: NAME=VALUE was expected")
         return name, value
 
-    def text(self):
+    def text(self) -> str:
         try:
             return pathlib.Path(self.path).read_text(encoding="utf-8", errors="replace")
         except OSError as error:
             raise Refused(f"{self.path}: the scene cannot be read: {error.strerror}") from error
 
-    def python(self):
+    def python(self) -> types.ModuleType:
         self.text()
         loader = importlib.machinery.SourceFileLoader("captured_scene", self.path)
-        module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+        spec = importlib.util.spec_from_loader(loader.name, loader)
+        assert spec
+        module = importlib.util.module_from_spec(spec)
         self.mi.set_variant("scalar_rgb")
         loader.exec_module(module)
         if not callable(getattr(module, "scene", None)):
             raise Refused(f"{self.path}: a function scene(time) was expected, which answers what mitsuba.load_dict takes")
         return module
 
-    def moves(self):
+    def moves(self) -> bool:
         return bool(self.pattern or self.module or self.uses)
 
-    def file(self, frame):
+    def file(self, frame: int) -> str:
         """The file of a frame."""
         if not self.pattern:
             return self.path
@@ -115,7 +113,7 @@ class SceneFile:
         name = re.sub(r"#+", lambda found: f"{frame:0{len(found[0])}}", name) if "#" in name else name % frame
         return str(pathlib.Path(self.path).with_name(name))
 
-    def frames(self):
+    def frames(self) -> list[int]:
         """First and last frame that the scene has: those of its files, or 0 where one file has them all."""
         if not self.pattern:
             return [0, 0]
@@ -127,7 +125,7 @@ class SceneFile:
             raise Refused(f"{self.path}: there is no file of that name with a number in it")
         return [min(numbers), max(numbers)]
 
-    def load(self, frame, variant):
+    def load(self, frame: int, variant: str) -> Any:
         """The scene of a frame, in a variant, which is then the one in use."""
         self.mi.set_variant(variant)
         try:
@@ -141,32 +139,34 @@ class SceneFile:
 
 
 class Renderer:
-    """Answers images of views, for layout.capture. Rays of depth are cast in scalar_rgb, whatever renders colour."""
+    """Renders images of views, for layout.capture. Rays of depth are cast in scalar_rgb, whatever renders colour."""
 
-    def __init__(self, mi, options, scenes):
+    def __init__(self, mi: Any, options: argparse.Namespace, scenes: SceneFile):
         self.mi = mi
         self.options = options
         self.scenes = scenes
-        self.colored = self.traced = None
-        self.surfaces = {}
+        self.colored: Any = None
+        self.traced: Any = None
+        self.surfaces: dict[Any, Surface] = {}
 
-    def frame(self, number):
+    def frame(self, number: int) -> None:
         if self.traced and not self.scenes.moves():
             return
         self.surfaces = {}
-        self.colored = self.traced = None
         self.traced = self.scenes.load(number, "scalar_rgb")
         self.colored = self.traced
         if self.options.variant != "scalar_rgb":
             self.colored = self.scenes.load(number, self.options.variant)
 
-    def to_scene(self, vector):
+    def to_scene(self, vector: Vector) -> Vector:
         return TO_SCENE[self.options.up](*vector)
 
-    def place(self, view):
-        return self.to_scene([value / self.options.unit for value in view.camera.position])
+    def place(self, view: View) -> Vector:
+        x, y, z = view.camera.position
+        unit = self.options.unit
+        return self.to_scene((x / unit, y / unit, z / unit))
 
-    def images(self, view):
+    def images(self, view: View) -> dict[str, list[Array]]:
         found = {}
         if "color" in view.kinds:
             self.mi.set_variant(self.options.variant)
@@ -178,18 +178,16 @@ class Renderer:
 
     # ---- colour
 
-    def color(self, view):
+    def color(self, view: View) -> list[Array]:
         mi = self.mi
         image = mi.render(self.colored, sensor=self.sensor(view), spp=self.options.samples, seed=view.seed)
         width, height = view.size
-        channels = image.shape[2]
-        values = array("f", list(image.array))
-        if image.shape[:2] != (height, width) or channels < 3:
+        if image.shape[:2] != (height, width) or image.shape[2] < 3:
             raise Refused(f"the scene's integrator answers images of {image.shape}: red, green and blue were expected")
-        planes = [values[channel::channels] for channel in range(3)]
-        return [view.mirror(plane) for plane in planes] if view.mirrored else planes
+        values = np.array(image.array, np.float32).reshape(image.shape)
+        return view.mirror([values[..., channel] for channel in range(3)])
 
-    def sensor(self, view):
+    def sensor(self, view: View) -> Any:
         mi = self.mi
         width, height = view.size
         film = {"type": "hdrfilm", "width": width, "height": height, "pixel_format": "rgb", "component_format": "float32",
@@ -211,28 +209,23 @@ class Renderer:
 
     # ---- depth, normals, materials
 
-    def surfaces_of(self, view):
+    def surfaces_of(self, view: View) -> dict[str, list[Array]]:
         """Planes of what lies on the ray through the middle of each pixel."""
-        mi, unit = self.mi, self.options.unit
-        to_world = TO_WORLD[self.options.up]
+        mi, to_world = self.mi, TO_WORLD[self.options.up]
         origin = mi.Point3f(*self.place(view))
-        depth = array("f")
-        normals = [array("f"), array("f"), array("f")]
-        optics = [array("f"), array("f"), array("f")]
+        width, height = view.size
+        # Distance, normal, reflect, refract and ior.
+        found = np.empty((height * width, 7))
         more = view.kinds[-1] in ("normal", "material")
-        for direction in view.directions():
-            toward = mi.Vector3f(*self.to_scene(direction))
+        for pixel, (x, y, z) in zip(found, view.directions().reshape(-1, 3).tolist()):
+            toward = mi.Vector3f(*self.to_scene((x, y, z)))
             distance, met, surface = self.first(origin, toward)
-            depth.append(distance * unit)
-            if more:
-                values = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if met is None else self.look(met, surface, toward)
-                for plane, value in zip(normals, to_world(*values[0])):
-                    plane.append(value)
-                for plane, value in zip(optics, values[1]):
-                    plane.append(value)
-        return {"depth": [depth], "normal": normals, "material": optics}
+            normal, optics = ((0.0, 0.0, 0.0), NO_OPTICS) if met is None or not more else self.look(met, surface, toward)
+            pixel[:] = distance * self.options.unit, *to_world(*normal), *optics
+        planes = list(found.T.reshape(7, height, width))
+        return {"depth": planes[:1], "normal": planes[1:4], "material": planes[4:]}
 
-    def first(self, origin, toward):
+    def first(self, origin: Any, toward: Any) -> tuple[float, Any, Any]:
         """(distance, intersection, surface) of what a ray meets first; +inf, None, None where that is nothing."""
         ray = self.mi.Ray3f(origin, toward)
         for hole in range(MAX_HOLES):
@@ -246,16 +239,16 @@ class Renderer:
         return float("inf"), None, None
 
     @staticmethod
-    def length(vector):
-        return (vector.x ** 2 + vector.y ** 2 + vector.z ** 2) ** 0.5
+    def length(vector: Any) -> float:
+        return float(vector.x ** 2 + vector.y ** 2 + vector.z ** 2) ** 0.5
 
-    def surface(self, bsdf):
+    def surface(self, bsdf: Any) -> "Surface":
         found = self.surfaces.get(bsdf)
         if found is None:
             found = self.surfaces[bsdf] = Surface(self.mi, bsdf)
         return found
 
-    def look(self, met, surface, toward):
+    def look(self, met: Any, surface: "Surface", toward: Any) -> tuple[Vector, Vector]:
         """Normal that faces the camera, in the scene's axes, and reflect, refract, ior."""
         normal = met.sh_frame.n
         cosine = normal.x * toward.x + normal.y * toward.y + normal.z * toward.z
@@ -267,16 +260,16 @@ class Renderer:
 
 
 class Surface:
-    """What is to be known of a BSDF."""
+    """Properties of a BSDF."""
 
-    def __init__(self, mi, bsdf):
+    def __init__(self, mi: Any, bsdf: Any):
         self.bsdf = bsdf
-        self.kind, self.ior, self.holes = None, 1.0, False
+        self.kind, self.ior, self.holes = "", 1.0, False
         if bsdf is None:
             return
         known = mi.BSDFFlags
 
-        def has(*flags):
+        def has(*flags: Any) -> bool:
             return any(mi.has_flag(bsdf.flags(), flag) for flag in flags)
 
         self.holes = has(known.Null) and bsdf.class_name() != "ThinDielectric"
@@ -290,28 +283,28 @@ class Surface:
         elif has(known.DeltaReflection):
             self.kind = "mirror"
 
-    def transmits(self, met):
+    def transmits(self, met: Any) -> bool:
         through = self.bsdf.eval_null_transmission(met)
         return sum(through) / len(through) > 0.5
 
-    def optics(self, cosine, inside):
+    def optics(self, cosine: float, inside: bool) -> Vector:
         if self.kind == "mirror":
             return 1.0, 0.0, 1.0
         if self.kind == "glass":
             return layout.glass(cosine, self.ior, inside)
-        return 0.0, 0.0, 1.0
+        return NO_OPTICS
 
 
-def equirect_class(mi):
+def equirect_class(mi: Any) -> Any:
     """A sensor that sees in all directions, which Mitsuba has not: of the variant that is in use."""
     import drjit as dr
 
-    class Equirect(mi.Sensor):
-        def __init__(self, props):
+    class Equirect(mi.Sensor):  # type: ignore[misc]
+        def __init__(self, props: Any):
             super().__init__(props)
             self.frame = mi.Transform4f(props["to_world"].matrix) if hasattr(props["to_world"], "matrix") else props["to_world"]
 
-        def sample_ray(self, time, wavelength_sample, position_sample, aperture_sample, active=True):
+        def sample_ray(self, time: Any, wavelength_sample: Any, position_sample: Any, aperture_sample: Any, active: Any = True) -> Any:
             lon = (2 * position_sample.x - 1) * dr.pi
             lat = (0.5 - position_sample.y) * dr.pi
             # +X is to the left, as in Mitsuba's own cameras.
@@ -321,16 +314,17 @@ def equirect_class(mi):
             ray = mi.Ray3f(self.frame @ mi.Point3f(0, 0, 0), dr.normalize(self.frame @ local), time, wavelengths)
             return ray, weight
 
-        def sample_ray_differential(self, time, wavelength_sample, position_sample, aperture_sample, active=True):
-            ray, weight = self.sample_ray(time, wavelength_sample, position_sample, aperture_sample, active)
+        def sample_ray_differential(self, *sample: Any) -> Any:
+            ray, weight = self.sample_ray(*sample)
             return mi.RayDifferential3f(ray), weight
 
     return Equirect
 
 
-def main():
+def main() -> None:
     options = arguments()
-    mi = package()
+    mi = layout.package("mitsuba", "Mitsuba is not installed for this Python: python3 -m pip install -c "
+                        f"{HERE.parent / 'requirements.txt'} mitsuba numpy")
     if options.variant not in mi.variants():
         raise Refused(f"--variant {options.variant}: this Mitsuba has {', '.join(mi.variants())}")
     if options.threads:
