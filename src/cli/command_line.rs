@@ -22,10 +22,15 @@ use footage::files;
     version,
     propagate_version = true,
     max_term_width = 100,
-    after_help = "Exit codes: 0 success; 1 a check failed: diff exceeds a bound, devices disagree, inspect --check suspects\n\
-        an error, or no point of tradeoff meets its limits; 2 bad input or usage; a path of the command line that is not there;\n\
-        75 may succeed if it is tried again: an image of a sequence or a dataset is not there yet, a disk is full, a mount\n\
-        is lost, another process has the output; 130 interrupted; 141 the reader of standard output has gone.\n\n\
+    after_help = "Exit codes:\n  \
+        0    success\n  \
+        1    a check failed: diff exceeds a bound, devices disagree, inspect --check suspects an error, or\n       \
+        no point of tradeoff meets its limits\n  \
+        2    bad input or usage, or a path on the command line does not exist\n  \
+        75   temporary failure: an image does not exist yet, a disk is full, a mount is lost, or another\n       \
+        process writes the output\n  \
+        130  interrupted\n  \
+        141  the reader of standard output closed it\n\n\
         Examples:\n  lightfold demo -o out/demo\n  lightfold encode lightfield.json -o film.lfold\n  \
         lightfold inspect film.lfold\n  lightfold decode film.lfold -o frames\n  \
         lightfold diff lightfield.json film.lfold --max-error 100 --min-cell-psnr 40"

@@ -51,7 +51,8 @@ pub fn how_to_resume(error: &Error) -> &'static str {
     let message = error.to_string();
     match matches!(error, Error::Usage(_)) || with_option_names(&message) != message {
         true => {
-            "--resume continues with equal options, once the input is mended; with other options, start anew without --resume"
+            "--resume continues with equal options, once the input is mended; with other options, start over without \
+            --resume"
         }
         false if matches!(error, Error::Invalid { .. }) => {
             "the same command with --resume continues, once the input is mended"

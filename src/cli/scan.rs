@@ -105,7 +105,7 @@ fn scan(args: &Args, global: &GlobalArgs) -> Result<u64> {
         let earlier = ScanFile::read(&args.output)?;
         if !earlier.is_of(&source, &settings) {
             return refuse(format!(
-                "{}: a scan of other footage or with other settings; repeat them, or leave out --resume to start anew",
+                "{}: a scan of other footage or with other settings; repeat them, or leave out --resume to start over",
                 args.output.display()
             ));
         }
@@ -116,7 +116,7 @@ fn scan(args: &Args, global: &GlobalArgs) -> Result<u64> {
     let mut keep = |scan: &ScanFile| if in_file { scan.write(&args.output) } else { Ok(()) };
     let read = scan.scan(&source, &settings, args.shard, &progress, &mut keep)?;
     if args.resume && read == 0 {
-        global.note(format_args!("{}: the scan is complete; nothing was left to scan", args.output.display()));
+        global.note(format_args!("{}: the scan is complete; nothing to scan", args.output.display()));
     }
     save(&scan, &args.output)?;
     Ok(images)

@@ -48,7 +48,7 @@ impl UnfinishedFolder {
             return Ok(());
         }
         if resume {
-            say("nothing to resume; starting anew");
+            say("nothing to resume; starting from the beginning");
         } else if images > 0 {
             let begun: Vec<(String, String)> = serde_json::from_str(&left).unwrap_or_default();
             let is_same = Fingerprint(begun).difference(now).is_none();
@@ -62,7 +62,8 @@ impl UnfinishedFolder {
 
     fn cannot(&self, difference: &str) -> Error {
         Error::Usage(format!(
-            "{}: cannot resume the unfinished {}: {difference}; repeat its options, or leave out --resume to start anew",
+            "{}: cannot resume the unfinished {}: {difference}; repeat its options, or leave out --resume to start \
+            over",
             self.path.display(),
             self.what
         ))

@@ -118,7 +118,7 @@ pub fn choose(choice: DeviceChoice, pick: &Pick) -> Result<(Option<Gpu>, Option<
         DeviceChoice::Cpu => Ok((None, None)),
         DeviceChoice::Gpu => Gpu::open(pick).map(|gpu| (Some(gpu), None)),
         DeviceChoice::Auto => {
-            let refused = |why: &str| Ok((None, Some(format!("{why}; going on with the CPU"))));
+            let refused = |why: &str| Ok((None, Some(format!("{why}; using the CPU instead"))));
             let found = if *pick == Pick::Best { list() } else { Vec::new() };
             if *pick == Pick::Best && found.is_empty() {
                 return refused("no graphics device was found");

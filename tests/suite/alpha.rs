@@ -148,7 +148,7 @@ fn alpha_that_nobody_names_is_noted_and_what_is_none_is_refused() {
     footage(&path);
     write_manifest(&path, json!({ "color": "c.%04d.exr" }));
     let said = fine("encode in -o a.lfold", folder.path());
-    assert_says(&String::from_utf8(said.stderr).unwrap(), &["alpha is below 1 in ", "name it by files.alpha"]);
+    assert_says(&String::from_utf8(said.stderr).unwrap(), &["alpha is below 1 in ", "list it as files.alpha"]);
     std::fs::remove_file(path.join("lightfield.json")).unwrap();
     let said = String::from_utf8(fine("init in", folder.path()).stderr).unwrap();
     assert!(!said.contains("the checks ended early"), "{said}");

@@ -275,14 +275,14 @@ fn an_old_state_is_replaced_where_nobody_asks_for_it() {
     assert!(fs::read(place.out().join("a.lfold")).unwrap() == whole, "other bytes");
     // A finished file has no state to resume, so it is encoded again.
     let again = place.finishes(&whole);
-    assert!(again.contains("nothing to resume; starting anew"), "{again}");
+    assert!(again.contains("nothing to resume; starting from the beginning"), "{again}");
     // The state of an encode with other settings is neither resumed nor removed.
     killed(&["--color-cell", "16"]);
     let before: Vec<_> = STATE.map(|name| fs::read(place.out().join(name)).unwrap()).into();
     let refused = place.run(&["--resume"]);
     assert_eq!(refused.status.code(), Some(2));
     let expected = "lightfold: out/a.lfold: the unfinished encode cannot go on: --color-cell was 16 and is 64 now; repeat its \
-                    settings, or leave out --resume to start anew\n";
+                    settings, or leave out --resume to start over\n";
     assert_eq!(said(&refused), expected);
     let after: Vec<_> = STATE.map(|name| fs::read(place.out().join(name)).unwrap()).into();
     let sound = |bytes: &[u8], of: &[u8]| of.starts_with(bytes) && !bytes.is_empty();

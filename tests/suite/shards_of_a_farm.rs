@@ -63,7 +63,7 @@ fn scans_that_have_not_ended_may_be_merged_later() {
     assert!(said.contains("part.json: this scan has not ended, and none has frames 13-19 of "), "{said}");
     assert!(said.contains(" of probe b, face "), "{said}");
     assert!(!folder.join("merged.json").exists());
-    for (words, is_said) in [("nothing was left to scan", false), ("nothing was left to scan", true)] {
+    for (words, is_said) in [("nothing to scan", false), ("nothing to scan", true)] {
         let said = String::from_utf8(fine("scan . -o part.json --resume", folder).stderr).unwrap();
         assert_eq!(said.contains(words), is_said, "{said}");
         assert!(fs::read(folder.join("part.json")).unwrap() == whole, "other bytes");
@@ -100,7 +100,7 @@ fn a_shard_that_is_complete_is_not_encoded_again() {
     assert!(!is_complete);
     assert_eq!(run(line), (true, report.clone()));
     let said = String::from_utf8(fine(&line.replace(" --json", ""), folder).stderr).unwrap();
-    assert!(said.contains("a.lfold: this shard is complete; nothing was left to encode"), "{said}");
+    assert!(said.contains("a.lfold: this shard is complete; nothing to encode"), "{said}");
     assert_eq!(fs::metadata(&file).unwrap().modified().unwrap(), written, "it was written again");
     // The shard is encoded again if its file is truncated, if images are newer than the shard, or without --resume.
     fs::write(&file, &bytes[..bytes.len() - 1]).unwrap();

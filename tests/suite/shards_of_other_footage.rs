@@ -321,9 +321,9 @@ fn a_shard_that_changed_footage_stopped_is_resumed_after_another_scan() {
         fine(&shard(number, "-o b.lfold"), at);
         assert!(fs::read(at.join("a.lfold")).unwrap() == fs::read(at.join("b.lfold")).unwrap(), "other bytes");
     };
-    assert!(said.contains("safe in") && said.contains("after a new scan, --resume starts this shard anew"), "{said}");
+    assert!(said.contains("safe in") && said.contains("after a new scan, --resume starts this shard again"), "{said}");
     scan();
-    resumed("files have changed since the unfinished encode; starting anew");
+    resumed("input files have changed since the unfinished encode; starting over");
     // Other options prevent resuming, as for any encode.
     fs::remove_file(at.join("a.lfold")).unwrap();
     let before = fs::read(file(at, "color", last)).unwrap();

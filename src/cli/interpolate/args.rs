@@ -196,7 +196,7 @@ pub struct Args {
     /// Render without writing
     #[arg(long)]
     pub null: bool,
-    /// Resume a stopped run into the same files, with the same options; start anew if there is none
+    /// Resume a stopped run into the same files, with the same options; start over if there is none
     #[arg(long, conflicts_with_all = ["compare", "reduce_layers", "source_ms"])]
     pub resume: bool,
     /// Interpolating device; only highlights depend on it, by rounding, and edges with --rasterize [default: cpu]

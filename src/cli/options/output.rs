@@ -66,7 +66,7 @@ impl MemoryArgs {
 pub struct EncodeOutputArgs {
     #[command(flatten)]
     pub container: OutputArgs,
-    /// Resume a stopped encode of this output behind its last complete chunk, with the same options; start anew if there is
+    /// Resume a stopped encode of this output behind its last complete chunk, with the same options; start over if there is
     /// none
     #[arg(long)]
     pub resume: bool,

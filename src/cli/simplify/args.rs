@@ -113,7 +113,7 @@ pub struct Args {
     /// Write normals and material of the texels, too, as .normal.exr and .material.exr of the scene's name
     #[arg(long)]
     pub gbuffer: bool,
-    /// Resume a stopped run with the tiles that it had selected, with the same options; start anew if there are none
+    /// Resume a stopped run with the tiles that it had selected, with the same options; start over if there are none
     #[arg(long)]
     pub resume: bool,
     #[command(flatten)]

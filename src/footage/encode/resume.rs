@@ -216,7 +216,7 @@ impl Completed {
         files.dedup();
         let name = name_frame(source, group, frame);
         Err(Error::Usage(format!(
-            "the unfinished encode cannot go on: {} ({name}) has changed since; leave out `resume` to start anew",
+            "the unfinished encode cannot go on: {} ({name}) has changed since; leave out `resume` to start over",
             files.join(" or ")
         )))
     }
