@@ -158,7 +158,7 @@ fn note_losses(args: &Args, decoded: &Decoded) {
 fn verdict(decoded: &Decoded, images: u64) -> Error {
     let (missing, chunks) = (decoded.missing_images(), counted(decoded.damaged.len() as u64, "damaged chunk"));
     Error::invalid(if missing == images {
-        format!("all {images} images are damaged or missing ({chunks}); nothing was written")
+        format!("none of the {images} images is intact ({chunks}); nothing was written")
     } else {
         format!("{missing} of {images} images could not be decoded ({chunks}); all others are intact")
     })
@@ -223,7 +223,7 @@ impl Export<'_> {
         let images: u64 = sequences.iter().map(|frames| frames.count()).sum();
         if !pattern.has_field() && images != 1 {
             return refuse(format!(
-                "{}: one file name for {images} images: use a pattern such as depth.%04d.exr, or a folder",
+                "{}: one file for {images} images: use a pattern such as depth.%04d.exr, or a folder",
                 output.display()
             ));
         }

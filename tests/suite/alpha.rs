@@ -151,7 +151,7 @@ fn alpha_that_nobody_names_is_noted_and_what_is_none_is_refused() {
     assert_says(&String::from_utf8(said.stderr).unwrap(), &["alpha is below 1 in ", "list it as files.alpha"]);
     std::fs::remove_file(path.join("lightfield.json")).unwrap();
     let said = String::from_utf8(fine("init in", folder.path()).stderr).unwrap();
-    assert!(!said.contains("the checks ended early"), "{said}");
+    assert!(!said.contains("the checks stopped early"), "{said}");
     fine("inspect in --check", folder.path());
     let proposed = Manifest::read(&path).unwrap().files;
     assert!(proposed.alpha.is_some() && proposed.alpha == proposed.color);

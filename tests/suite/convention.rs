@@ -456,9 +456,9 @@ fn the_command_answers_with_an_exit_code_and_json() {
         (&["film.lfold", "--check"][..], "needs a lightfield.json"),
         (&[".", "--check", "--frame", "7"], "in the frame asked for"),
         (&[".", "--check", "--probe", "07"], "no probe \"07\""),
-        (&[".", "--check", "--face", "px"], "only --probe and --frame"),
+        (&[".", "--check", "--face", "px"], "with --probe and --frame only"),
         (&[".", "--check", "--verify"], "cannot be used with"),
-        (&[".", "--check", "--memory", "1G"], "--memory does not limit --check"),
+        (&[".", "--check", "--memory", "1G"], "--memory does not apply to --check"),
     ] {
         let output = run(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");

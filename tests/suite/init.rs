@@ -324,7 +324,7 @@ fn cameras_of_a_file_beside_the_images() {
     // The file may list the frames in any order.
     write(&[3, 1, 2]);
     let said = init(folder.path());
-    assert_says(&said, &["unsure: the cameras are those of transforms.json"]);
+    assert_says(&said, &["unsure: cameras were read from transforms.json"]);
     assert!(!said.contains("no file states the lens") && !said.contains("stands"), "{said}");
     let found = &manifest(&set).probes[0];
     let places: Vec<_> = found.poses.iter().map(|pose| (pose.frame, pose.position)).collect();
@@ -332,7 +332,15 @@ fn cameras_of_a_file_beside_the_images() {
     assert_eq!((found.intrinsics, found.position), (Some([10.0, 10.0, 4.0, 3.0]), None));
     encodes(folder.path());
     write(&[1, 2]);
-    assert_says(&init(folder.path()), &["transforms.json was left out", "nor one for each frame", "the probe stands"]);
+    assert_says(
+        &init(folder.path()),
+        &[
+            "transforms.json was ignored",
+            "nor are they one for each frame",
+            "the probe \
+        stands",
+        ],
+    );
     std::fs::write(set.join("transforms.json"), "{").unwrap();
     assert_says(&init(folder.path()), &["transforms.json was left out:"]);
     std::fs::remove_file(set.join("transforms.json")).unwrap();

@@ -57,7 +57,7 @@ pub fn run(args: &Args, input: &Path, output: &Path, global: &GlobalArgs) -> Res
     let pattern = Pattern::parse(&name).map_err(|error| error.in_file(output))?;
     if !pattern.has_field() && frames.count() != 1 {
         return refuse(format!(
-            "{}: one file name for {} frames: select one frame with --frames, or use a pattern such as frame.%04d.ply",
+            "{}: one file for {} frames: select one frame with --frames, or use a pattern such as frame.%04d.ply",
             output.display(),
             frames.count()
         ));

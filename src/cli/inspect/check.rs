@@ -35,12 +35,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         return refuse(format!("{}: --check needs a lightfield.json or its folder", args.input.display()));
     }
     if !args.selection.face.is_empty() || !args.selection.stream.is_empty() {
-        return refuse("--check uses all faces and kinds: only --probe and --frame select");
+        return refuse("--check uses all faces and kinds: select with --probe and --frame only");
     }
     if args.memory.memory.is_some() {
         return refuse(
-            "--memory does not limit --check, which keeps one image per thread and up to 65,536 samples of each \
-             face: leave it out, or select fewer probes with --probe",
+            "--memory does not apply to --check, which keeps one image per thread and up to 65,536 samples of each \
+            face: leave it out; fewer probes (--probe) need less memory",
         );
     }
     let start = Instant::now();
