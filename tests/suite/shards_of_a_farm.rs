@@ -42,7 +42,7 @@ fn a_farm_writes_the_bytes_of_one_machine() {
     let message = refused("encode . --clip --shard 1/99 --shard-by stream -o no.lfold", folder);
     assert!(message.contains("at most 12 shards") && message.contains("--shard-by"), "{message}");
     let message = refused("encode . --clip --shard 4/3 -o no.lfold", folder);
-    assert!(message.contains("write I/N with I from 1 to N"), "{message}");
+    assert!(message.contains("a shard I/N with I from 1 to N was expected"), "{message}");
     assert!(!folder.join("no.lfold").exists());
 }
 
