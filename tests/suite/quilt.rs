@@ -153,7 +153,7 @@ fn what_is_refused_writes_nothing() {
         ("quilt v/%04d.png --views 6-9 -o q.png", "0008.png: frame 8 is missing"),
         ("quilt sizes/%04d.png -o q.png", "0001.png: this view has 4x3 pixels, and sizes/0000.png has 3x4"),
         ("quilt damaged -o q.png", "damaged/0.png: "),
-        ("quilt a.txt -o q.png", "a.txt: views are files ending in .png or .exr"),
+        ("quilt a.txt -o q.png", "a.txt: views ending in .png or .exr were expected"),
         ("quilt v --quilt 7x1 -o q.png", "--quilt 7x1 has 7 tiles, and there are 8 views"),
         ("quilt v --quilt 0x1 -o q.png", "1 to 4096"),
         ("quilt v --quilt tablet -o q.png", "is neither a device (portrait, go, 16,"),

@@ -220,15 +220,15 @@ fn what_a_scene_cannot_be_rendered_with_is_refused() {
     let at = folder.path();
     let eye = "--eye 0.1,1.55,0.1 --look-at 2,1.4,0.3 --fov 70 --size 8 --null";
     for (options, words) in [
-        ("--steps 1024", "--steps is about light fields"),
+        ("--steps 1024", "--steps applies to light fields"),
         ("--probe 00", "--probe"),
         ("--exclude-probe 00", "--exclude-probe"),
         ("--views 3", "--views"),
         ("--trace a.jsonl", "--trace"),
         ("--holes blank", "--holes"),
         ("--decode all", "--decode"),
-        ("--method march", "painter and z-buffer draw it"),
-        ("--method reproject", "painter and z-buffer draw it"),
+        ("--method march", "use painter or z-buffer"),
+        ("--method reproject", "use painter or z-buffer"),
         ("--memory 1k", "smaller"),
     ] {
         let said = refused(&format!("render quads.glb {eye} {options}"), at);
