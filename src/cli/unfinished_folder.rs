@@ -29,7 +29,10 @@ impl UnfinishedFolder {
         let what = self.what;
         let say = |words: &str| global.note(format_args!("{}: {words}", self.path.display()));
         if !self.folder.is_locked() {
-            say(&format!("the file system has no locks: do not {what} into this folder twice at the same time"));
+            say(&format!(
+                "the file system does not support locks: do not run two commands that {what} into this \
+                folder at the same time"
+            ));
         }
         let Left { words: left, files: images } = self.folder.left()?;
         if resume && images > 0 {
@@ -41,8 +44,8 @@ impl UnfinishedFolder {
             let Kept { intact, damaged } = self.folder.resume()?;
             let again = match damaged {
                 0 => String::new(),
-                1 => "; 1 damaged image is made again".to_owned(),
-                many => format!("; {many} damaged images are made again"),
+                1 => "; 1 damaged image is rewritten".to_owned(),
+                many => format!("; {many} damaged images are rewritten"),
             };
             say(&format!("resuming with {intact} of {all} images{again}"));
             return Ok(());
@@ -62,8 +65,7 @@ impl UnfinishedFolder {
 
     fn cannot(&self, difference: &str) -> Error {
         Error::Usage(format!(
-            "{}: cannot resume the unfinished {}: {difference}; repeat its options, or leave out --resume to start \
-            over",
+            "{}: cannot resume the unfinished {}: {difference}: use its options, or leave out --resume to start over",
             self.path.display(),
             self.what
         ))

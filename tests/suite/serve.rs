@@ -533,7 +533,7 @@ fn what_cannot_be_played_is_refused() {
         ("lightfield.json", "lightfield.json: a dataset"),
         ("renamed", "renamed: a dataset"),
         ("probe_00", "not a regular file"),
-        ("-", "not standard input"),
+        ("-", "cannot read standard input"),
         ("a.lfold --port 65536", "65536"),
         ("a.lfold --listen localhost", "localhost"),
     ] {

@@ -17,7 +17,7 @@ fn a_farm_writes_the_bytes_of_one_machine() {
     let message = refused("encode . --clip --scan scan-2.json -o no.lfold", folder);
     assert!(message.contains("scan-2.json") && message.contains("merge them"), "{message}");
     let message = refused("scan --merge scan-1.json scan-3.json -o scan.json", folder);
-    assert!(message.contains("none of these scans has frames 1") && message.contains("of probe "), "{message}");
+    assert!(message.contains("no scan has frames 1") && message.contains("of probe "), "{message}");
     assert!(!folder.join("scan.json").exists());
     fine("scan --merge scan-3.json scan-1.json scan-2.json scan-1.json -o scan.json", folder);
     fine("scan . -o all.json", folder);
@@ -60,7 +60,7 @@ fn scans_that_have_not_ended_may_be_merged_later() {
     let early = lightfold(&["scan", "--merge", "part.json", "-o", "merged.json"], folder);
     let said = String::from_utf8(early.stderr).unwrap();
     assert_eq!(early.status.code(), Some(75), "{said}");
-    assert!(said.contains("part.json: this scan has not ended, and none has frames 13-19 of "), "{said}");
+    assert!(said.contains("part.json: this scan is unfinished, and no scan has frames 13-19 of "), "{said}");
     assert!(said.contains(" of probe b, face "), "{said}");
     assert!(!folder.join("merged.json").exists());
     for (words, is_said) in [("nothing to scan", false), ("nothing to scan", true)] {

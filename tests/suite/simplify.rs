@@ -258,7 +258,7 @@ fn a_run_that_stops_keeps_its_tiles_and_resumes_to_the_same_bytes() {
     let other = refused(&format!("{line} --area 2 --resume"), folder.path());
     assert!(other.contains("cannot resume") && other.contains("options"), "{other}");
     let resumed = fine(&format!("{line} --resume"), folder.path());
-    assert!(String::from_utf8_lossy(&resumed.stderr).contains("resuming with the tiles"));
+    assert!(String::from_utf8_lossy(&resumed.stderr).contains("resuming with the selected tiles"));
     let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(names.len(), 2, "{names:?}");
     let bytes = fs::read(folder.path().join("quads.glb")).unwrap();

@@ -207,7 +207,11 @@ fn commands_train_and_use_tables_of_depth() {
     assert!(bytes("own.lfold") < bytes("plain.lfold") + of("table_bytes"), "payloads are no smaller");
     for (command, words) in [
         ("train-color plain.lfold -o x.txt", "plain.lfold: no colour in transform blocks"),
-        ("train-depth plain.lfold -o x.txt --held-out plain.lfold", "--held-out plain.lfold: it is trained on"),
+        (
+            "train-depth plain.lfold -o x.txt --held-out plain.lfold",
+            "--held-out plain.lfold: this container is also \
+            used for training",
+        ),
         (&format!("{encode} --depth-codec quadtree --depth-tables tables.txt -o x.lfold"), "--depth-tables is of"),
         (
             &format!("{encode} --depth-tables plain.lfold -o x.lfold"),

@@ -138,7 +138,7 @@ impl EvaluationReport {
 
     fn text(&self) -> String {
         if self.pixels == 0 {
-            return "no picture was compared: the input has no perspective view\n".to_owned();
+            return "no pictures were compared: the input has no perspective view\n".to_owned();
         }
         format!(
             "overdraw of the input's views: mean {:.2}, peak {:.2}\n{}\n{} and {} more translucent of {} pixels; from random \
