@@ -78,7 +78,7 @@ impl Budget {
         if least > bytes {
             let instead = if need.instead.is_empty() { String::new() } else { format!(", or {}", need.instead) };
             return Err(Error::Usage(format!(
-                "`memory` {self}: {} needs up to {} MB; allow that much{instead}",
+                "`memory` {self}: {} needs up to {} MB: increase it to that{instead}",
                 need.what,
                 whole.div_ceil(1_000_000)
             )));

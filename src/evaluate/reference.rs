@@ -32,14 +32,16 @@ pub struct ReferenceImage {
 }
 
 impl ReferenceImage {
-    /// Returns the camera in a frame; the axes of a cube face are mirrored, as its image is. Outside the frames of a moving
+    /// Returns the camera in a frame; the axes of a cube face are mirrored, as its image is. Outside the frames of a
+    /// moving
     /// probe, returns the camera of the nearest frame.
     pub fn camera(&self, frame: u32) -> Camera {
         let after = self.cameras.partition_point(|(of, _)| *of <= frame);
         self.cameras[after.saturating_sub(1)].1
     }
 
-    /// Iterates over the cameras with their frames: one per frame of a moving probe, one for all frames of a static probe.
+    /// Iterates over the cameras with their frames: one per frame of a moving probe, one for all frames of a static
+    /// probe.
     pub fn cameras(&self) -> impl Iterator<Item = (FrameRange, Camera)> {
         let is_still = self.cameras.len() == 1;
         self.cameras.iter().map(move |&(frame, camera)| {
@@ -150,14 +152,13 @@ impl Reference {
 
     fn of(files: Images, images: Vec<ReferenceImage>) -> Result<Reference> {
         if images.is_empty() {
-            return Err(Error::invalid(
-                "there are no images of colour, which pictures are compared with; capture or encode colour, too",
-            ));
+            return Err(Error::invalid("the reference has no colour images: capture or encode colour as well"));
         }
         Ok(Reference { files, images, color: None, depth: None, material: None, normal: None })
     }
 
-    /// Returns the maximum error of distances relative to the distance: that of the codec of a container, 0 for a dataset; `None`
+    /// Returns the maximum error of distances relative to the distance: that of the codec of a container, 0 for a
+    /// dataset; `None`
     /// if the codec has no bound.
     pub fn relative_depth_error(&self) -> Option<f64> {
         match &self.files {
@@ -254,7 +255,7 @@ fn camera(
 ) -> Result<Camera> {
     let named = |error: Error| error.context(format!("probe {}", probe.name));
     let turn = rotation(pose.orientation)
-        .ok_or_else(|| named(Error::invalid("its orientation is no quaternion of length 1")))?;
+        .ok_or_else(|| named(Error::invalid("its orientation is not a quaternion of length 1")))?;
     let (eye, axes) = (DVec3::from_array(pose.position), face.axes().map(|axis| turn * axis));
     if face != Face::View || projection == Projection::Cubemap {
         return Camera::with_axes(eye, axes, Lens::new(90.0)).map_err(named);

@@ -159,7 +159,7 @@ fn alpha_that_nobody_names_is_noted_and_what_is_none_is_refused() {
         exr::write_color(&path.join(format!("d.{frame:04}.exr")), &rgba(frame).map(|&[r, g, b, _]| [r, g, b])).unwrap();
     }
     write_manifest(&path, json!({ "color": "d.%04d.exr", "alpha": "d.%04d.exr" }));
-    assert_says(&refused("encode in -o b.lfold", folder.path()), &["there is no alpha beside the colour"]);
+    assert_says(&refused("encode in -o b.lfold", folder.path()), &["the colour layer has no alpha"]);
     let beyond = Plane::filled(SIDE, SIDE, f16::from_f32(1.5));
     exr::write_alpha(&path.join("e.0000.exr"), &beyond).unwrap();
     write_manifest(&path, json!({ "alpha": "e.%04d.exr" }));

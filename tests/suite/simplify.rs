@@ -104,7 +104,7 @@ fn what_cannot_be_kept_or_simplified_is_refused_and_nothing_is_written() {
     manifest["files"].as_object_mut().unwrap().remove("color");
     fs::write(folder.path().join("room/depth.json"), manifest.to_string()).unwrap();
     let said = refused("simplify room/depth.json -o out.glb", folder.path());
-    assert!(said.contains("depth.json: there are no images of colour"), "{said}");
+    assert!(said.contains("depth.json: the reference has no colour images"), "{said}");
 }
 
 #[test]

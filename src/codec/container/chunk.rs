@@ -74,7 +74,8 @@ impl ChunkEntry {
         Ok(entry)
     }
 
-    /// Fails unless the chunk lies between the head and `end`, and its sizes are plausible; `start` is the offset of the row.
+    /// Fails unless the chunk lies between the head and `end`, and its sizes are plausible; `start` is the offset of
+    /// the row.
     pub(super) fn check(&self, fields: &Fields<'_>, start: u64, end: u64) -> Result<()> {
         let ChunkEntry { offset, stored_bytes, raw_bytes, .. } = *self;
         let inside =
@@ -92,9 +93,13 @@ impl ChunkEntry {
                 Storage::Zstd => u64::from(raw_bytes) <= u64::from(stored_bytes) * MAX_ZSTD_EXPANSION,
             };
         if !plausible {
-            return Err(
-                fields.error_at(start, format!("a chunk of {stored_bytes} stored bytes cannot mean {raw_bytes} bytes"))
-            );
+            return Err(fields.error_at(
+                start,
+                format!(
+                    "a chunk of {stored_bytes} stored bytes cannot decompress to \
+                    {raw_bytes} bytes"
+                ),
+            ));
         }
         Ok(())
     }

@@ -181,7 +181,7 @@ fn lookup(names: &[ChannelName], wanted: &str, (by, same): (By, Same), key: &str
         [] => Ok(None),
         [one] => Ok(Some(*one)),
         _ => Err(Error::invalid(format!(
-            "several layers have a channel {wanted}: name one of {} with {key}",
+            "several layers have a channel {wanted}: select one of {} with {key}",
             plain.iter().map(|&i| names[i].full()).collect::<Vec<_>>().join(", ")
         ))),
     }
@@ -202,7 +202,8 @@ pub fn find_named(names: &[ChannelName], wanted: &str) -> Result<usize> {
     named(names, wanted, OTHER_KEY)?.ok_or_else(|| none_of_that_name(names, wanted, "channel"))
 }
 
-/// Returns the channels of a layer or part, with their names in that layer, and their indices in `names`. If there is no such
+/// Returns the channels of a layer or part, with their names in that layer, and their indices in `names`. If there
+/// is no such
 /// layer or part, returns the channels of the stereo view called `wanted`, with the view removed from their names.
 fn inside(names: &[ChannelName], wanted: &str) -> (Vec<usize>, Vec<ChannelName>) {
     let of_layer = |channel: &ChannelName| {
@@ -244,7 +245,8 @@ pub fn find_alpha(names: &[ChannelName], red: usize) -> Option<usize> {
     names.iter().position(is_alpha)
 }
 
-/// Returns the index of the alpha channel: the one that `select` names, else the one in the layer of colour, and in a file
+/// Returns the index of the alpha channel: the one that `select` names, else the one in the layer of colour, and in
+/// a file
 /// without colour the only channel `A`.
 pub fn find_alpha_channel(names: &[ChannelName], select: &ChannelSelect, color: &ChannelSelect) -> Result<usize> {
     if let ChannelSelect::Named(wanted) = select {
@@ -257,12 +259,13 @@ pub fn find_alpha_channel(names: &[ChannelName], select: &ChannelSelect, color: 
     found.ok_or_else(|| {
         let listed = list(names);
         Error::invalid(format!(
-            "there is no alpha beside the colour; the channels are: {listed}: name one with {ALPHA_KEY}"
+            "the colour layer has no alpha; the channels are: {listed}: select one with {ALPHA_KEY}"
         ))
     })
 }
 
-/// Returns the indices of red, green and blue of a rendered image. No setting names its channels, so errors mention none.
+/// Returns the indices of red, green and blue of a rendered image. No setting names its channels, so errors mention
+/// none.
 pub fn find_picture_color(names: &[ChannelName]) -> Result<[usize; 3]> {
     find_color(names, &ChannelSelect::Auto).map_err(|_| {
         Error::invalid(format!("one picture with channels R, G and B was expected; the channels are: {}", list(names)))
@@ -325,7 +328,8 @@ fn usual_depth(names: &[ChannelName]) -> Result<DepthChannels> {
         }
     }
     Err(Error::invalid(format!(
-        "no channel has a usual name of depth (Z, depth.Z, Depth, ...): name one with {DEPTH_KEY}; the channels are: {}",
+        "no depth channel with a common name (Z, depth.Z, Depth, ...) was found: select one with {DEPTH_KEY}; the \
+        channels are: {}",
         list(names)
     )))
 }
@@ -388,7 +392,7 @@ fn usual_color(names: &[ChannelName]) -> Result<[usize; 3]> {
     if found.is_empty() {
         if names.iter().any(|channel| matches!(channel.name.as_str(), "RY" | "BY")) {
             return Err(Error::unsupported(
-                "the colour is stored as luminance and chroma (Y, RY, BY), which is not read: save it as R, G, B",
+                "colour stored as luminance and chroma (Y, RY, BY) is not supported: save it as R, G, B",
             ));
         }
         for wanted in GRAY_CHANNELS {
@@ -398,7 +402,8 @@ fn usual_color(names: &[ChannelName]) -> Result<[usize; 3]> {
         }
     }
     Err(Error::invalid(format!(
-        "no usual names of colour (R, G, B): name a layer or three channels with {COLOR_KEY}; the channels are: {}",
+        "no colour channels with common names (R, G, B) were found: select a layer or three channels with \
+        {COLOR_KEY}; the channels are: {}",
         list(names)
     )))
 }

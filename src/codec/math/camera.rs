@@ -68,14 +68,15 @@ impl Camera {
         let forward = (target - eye).try_normalize().ok_or_else(|| {
             let (eye, target) = (eye.to_array(), target.to_array());
             Error::Usage(format!(
-                "the camera at {eye:?} looks at {target:?}, where its eye is or too far off: move one of them"
+                "the camera at {eye:?} looks at {target:?}, which is the same point or too far away: move one of them"
             ))
         })?;
         let up_unit = up.try_normalize().unwrap_or(DVec3::ZERO);
         let right = forward.cross(up_unit);
         if right.length() < MIN_UP_SINE {
             return Err(Error::Usage(format!(
-                "the camera looks along {forward}, and its up direction {up} gives no horizon to that: name another up"
+                "the camera looks along {forward}, and its up direction {up} is zero or parallel to that: use another \
+                up direction"
             )));
         }
         let right = right.normalize();
@@ -91,7 +92,8 @@ impl Camera {
         Self::new(eye, [DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y].map(|axis| turn * axis), lens)
     }
 
-    /// Returns a camera with the axes forward, right and down. With mirrored axes, such as those of cube faces, it has no
+    /// Returns a camera with the axes forward, right and down. With mirrored axes, such as those of cube faces, it
+    /// has no
     /// [`Camera::orientation`].
     pub fn with_axes(eye: DVec3, axes: [DVec3; 3], lens: Lens) -> Result<Camera> {
         check_finite("eye", eye)?;
@@ -105,7 +107,8 @@ impl Camera {
         Self::new(eye, axes, lens)
     }
 
-    /// Returns a pinhole camera from axes as of [`Self::with_axes`], width and height of the image, and fx, fy, cx, cy, all
+    /// Returns a pinhole camera from axes as of [`Self::with_axes`], width and height of the image, and fx, fy, cx,
+    /// cy, all
     /// in pixels.
     pub fn pinhole(eye: DVec3, axes: [DVec3; 3], size: [f64; 2], [fx, fy, cx, cy]: [f64; 4]) -> Result<Camera> {
         let [width, height] = size;
@@ -114,7 +117,8 @@ impl Camera {
         Camera::with_window(eye, axes, half, middle)
     }
 
-    /// Returns a camera from axes as of [`Self::with_axes`], half the width and half the height of its image at distance 1,
+    /// Returns a camera from axes as of [`Self::with_axes`], half the width and half the height of its image at
+    /// distance 1,
     /// and the centre of the image at distance 1, to the right and down.
     pub fn with_window(eye: DVec3, axes: [DVec3; 3], half: [f64; 2], middle: [f64; 2]) -> Result<Camera> {
         let lens = Lens { aspect: half[0] / half[1], ..Lens::new(2.0 * half[1].atan().to_degrees()) };
@@ -148,14 +152,10 @@ impl Camera {
         let tangent = (fov_y_deg.to_radians() / 2.0).tan();
         let half = [tangent * aspect, tangent];
         if !(aspect > 0.0 && half.iter().all(|half| half.is_finite() && *half > 0.0)) {
-            return Err(Error::Usage(format!(
-                "an image {aspect} times as wide as high: a number above 0 was expected"
-            )));
+            return Err(Error::Usage(format!("aspect ratio {aspect}: a number above 0 was expected")));
         }
         if !(near_m >= 0.0 && near_m < far_m) {
-            return Err(Error::Usage(format!(
-                "a camera that sees from {near_m} m to {far_m} m: 0 <= near < far was expected"
-            )));
+            return Err(Error::Usage(format!("camera range of {near_m} m to {far_m} m: 0 <= near < far was expected")));
         }
         Ok(Camera { eye, axes, half, middle: [0.0; 2], depth_m: [near_m, far_m], panorama: None })
     }
@@ -178,11 +178,12 @@ impl Camera {
         Window { u: edges(0), v: edges(1) }
     }
 
-    /// Returns the camera with an off-axis window: `middle` is the centre of the image at distance 1, to the right and down.
+    /// Returns the camera with an off-axis window: `middle` is the centre of the image at distance 1, to the right
+    /// and down.
     pub fn off_axis(self, middle: [f64; 2]) -> Result<Camera> {
         match middle.iter().all(|at| at.is_finite()) {
             true => Ok(Camera { middle, ..self }),
-            false => Err(Error::Usage(format!("the middle of a camera's image must be finite, not {middle:?}"))),
+            false => Err(Error::Usage(format!("the image centre of a camera must be finite, not {middle:?}"))),
         }
     }
 
@@ -193,7 +194,8 @@ impl Camera {
         (turn != DQuat::IDENTITY).then(|| turn.to_array())
     }
 
-    /// Returns the panorama of `longitudes_deg` degrees of longitude, above 0 and up to 360, around the viewing direction,
+    /// Returns the panorama of `longitudes_deg` degrees of longitude, above 0 and up to 360, around the viewing
+    /// direction,
     /// and of all latitudes. The eye is `offset_m` metres to the right of each direction.
     #[must_use]
     pub fn as_panorama(self, longitudes_deg: f64, offset_m: f64) -> Camera {
@@ -210,7 +212,8 @@ impl Camera {
         self.panorama.is_some_and(|panorama| panorama.offset_m != 0.0)
     }
 
-    /// Returns column `at` of the `of` columns of a panorama, seen from the eye of its centre. The column's image is a row:
+    /// Returns column `at` of the `of` columns of a panorama, seen from the eye of its centre. The column's image is
+    /// a row:
     /// up to down becomes left to right. Other cameras are returned unchanged.
     #[must_use]
     pub fn column(&self, at: u32, of: u32) -> Camera {
@@ -223,7 +226,8 @@ impl Camera {
         Camera { eye: self.eye + offset_m * beside, panorama, ..*self }
     }
 
-    /// Returns six cameras of 90 degrees with the same eye: right, left, up, down, front and back. The lower edge of up and
+    /// Returns six cameras of 90 degrees with the same eye: right, left, up, down, front and back. The lower edge of
+    /// up and
     /// the upper edge of down meet front.
     pub fn cube(&self) -> [Camera; 6] {
         let [forward, right, down] = self.axes;
@@ -251,7 +255,8 @@ impl Camera {
         (forward + at(0, x) * right + at(1, y) * down).normalize()
     }
 
-    /// Projects a point relative to the eye. Returns its position in the image, 0 to 1 as for [`Self::direction`], and its
+    /// Projects a point relative to the eye. Returns its position in the image, 0 to 1 as for [`Self::direction`],
+    /// and its
     /// planar depth; `None` behind the eye. For perspective cameras only.
     pub fn project(&self, from_eye: DVec3) -> Option<([f64; 2], f64)> {
         let [deep, right, down] = self.axes.map(|axis| from_eye.dot(axis));
@@ -395,9 +400,9 @@ mod tests {
         let lens = Lens::new(90.0);
         let look = |eye, target, up, lens| Camera::look_at(eye, target, up, lens).map_err(|error| error.to_string());
         assert!(look(eye, target, DVec3::Y, lens).is_ok());
-        assert!(look(eye, eye, DVec3::Y, lens).unwrap_err().contains("where its eye is"));
-        assert!(look(eye, target, DVec3::Z * 7.0, lens).unwrap_err().contains("name another up"));
-        assert!(look(eye, target, DVec3::ZERO, lens).unwrap_err().contains("name another up"));
+        assert!(look(eye, eye, DVec3::Y, lens).unwrap_err().contains("same point or too far"));
+        assert!(look(eye, target, DVec3::Z * 7.0, lens).unwrap_err().contains("use another up"));
+        assert!(look(eye, target, DVec3::ZERO, lens).unwrap_err().contains("use another up"));
         assert!(look(DVec3::NAN, target, DVec3::Y, lens).unwrap_err().contains("eye must be finite"));
         assert!(look(eye, DVec3::INFINITY, DVec3::Y, lens).unwrap_err().contains("look-at point must be finite"));
         for fov_y_deg in [0.0, -1.0, 180.0, 400.0, f64::NAN, f64::INFINITY] {
@@ -405,7 +410,7 @@ mod tests {
             assert!(said.contains("between 0 and 180"), "{said}");
         }
         for aspect in [0.0, -2.0, f64::NAN, f64::INFINITY] {
-            assert!(look(eye, target, DVec3::Y, Lens { aspect, ..lens }).unwrap_err().contains("times as wide"));
+            assert!(look(eye, target, DVec3::Y, Lens { aspect, ..lens }).unwrap_err().contains("aspect ratio"));
         }
         for (near_m, far_m) in [(-1.0, 5.0), (2.0, 2.0), (3.0, 1.0), (f64::NAN, 1.0), (0.0, f64::NAN)] {
             assert!(look(eye, target, DVec3::Y, Lens { near_m, far_m, ..lens }).unwrap_err().contains("near < far"));

@@ -335,8 +335,8 @@ mod tests {
         let order = "rows do not ascend";
         for (name, value, words) in [
             (CHROMATICITIES, vec![0; 31], "more bytes expected"),
-            (CHROMATICITIES, vec![0; 32], "span no colours"),
-            (CHROMATICITIES, vec![0; 33], "span no colours"),
+            (CHROMATICITIES, vec![0; 32], "do not define a colour space"),
+            (CHROMATICITIES, vec![0; 33], "do not define a colour space"),
             (CLIPPED_PIXELS, vec![0; 7], "more bytes expected"),
             (CLIPPED_PIXELS, vec![0; 9], "1 bytes after the last field"),
             (MISSING_FRAMES, missing(&[(b"a", 1, 0, 3, 2)])[..12].to_vec(), "more bytes expected"),

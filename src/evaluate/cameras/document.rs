@@ -31,13 +31,14 @@ pub struct Content<'a> {
 impl<'a> Content<'a> {
     pub fn text(&self) -> Result<&'a str> {
         std::str::from_utf8(self.bytes)
-            .map_err(|error| Error::invalid(format!("it is no text: byte {} is not UTF-8", error.valid_up_to())))
+            .map_err(|error| Error::invalid(format!("it is not text: byte {} is not UTF-8", error.valid_up_to())))
     }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WriteSettings {
-    /// Image size in pixels, for formats that state it and cameras that do not: width and height, or only the height, in which
+    /// Image size in pixels, for formats that state it and cameras that do not: width and height, or only the
+    /// height, in which
     /// case the width follows from the aspect ratio.
     pub size: (u32, Option<u32>),
     /// Frames per second.
@@ -65,7 +66,8 @@ impl FileCamera {
     }
 }
 
-/// Returns the eye and the unit vectors forward, right and down of a camera-to-world matrix. The camera looks along −Z with +Y
+/// Returns the eye and the unit vectors forward, right and down of a camera-to-world matrix. The camera looks along
+/// −Z with +Y
 /// up. The matrix may scale; fails if it shears, mirrors or is not finite.
 pub fn axes_of(to_world: &DMat4) -> Result<(DVec3, [DVec3; 3])> {
     let columns = DMat3::from_mat4(*to_world);
@@ -75,10 +77,10 @@ pub fn axes_of(to_world: &DMat4) -> Result<(DVec3, [DVec3; 3])> {
         return Err(Error::invalid("its matrix has numbers that are not finite, or axes of length 0"));
     }
     if [x.dot(y), y.dot(z), z.dot(x)].iter().any(|cosine| cosine.abs() > 1e-3) {
-        return Err(Error::unsupported("its matrix shears, and a camera's axes are at right angles to each other"));
+        return Err(Error::unsupported("its matrix has shear, but the axes of a camera must be orthogonal"));
     }
     if x.cross(y).dot(z) < 0.0 {
-        return Err(Error::unsupported("its matrix mirrors, which no camera does"));
+        return Err(Error::unsupported("its matrix is a reflection, which a camera cannot have"));
     }
     let forward = -z;
     let right = (x - x.dot(forward) * forward).normalize();

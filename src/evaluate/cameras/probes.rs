@@ -17,7 +17,8 @@ use codec::math::{Camera, Lens};
 use footage::dataset::CameraSet;
 use render::camera_path::TimedCamera;
 
-/// Returns the cameras of a container or dataset, by probe and then by face. They have frames only if frames differ between
+/// Returns the cameras of a container or dataset, by probe and then by face. They have frames only if frames differ
+/// between
 /// cameras or a probe moves.
 pub fn of_probes(path: &Path) -> Result<Vec<FileCamera>> {
     let images = Reference::open(path)?.images;
@@ -53,7 +54,7 @@ pub fn of_placed(set: &CameraSet) -> Result<Vec<FileCamera>> {
             add(name, camera_of(placed, fov_y_deg))?;
             continue;
         }
-        let no_turn = || Error::invalid(format!("camera {at}: its orientation is no quaternion of length 1"));
+        let no_turn = || Error::invalid(format!("camera {at}: its orientation is not a quaternion of length 1"));
         let turn = placed.orientation.map_or(Some(DQuat::IDENTITY), rotation).ok_or_else(no_turn)?;
         for face in Face::CUBE {
             let camera = of_face(DVec3::from_array(placed.position), face.axes().map(|axis| turn * axis));
