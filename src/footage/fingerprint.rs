@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 const SOURCES: &str = "the sources of lightfold";
-const ANOTHER_VERSION: &str = "it was begun by another version of lightfold";
+const ANOTHER_VERSION: &str = "it was started by another version of lightfold";
 
 /// True if a value is a [`digest`], which messages do not show.
 fn is_digest(value: &str) -> bool {
@@ -19,7 +19,8 @@ fn is_digest(value: &str) -> bool {
 pub struct Fingerprint(pub Vec<(String, String)>);
 
 impl Fingerprint {
-    /// Returns the version of the program and the hashes of the sources that determine its output: `SOURCES` of packages.
+    /// Returns the version of the program and the hashes of the sources that determine its output: `SOURCES` of
+    /// packages.
     pub fn of_program(sources: &[&str]) -> Vec<(&'static str, String)> {
         vec![("the version of lightfold", env!("CARGO_PKG_VERSION").to_owned()), (SOURCES, sources.join(" "))]
     }

@@ -323,7 +323,7 @@ fn what_a_manifest_cannot_describe_has_none() {
     footage(&folder.path().join("in"));
     fine("encode in -o a.lfold --exposure -1", folder.path());
     let said = String::from_utf8(fine("decode a.lfold -o png --format png", folder.path()).stderr).unwrap();
-    assert_says(&said, &["a manifest cannot describe what these PNG files hold"]);
+    assert_says(&said, &["a manifest cannot describe the content of these PNG files"]);
 }
 
 #[test]

@@ -289,7 +289,7 @@ fn what_cannot_be_captured_is_refused_in_a_sentence() {
         ("capture courtyard --cameras empty.json -o out".into(), "JSON"),
         ("capture courtyard --cameras none.json -o out".into(), "at least one"),
         ("capture courtyard --cameras missing.json -o out".into(), "missing.json"),
-        ("capture courtyard --cameras late.json --frames 0-3 -o out".into(), "looks in the frames 5-9"),
+        ("capture courtyard --cameras late.json --frames 0-3 -o out".into(), "is defined for frames 5-9"),
         ("capture courtyard --cameras eye.json --size 30x30 -o out".into(), "aspect ratio 2"),
         ("capture scene.txt --position 0,0,0 -o out".into(), "scene.txt"),
         ("capture castle --position 0,0,0 -o out".into(), "castle"),
@@ -462,7 +462,7 @@ mod stopped {
         assert!(Command::new("kill").args(["-STOP", &first.id().to_string()]).status().unwrap().success());
         let second = command(&place, &["--resume"]).output().unwrap();
         assert!(Command::new("kill").args(["-CONT", &first.id().to_string()]).status().unwrap().success());
-        assert!(said(&second).contains("another lightfold is writing it"), "{}", said(&second));
+        assert!(said(&second).contains("another lightfold process is writing it"), "{}", said(&second));
         let mut words = String::new();
         std::io::Read::read_to_string(first.stderr.as_mut().unwrap(), &mut words).unwrap();
         assert!(first.wait().unwrap().success(), "{words}");

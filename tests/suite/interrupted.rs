@@ -240,7 +240,8 @@ fn two_encodes_of_one_output_refuse_each_other() {
     for more in [&[][..], &["--resume"]] {
         let second = place.run(more);
         assert_eq!(second.status.code(), Some(75));
-        let expected = "lightfold: out/a.lfold: another lightfold is writing it, in out/.a.lfold.partial; wait for it, or name \
+        let expected = "lightfold: out/a.lfold: another lightfold process is writing it, in out/.a.lfold.partial; \
+            wait for it, or name \
                         another file\n";
         assert_eq!(said(&second), expected);
     }
@@ -249,7 +250,7 @@ fn two_encodes_of_one_output_refuse_each_other() {
     fs::write(place.folder.path().join("whole.lfold"), &whole).unwrap();
     let pack =
         pack.current_dir(place.folder.path()).args(["pack", "whole.lfold", "-o", "out/a.lfold"]).output().unwrap();
-    assert!(said(&pack).contains("another lightfold is writing it"), "{}", said(&pack));
+    assert!(said(&pack).contains("another lightfold process is writing it"), "{}", said(&pack));
     signal(&child, "-KILL");
     end(child);
     place.finishes(&whole);

@@ -154,7 +154,7 @@ fn what_is_refused_writes_nothing() {
         ("quilt sizes/%04d.png -o q.png", "0001.png: this view has 4x3 pixels, and sizes/0000.png has 3x4"),
         ("quilt damaged -o q.png", "damaged/0.png: "),
         ("quilt a.txt -o q.png", "a.txt: views ending in .png or .exr were expected"),
-        ("quilt v --quilt 7x1 -o q.png", "--quilt 7x1 has 7 tiles, and there are 8 views"),
+        ("quilt v --quilt 7x1 -o q.png", "--quilt 7x1 has 7 tiles, but there are 8 views"),
         ("quilt v --quilt 0x1 -o q.png", "1 to 4096"),
         ("quilt v --quilt tablet -o q.png", "is neither a device (portrait, go, 16,"),
         ("quilt v -o q_qs8x6a0.75.png", "q_qs8x6a0.75.png: the name says 8x6 tiles, and the quilt has 4x2"),

@@ -338,7 +338,7 @@ fn frames_that_are_passed_over_are_told() {
     let words = noted("--camera path.json --size 16 --null");
     assert!(words.contains("skipping 45 frames of the cameras; the container has 0-2"), "{words}");
     let words = refused("render a.lfold --camera path.json --frames 0-2 --null", at);
-    assert!(words.contains("no camera looks in frame 0 of 0-2"), "{words}");
+    assert!(words.contains("no camera is defined for frame 0 of 0-2"), "{words}");
     assert!(noted("--reference captured --frames 2-9 --reference-probe 04").contains("of frames 2-9"));
 }
 

@@ -330,7 +330,7 @@ fn a_shard_that_changed_footage_stopped_is_resumed_after_another_scan() {
     render_again(at, "color", last, &mut random);
     refused(&shard(number, "-o a.lfold"), at);
     let said = refused(&shard(number, "--resume --psnr 30 -o a.lfold"), at);
-    assert!(said.contains("cannot go on") && said.contains("psnr"), "{said}");
+    assert!(said.contains("cannot resume") && said.contains("psnr"), "{said}");
     // With the file as it was scanned, the shard is resumed.
     fs::write(file(at, "color", last), before).unwrap();
     resumed("resuming after");

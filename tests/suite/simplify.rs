@@ -83,7 +83,7 @@ fn the_bytes_do_not_depend_on_the_number_of_threads() {
 fn what_cannot_be_kept_or_simplified_is_refused_and_nothing_is_written() {
     let folder = room();
     let cases = [
-        ("--triangles 4", "triangles: the least that would do is 12"),
+        ("--triangles 4", "triangles: the minimum is 12"),
         ("--area 0.5", "the budget of area"),
         ("--peak-overdraw 0.2", "peak overdraw"),
         ("--atlas 4", "an atlas of 4 texels a side"),

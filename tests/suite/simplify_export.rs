@@ -208,7 +208,7 @@ fn normals_and_material_have_the_texture_coordinates_of_light() {
 
     let other = room();
     let said = refused("simplify room --effort fast --gbuffer -o a.glb", other.path());
-    assert!(said.contains("--gbuffer needs normals or material"), "{said}");
+    assert!(said.contains("--gbuffer needs a capture with normals or material"), "{said}");
 }
 
 #[test]

@@ -367,7 +367,7 @@ fn budgets_of_simplify_are_swept_and_what_is_infeasible_is_no_failure() {
     let failed = report["failed"].as_array().unwrap();
     assert!(failed.len() == 2 && failed.iter().all(|point| point["is_infeasible"] == true), "{report}");
     let said = failed[0]["error"].as_str().unwrap();
-    assert!(said.contains("the least that would do is 12"), "{said}");
+    assert!(said.contains("the minimum is 12"), "{said}");
     let findings = report["findings"].as_array().unwrap();
     let verdict = |name: &str| findings.iter().find(|finding| finding["name"] == name).unwrap()["verdict"].clone();
     assert_ne!(verdict("triangles_close_cracks"), "not measured");
@@ -379,7 +379,7 @@ fn budgets_of_simplify_are_swept_and_what_is_infeasible_is_no_failure() {
     let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
     assert!(page.contains("triangles=4 atlas=96 effort=fast sizing=adaptive is infeasible"), "{page}");
     let all = refused("room --sweep triangles=2,4 --repeats 1 -o none -- --effort fast");
-    assert!(all.contains("the least that would do is 12"), "{all}");
+    assert!(all.contains("the minimum is 12"), "{all}");
 }
 
 /// A rendering sweep writes all files that its report names, including the page; a different kind of sweep into the same folder

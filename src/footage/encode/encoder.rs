@@ -18,8 +18,10 @@ use codec::monitor::{Monitor, Silent};
 
 /// Encodes frames from memory into a container.
 ///
-/// Add probes and streams first, then push frames; [`Self::finish`] encodes them. All streams start at the same frame; each may
-/// have its own number of frames. Frames are held until `finish`, at 4 bytes a pixel for depth and alpha, 6 for colour, 12 for
+/// Add probes and streams first, then push frames; [`Self::finish`] encodes them. All streams start at the same
+/// frame; each may
+/// have its own number of frames. Frames are held until `finish`, at 4 bytes a pixel for depth and alpha, 6 for
+/// colour, 12 for
 /// material.
 ///
 /// ```
@@ -94,7 +96,10 @@ impl Encoder {
     /// [`Error::Usage`] for a name that is in use, or has characters other than letters, digits, `.`, `_` and `-`.
     pub fn add_probe(&mut self, name: &str, pose: ProbePose) -> Result<usize> {
         if !is_probe_name(name) || self.source.probes.iter().any(|probe| probe.name == name) {
-            return Err(Error::Usage(format!("\"{name}\" is no new probe name of letters, digits, '.', '_' and '-'")));
+            return Err(Error::Usage(format!(
+                "\"{name}\" is not a new probe name of letters, digits, '.', '_' and \
+                '-'"
+            )));
         }
         let ProbePose { position, orientation, intrinsics } = pose;
         let frames = FrameRange { first: self.first_frame, last: self.first_frame };
@@ -112,7 +117,8 @@ impl Encoder {
     /// Adds a depth stream of images of `size` (width, height) pixels.
     ///
     /// # Errors
-    /// [`Error::Usage`] for an unknown probe, a second stream of the same kind and face, a cube face that is not square, or
+    /// [`Error::Usage`] for an unknown probe, a second stream of the same kind and face, a cube face that is not
+    /// square, or
     /// a mix of [`Face::View`] and cube faces.
     pub fn add_depth(&mut self, probe: usize, face: Face, size: [u32; 2]) -> Result<EncoderStream> {
         self.add_stream(probe, face, size, Frames::Depth(Vec::new()))
@@ -150,14 +156,14 @@ impl Encoder {
             return wrong("the probe is unknown");
         }
         if width == 0 || height == 0 || (face != Face::View && width != height) {
-            return wrong("cube faces are square, and no image is empty");
+            return wrong("cube faces must be square, and images must not be empty");
         }
         if groups.iter().any(|group| (group.faces == [Face::View]) != (face == Face::View)) {
-            return wrong("a container has cube faces or views, not both");
+            return wrong("a container cannot have both cube faces and views");
         }
         let kind = frames.kind();
         if groups.iter().any(|group| (group.kind, group.probe, &group.faces[..]) == (kind, probe, &[face])) {
-            return wrong("the probe has such a stream already");
+            return wrong("the probe already has such a stream");
         }
         let range = FrameRange { first: self.first_frame, last: self.first_frame };
         self.source.groups.push(SourceGroup { kind, probe, faces: vec![face], frames: range, width, height });
@@ -168,7 +174,8 @@ impl Encoder {
     /// Adds a frame of distances from the probe's centre in metres, row by row; +inf for the background.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a stream of another kind or a slice of another length; [`Error::Invalid`] for a depth that is NaN,
+    /// [`Error::Usage`] for a stream of another kind or a slice of another length; [`Error::Invalid`] for a depth
+    /// that is NaN,
     /// zero or negative.
     pub fn push_depth(&mut self, stream: EncoderStream, metres: &[f32]) -> Result<()> {
         let ([width, height], Some(Frames::Depth(frames))) = self.stream(stream) else { return Err(wrong_kind()) };
@@ -231,7 +238,8 @@ impl Encoder {
     /// Encodes all frames into `out`, front to back; returns `out` and the statistics of the encode.
     ///
     /// # Errors
-    /// [`Error::Usage`] for settings out of range, no stream, or a stream without frames; [`Error::Invalid`] for values that
+    /// [`Error::Usage`] for settings out of range, no stream, or a stream without frames; [`Error::Invalid`] for
+    /// values that
     /// cannot be coded; [`Error::Io`] if writing fails.
     pub fn finish<W: Write>(self, out: W) -> Result<(W, EncodeSummary)> {
         self.finish_monitored(out, &Silent)

@@ -96,7 +96,7 @@ impl ScanFile {
     pub fn read(path: &Path) -> Result<ScanFile> {
         let file = open_regular(path)?;
         let scan: ScanFile = serde_json::from_reader(std::io::BufReader::new(file))
-            .map_err(|error| Error::invalid(format!("this is no scan: {error}")).in_file(path))?;
+            .map_err(|error| Error::invalid(format!("this is not a scan: {error}")).in_file(path))?;
         let ascends = |pair: &[ScannedFrames]| pair[0].place() < pair[1].place();
         let message = match scan.lightfold_scan {
             VERSION if scan.parts.windows(2).all(ascends) => return Ok(scan),
@@ -127,7 +127,8 @@ impl ScanFile {
         Ok(segments(&order, shard)?.iter().map(|segment| segment.frames.count() * faces(segment)).sum())
     }
 
-    /// Scans the parts of a shard that are missing, and calls `save` after each. Returns the number of images read. The monitor
+    /// Scans the parts of a shard that are missing, and calls `save` after each. Returns the number of images read.
+    /// The monitor
     /// advances by one per image of the shard.
     pub fn scan(
         &mut self,
@@ -212,7 +213,7 @@ impl ScanFile {
     /// [`Error::Invalid`] for other footage, and for parts that cover the same frames but differ.
     pub fn merge(&mut self, other: ScanFile) -> Result<()> {
         if self.footage != other.footage {
-            return Err(Error::invalid("a scan of other footage or with other settings than the first one"));
+            return Err(Error::invalid("a scan of different footage or with different settings than the first one"));
         }
         self.is_unfinished = false;
         for part in other.parts {
@@ -284,7 +285,8 @@ pub fn probe_images(source: &dyn FrameSource, settings: &EncodeSettings, probes:
     groups.filter(|group| probes.contains(&group.group.probe)).map(|group| group.images()).sum()
 }
 
-/// Scans all frames of the given probes, for an encode of some of these frames. Returns no scans if near and far are given. The
+/// Scans all frames of the given probes, for an encode of some of these frames. Returns no scans if near and far are
+/// given. The
 /// monitor advances by one per image.
 pub fn scan_probes(
     source: &dyn FrameSource,

@@ -4,14 +4,17 @@ use std::io::{Stdout, stdout};
 
 use codec::error::{Error, Result};
 
-/// Returns standard output. Fails if it is closed: if a shell closes it by `>&-`, Rust opens the null device in its place,
+/// Returns standard output. Fails if it is closed: if a shell closes it by `>&-`, Rust opens the null device in its
+/// place,
 /// for reading and writing, and a result would be lost without an error. A user who discards a result opens the null device
 /// for writing only (`>/dev/null`).
 pub fn standard_output() -> Result<Stdout> {
     let out = stdout();
     match is_closed(&out) {
         true => Err(Error::Usage(
-            "standard output is closed, where a result goes: redirect it to a file or a pipe, or name a file".into(),
+            "standard output is closed, but the result is written to it: redirect it to a file or a pipe, or specify \
+            a file"
+                .into(),
         )),
         false => Ok(out),
     }

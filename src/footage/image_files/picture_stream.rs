@@ -76,7 +76,8 @@ pub struct FrameRate {
 impl FrameRate {
     const MAX_TERM: f64 = i32::MAX as f64;
 
-    /// Converts `fps`, above 0, to a fraction. Rates such as 23.976 and 29.97 become multiples of 1000/1001, the NTSC rates.
+    /// Converts `fps`, above 0, to a fraction. Rates such as 23.976 and 29.97 become multiples of 1000/1001, the
+    /// NTSC rates.
     pub fn of(fps: f64) -> FrameRate {
         let of_television = (fps * 1.001).round();
         let is_whole = fps.fract() == 0.0;
@@ -137,7 +138,8 @@ impl<W: Write> PictureStream<W> {
     /// Writes the next image.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the format cannot hold the image, or if its size or pixel format differs from that of the first image;
+    /// [`Error::Usage`] if the format cannot hold the image, or if its size or pixel format differs from that of the
+    /// first image;
     /// [`Error::Io`] if writing fails, for example because the reader closed the pipe.
     pub fn put(&mut self, picture: &CodePicture) -> Result<()> {
         let layout = (picture.size(), picture.pixel_format());
@@ -146,7 +148,8 @@ impl<W: Write> PictureStream<W> {
         if layout != (size, pixel_format) {
             let [other_width, other_height] = layout.0;
             return Err(Error::Usage(format!(
-                "a picture of {other_width}x{other_height} pixels follows one of {width}x{height}: a stream holds pictures of one size"
+                "a picture of {other_width}x{other_height} pixels follows one of {width}x{height}: all pictures of a \
+                stream must have the same size"
             )));
         }
         let rate = self.rate;
@@ -180,7 +183,7 @@ impl<W: Write> PictureStream<W> {
             }
             (StreamFormat::Y4m, None, _) => {
                 return Err(Error::Usage(
-                    "Y4M holds 8-bit colour, and depth has 16-bit codes: `stream_format` png or raw keeps them".into(),
+                    "Y4M stores 8-bit colour only, and depth has 16-bit codes: use `stream_format` png or raw".into(),
                 ));
             }
         }

@@ -1,4 +1,4 @@
-//! Joins parts in world space into one [`Mesh`], without triangles that rays cannot hit: those with a corner that is not finite,
+//! Joins parts in world space into one [`Mesh`], without triangles that rays cannot hit: those with a vertex that is not finite,
 //! and those without area.
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
@@ -51,7 +51,7 @@ impl LeftOut {
     }
 
     pub fn note(&self, notes: &mut Vec<String>) {
-        let why = ["with a corner that is not finite", "without area"];
+        let why = ["with a vertex that is not finite", "without area"];
         for (count, why) in [self.not_finite, self.no_area].into_iter().zip(why).filter(|(count, _)| *count > 0) {
             notes.push(format!("left out: {} {why}", counted(count as u64, "triangle")));
         }

@@ -14,7 +14,8 @@ use crate::mesh::{AxisBox, Bvh, Mesh, Ray};
 use crate::{Model, Play};
 use codec::error::{Error, Result};
 
-/// Number of rays that vote on whether a point is inside: an odd number, because a ray along an edge may give a wrong result.
+/// Number of rays that vote on whether a point is inside: an odd number, because a ray along an edge may give a
+/// wrong result.
 const VOTES: usize = 5;
 /// Thickness of the surface, as a fraction of the diagonal of the bounds.
 const BORDER: f64 = 1e-12;
@@ -34,7 +35,8 @@ impl ClosedMesh {
         Self::new(meshes).map_err(|error| error.in_file(path))
     }
 
-    /// Creates the union of the shells of all meshes; equal corners are merged. Fails if there are no triangles, or if an edge is
+    /// Creates the union of the shells of all meshes; equal corners are merged. Fails if there are no triangles, or
+    /// if an edge is
     /// open or its triangles have inconsistent orientations.
     pub fn new(meshes: Vec<Mesh>) -> Result<ClosedMesh> {
         let triangles: Vec<[DVec3; 3]> = meshes
@@ -44,7 +46,7 @@ impl ClosedMesh {
             .filter(|[a, b, c]| a != b && b != c && c != a)
             .collect();
         let Some(bounds) = AxisBox::around(triangles.iter().flatten().copied()) else {
-            return Err(Error::invalid("a region needs a closed mesh, and this has no triangles"));
+            return Err(Error::invalid("a region needs a closed mesh, and this mesh has no triangles"));
         };
         let (open, turned) = wrong_edges(&triangles);
         if open > 0 {
@@ -54,8 +56,8 @@ impl ClosedMesh {
         }
         if turned > 0 {
             return Err(Error::invalid(format!(
-                "a region needs a mesh whose faces all point outwards, and at {turned} edges of this one neighbours point to \
-                 different sides; turn them alike"
+                "a region needs a mesh whose faces all point outwards, and at {turned} edges of this one neighbours \
+                point to different sides: flip them"
             )));
         }
         let bvh = Bvh::new(triangles.iter().copied());
@@ -75,7 +77,8 @@ impl ClosedMesh {
         votes.count() > VOTES / 2
     }
 
-    /// Returns the winding number of the ray's origin; `None` if a triangle is within `border_m`. Coincident triangles are
+    /// Returns the winding number of the ray's origin; `None` if a triangle is within `border_m`. Coincident
+    /// triangles are
     /// counted separately.
     fn winding(&self, ray: &Ray, border_m: f64) -> Option<i64> {
         let mut winding = 0;

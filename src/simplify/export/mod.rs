@@ -39,7 +39,8 @@ enum SceneFormat {
 }
 
 impl Outputs {
-    /// Fails if the names do not determine the formats, or if two files have the same name. Can be called before the scene
+    /// Fails if the names do not determine the formats, or if two files have the same name. Can be called before the
+    /// scene
     /// exists.
     pub fn check(&self) -> Result<()> {
         self.format()?;
@@ -81,13 +82,14 @@ impl Outputs {
     }
 }
 
-/// Returns the bytes of all files, the scene first. If the scene has half floats, they are written to an EXR file of the scene's
+/// Returns the bytes of all files, the scene first. If the scene has half floats, they are written to an EXR file of
+/// the scene's
 /// name, and to the KTX2 file in place of codes.
 pub fn files(scene: &Scene, outputs: &Outputs) -> Result<Vec<OutputBytes>> {
     outputs.check()?;
     let mut beside = Vec::new();
     if outputs.scene == Path::new("-") && (scene.quads.light.is_some() || scene.surfaces.is_some()) {
-        return Err(Error::Usage("there are files beside the scene: give it a name, not -".into()));
+        return Err(Error::Usage("the scene has additional files: specify a file name instead of -".into()));
     }
     if let Some(light) = &scene.quads.light {
         beside.push(OutputBytes { path: outputs.beside("exr"), bytes: textures::exr(&scene.quads.texture, light)? });

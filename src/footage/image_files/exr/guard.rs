@@ -195,7 +195,7 @@ pub(super) fn check(opened: &Opened, wanted_bytes: u64, limits: &ReadLimits) -> 
     let mut total = 0u64;
     for header in opened.headers() {
         if header.deep {
-            return Err(Error::unsupported("deep EXR images are not read: flatten the image first"));
+            return Err(Error::unsupported("deep EXR images are not supported: flatten the image first"));
         }
         let tile = header.max_block_pixel_size();
         let display = header.shared_attributes.display_window.size;

@@ -74,7 +74,7 @@ pub fn read(
     let order = order.map(Vec::into_flattened);
     let most = order.as_ref().and_then(|order| order.iter().max());
     if let Some(most) = most.filter(|&&most| most as usize >= count) {
-        return Err(Error::invalid(format!("a triangle has corner {most}, where there are {count} corners")));
+        return Err(Error::invalid(format!("a triangle refers to vertex {most}, but there are {count}")));
     }
     let corners = order.as_ref().map_or(count, Vec::len);
     buffers.budget.take(corners as u64, 12, "triangles")?;
@@ -91,7 +91,8 @@ pub fn read(
     Ok(Some(Geometry { positions, normals, uvs, colors, triangles, material, targets, influences }))
 }
 
-/// Reads an application-specific attribute by its name without the underscore, one vector per corner; empty if there is none.
+/// Reads an application-specific attribute by its name without the underscore, one vector per corner; empty if there
+/// is none.
 pub fn application_vectors(primitive: &gltf::Primitive, name: &str, buffers: &mut Buffers) -> Result<Vec<Vec3>> {
     let count = primitive.get(&Semantic::Positions).map_or(0, |accessor| accessor.count());
     vectors(primitive.get(&Semantic::Extras(name.into())), count, name, buffers)
