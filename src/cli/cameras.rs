@@ -57,8 +57,8 @@ pub struct Args {
     /// Frames per second of glTF and USD [default: that of the container or dataset, else 24]
     #[arg(long, value_name = "FPS", value_parser = parse_positive)]
     pub fps: Option<f64>,
-    /// Picture size in pixels, height or width and height, written to transforms.json and COLMAP for cameras without
-    /// a size [default: 1080]
+    /// Picture size in pixels, height or width and height, written to transforms.json and COLMAP for cameras without a
+    /// size [default: 1080]
     #[arg(long, value_name = "N|WxH", value_parser = parse_size)]
     pub size: Option<(u32, Option<u32>)>,
     /// Report as JSON

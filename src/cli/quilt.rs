@@ -41,8 +41,8 @@ pub struct Args {
     /// Output picture, in the format of the views; - writes PNG to standard output
     #[arg(long, short, value_name = "QUILT")]
     pub output: PathBuf,
-    /// Columns and rows such as 8x6, or a device: portrait, go, 16, 16-portrait, 16-gen2, 32, 32-portrait, 32-gen2,
-    /// 65 [default: the device that matches the views, else a nearly square picture]
+    /// Columns and rows such as 8x6, or a device: portrait, go, 16, 16-portrait, 16-gen2, 32, 32-portrait, 32-gen2, 65
+    /// [default: the device that matches the views, else a nearly square picture]
     #[arg(long, value_name = "DEVICE|CxR")]
     pub quilt: Option<QuiltLayout>,
     /// Only views with these numbers, such as 0-47

@@ -33,8 +33,7 @@ pub struct OutputViews {
 }
 
 impl OutputViews {
-    /// Creates `count` views around a camera, whose aspect is that of the images if pixels are square. The focus is
-    /// a planar
+    /// Creates `count` views around a camera, whose aspect is that of the images if pixels are square. The focus is a planar
     /// distance in metres, above 0; `+inf` for parallel views.
     pub fn new(camera: Camera, size: [u32; 2], count: u32, spread: Spread, focus_m: f64) -> Result<OutputViews> {
         if !(1..=MAX_VIEWS).contains(&count) {
@@ -67,10 +66,8 @@ impl OutputViews {
         Ok(OutputViews { camera, size, offsets_m: (0..count).map(offset).collect(), focus_m })
     }
 
-    /// Returns the number of columns by which the window of a source in the middle is widened on each side: the
-    /// distance that
-    /// surfaces move between it and the views at the ends, at most half of the width. `columns_per_metre` is the
-    /// maximum over all
+    /// Returns the number of columns by which the window of a source in the middle is widened on each side: the distance that
+    /// surfaces move between it and the views at the ends, at most half of the width. `columns_per_metre` is the maximum over all
     /// pixels.
     pub fn wider_columns(&self, columns_per_metre: f64) -> u32 {
         ((columns_per_metre * 0.5 * self.baseline_m()).ceil() as u32).min(self.size[0] / 2)
@@ -90,8 +87,7 @@ impl OutputViews {
         OutputViews { offsets_m, ..self.clone() }
     }
 
-    /// Returns the views above each other at one position on the line, turned by 90°: from the highest down, with
-    /// the columns of
+    /// Returns the views above each other at one position on the line, turned by 90°: from the highest down, with the columns of
     /// upright pictures as rows, from right to left. `ups_m` are their heights in metres, in ascending order.
     pub fn column(&self, offset_m: f64, ups_m: &[f64]) -> Result<OutputViews> {
         let camera = self.camera(offset_m)?.turned();
@@ -127,8 +123,7 @@ impl OutputViews {
         f64::from(self.size[0]) / (2.0 * self.camera.half()[0])
     }
 
-    /// Returns the number of columns by which a surface at a planar distance moves per metre that the camera moves
-    /// to the right.
+    /// Returns the number of columns by which a surface at a planar distance moves per metre that the camera moves to the right.
     pub fn columns_per_metre(&self, depth_m: f64) -> f64 {
         self.focal_pixels() * (self.focus_m.recip() - depth_m.recip())
     }

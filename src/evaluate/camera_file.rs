@@ -26,8 +26,7 @@ pub struct CameraEntry {
     /// Target point; either this or `orientation` is required.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub look_at: Option<[f64; 3]>,
-    /// Unit quaternion x, y, z, w, which rotates a camera that looks along −Z with +Y up; either this or `look_at`
-    /// is required.
+    /// Unit quaternion x, y, z, w, which rotates a camera that looks along −Z with +Y up; either this or `look_at` is required.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation: Option<[f64; 4]>,
     /// Up direction, with `look_at`; +Y by default.

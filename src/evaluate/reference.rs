@@ -32,16 +32,14 @@ pub struct ReferenceImage {
 }
 
 impl ReferenceImage {
-    /// Returns the camera in a frame; the axes of a cube face are mirrored, as its image is. Outside the frames of a
-    /// moving
+    /// Returns the camera in a frame; the axes of a cube face are mirrored, as its image is. Outside the frames of a moving
     /// probe, returns the camera of the nearest frame.
     pub fn camera(&self, frame: u32) -> Camera {
         let after = self.cameras.partition_point(|(of, _)| *of <= frame);
         self.cameras[after.saturating_sub(1)].1
     }
 
-    /// Iterates over the cameras with their frames: one per frame of a moving probe, one for all frames of a static
-    /// probe.
+    /// Iterates over the cameras with their frames: one per frame of a moving probe, one for all frames of a static probe.
     pub fn cameras(&self) -> impl Iterator<Item = (FrameRange, Camera)> {
         let is_still = self.cameras.len() == 1;
         self.cameras.iter().map(move |&(frame, camera)| {
@@ -157,8 +155,7 @@ impl Reference {
         Ok(Reference { files, images, color: None, depth: None, material: None, normal: None })
     }
 
-    /// Returns the maximum error of distances relative to the distance: that of the codec of a container, 0 for a
-    /// dataset; `None`
+    /// Returns the maximum error of distances relative to the distance: that of the codec of a container, 0 for a dataset; `None`
     /// if the codec has no bound.
     pub fn relative_depth_error(&self) -> Option<f64> {
         match &self.files {

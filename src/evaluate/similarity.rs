@@ -162,8 +162,7 @@ impl Similarity {
         }
     }
 
-    /// Returns the RMS error of pixels near silhouettes of views divided by that of all other pixels; ghosting at
-    /// edges increases
+    /// Returns the RMS error of pixels near silhouettes of views divided by that of all other pixels; ghosting at edges increases
     /// it. `None` if there are no pixels near silhouettes, or if all others are exact.
     pub fn ghost_ratio(&self) -> Option<f64> {
         let mean = |error: &SquaredError| error.sum as f64 / error.samples as f64;
@@ -235,8 +234,7 @@ mod tests {
 
     const LINEAR: ToneMap = ToneMap { transfer: Transfer::Linear, exposure_ev: 0.0 };
 
-    /// Returns a gray image of 12x12 pixels of code `shown`, of which the first `holes` are holes, and its reference
-    /// of code
+    /// Returns a gray image of 12x12 pixels of code `shown`, of which the first `holes` are holes, and its reference of code
     /// `wanted` with material.
     fn pair(shown: u8, wanted: u8, holes: usize, material: &[[f32; 3]]) -> (RenderedImage, Truth) {
         let plane = |code: u8| Plane::filled(12, 12, [f32::from(code) / 255.0; 3]);

@@ -19,8 +19,7 @@ fn is_digest(value: &str) -> bool {
 pub struct Fingerprint(pub Vec<(String, String)>);
 
 impl Fingerprint {
-    /// Returns the version of the program and the hashes of the sources that determine its output: `SOURCES` of
-    /// packages.
+    /// Returns the version of the program and the hashes of the sources that determine its output: `SOURCES` of packages.
     pub fn of_program(sources: &[&str]) -> Vec<(&'static str, String)> {
         vec![("the version of lightfold", env!("CARGO_PKG_VERSION").to_owned()), (SOURCES, sources.join(" "))]
     }

@@ -30,8 +30,7 @@ use codec::streams::{CodecHeader, ColorFormat, DepthChunk, DepthCoding, DepthHea
 /// Maximum bytes of the codes of a predictive chunk, whose payload may be far smaller.
 const MAX_UNPACKED: u64 = 128 << 20;
 
-/// Returns an upper bound of the bytes that a chunk takes while it is prepared, without the overhead that every
-/// chunk has.
+/// Returns an upper bound of the bytes that a chunk takes while it is prepared, without the overhead that every chunk has.
 pub fn prepared_bytes(stream: &StreamInfo, entry: &ChunkEntry) -> u64 {
     match &stream.header {
         CodecHeader::Depth(DepthHeader { coding: DepthCoding::Predictive(_), .. }) | CodecHeader::Alpha(_) => {
@@ -63,8 +62,7 @@ impl Timeline {
         (Blend { keyframe, weight }, weight > 0 && keyframe + 1 == self.keyframes.len())
     }
 
-    /// Returns how many of a colour cell's `pixels` differ between a frame and the shown frame; all if no frame of
-    /// this chunk
+    /// Returns how many of a colour cell's `pixels` differ between a frame and the shown frame; all if no frame of this chunk
     /// is shown.
     pub fn changed_pixels(&self, frame: u32, shown: Option<u32>, pixels: u64) -> u64 {
         let Some(shown) = shown else { return pixels };
@@ -210,8 +208,7 @@ pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -
     Prepared { kernel: KernelOf::Codec, stream, records, boxes, weights: [0; 2], passes: 0, timeline }
 }
 
-/// Decodes a predictive chunk on the host, to boxes of the codes that each frame changes: every symbol depends on
-/// the previous
+/// Decodes a predictive chunk on the host, to boxes of the codes that each frame changes: every symbol depends on the previous
 /// ones, and a unit is a single substream. The codes may take at most `most_bytes` bytes.
 fn of_predictive(chunk: &PredictiveChunk, most_bytes: u64) -> Result<Prepared> {
     let (mut codes, mut boxes, mut records, mut pixels) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -266,8 +263,7 @@ pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
     }
 }
 
-/// Converts a chunk of the transform codec, which was parsed from `payload`: its header, then the substream of each
-/// region in
+/// Converts a chunk of the transform codec, which was parsed from `payload`: its header, then the substream of each region in
 /// whole words. Each frame that differs from the previous one has a record, which covers all regions.
 pub fn of_transform<S: Keyed>(
     chunk: &TransformChunk,

@@ -189,8 +189,7 @@ impl Capture {
         }
     }
 
-    /// Returns the maximum over all images of the number of pixels per unit of the plane at distance 1 from the
-    /// camera. An image
+    /// Returns the maximum over all images of the number of pixels per unit of the plane at distance 1 from the camera. An image
     /// without a camera counts as a face of a cube.
     pub fn pixels_per_unit(&self) -> f64 {
         let half = |image: &CaptureImage| image.camera.map_or(1.0, |camera| camera.half()[1]);

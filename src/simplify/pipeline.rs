@@ -273,8 +273,7 @@ pub fn texture(
     })
 }
 
-/// Returns the relative distance within which a tile counts as a sample's surface, which is at least the depth error
-/// of the
+/// Returns the relative distance within which a tile counts as a sample's surface, which is at least the depth error of the
 /// capture.
 fn solid_threshold(capture: &Capture, notes: &mut Vec<String>) -> f64 {
     match capture.relative_depth_error {

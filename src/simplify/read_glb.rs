@@ -57,7 +57,7 @@ fn read(bytes: &[u8], folder: Folder) -> Result<QuadScene> {
         let Some(paint) = paints.get(number) else { continue };
         let Material { base_texture: Some(own), unlit: true, .. } = &paint.material else {
             let notes: String = notes.iter().map(|note| format!("; {note}")).collect();
-            return Err(Error::invalid(format!("a primitive has no atlas as an unlit or emissive texture{notes}")));
+            return Err(Error::invalid(format!("a primitive has no atlas as the texture of an unlit material{notes}")));
         };
         let atlas = texture.get_or_insert_with(|| own.clone());
         if !Arc::ptr_eq(atlas, own) {

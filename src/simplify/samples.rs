@@ -69,8 +69,7 @@ pub struct SampleRules<'a> {
 }
 
 impl SampleRules<'_> {
-    /// Passes the samples of each image in turn to `take`, with the number of samples left out. The next image is
-    /// read in
+    /// Passes the samples of each image in turn to `take`, with the number of samples left out. The next image is read in
     /// parallel.
     pub fn of_all_images(
         &self,
@@ -83,8 +82,7 @@ impl SampleRules<'_> {
         overlapped(capture, monitor, read, |(samples, left_out)| take(samples, left_out))
     }
 
-    /// Passes the ends of the samples with surfaces of each image in turn to `take`, with the number of samples left
-    /// out. Colour
+    /// Passes the ends of the samples with surfaces of each image in turn to `take`, with the number of samples left out. Colour
     /// is not read.
     pub fn ends_of_all_images(
         &self,

@@ -33,8 +33,7 @@ const MIN_CELL_PIXELS: f64 = 4.0;
 pub(super) const SOLID_THRESHOLD: f64 = 0.01;
 /// Fraction of the budgets that selection reserves for gaps.
 const GAP_SHARE: f64 = 0.1;
-/// Maximum ratio of the energy with that reserve to the energy without it. Beyond this ratio errors are twice as
-/// large, which is
+/// Maximum ratio of the energy with that reserve to the energy without it. Beyond this ratio errors are twice as large, which is
 /// more visible than gaps. Errors below the solid threshold do not count.
 const GAP_ENERGY: f64 = 4.0;
 /// Divisor of the number of iterations that estimate the energy without the reserve.

@@ -70,8 +70,7 @@ pub struct Args {
     #[arg(long, value_name = "FPS", default_value = "24", value_parser = parse_fps)]
     pub fps: f64,
     /// Image size in pixels: side of a cube face, width of a panorama or height of a perspective image; or width and
-    /// height
-    /// [default: 512, for panoramas 2048]
+    /// height [default: 512, for panoramas 2048]
     #[arg(long, value_name = "N|WxH", value_parser = parse_size)]
     pub size: Option<(u32, Option<u32>)>,
     /// Projection [default: cube; perspective with --look-at or a camera file of decode]

@@ -33,8 +33,8 @@ pub struct Args {
     /// Input container, - for standard input
     #[arg(value_name = "IN.lfold", required_unless_present = "list_devices")]
     pub input: Option<PathBuf>,
-    /// Output: a folder for a dataset; for a single stream a pattern such as depth.%04d.exr, or - for standard
-    /// output; for point clouds a file or pattern ending in .ply
+    /// Output: a folder for a dataset; for a single stream a pattern such as depth.%04d.exr, or - for standard output;
+    /// for point clouds a file or pattern ending in .ply
     #[arg(long, short, value_name = "DIR", required_unless_present_any = ["null", "verify", "list_devices"])]
     pub output: Option<PathBuf>,
     /// Decode without writing output, to measure decoding time
@@ -63,8 +63,8 @@ pub struct Args {
     #[command(flatten)]
     pub memory: MemoryArgs,
     /// Image format. PNG stores 8-bit colour and 16-bit log codes of depth losslessly; colour with alpha is
-    /// unpremultiplied and rounded to 8 bits, and half-float colour is clipped to 8-bit sRGB. lightfield.json does
-    /// not describe depth codes in PNG; lightfold inspect prints the range that converts them to metres
+    /// unpremultiplied and rounded to 8 bits, and half-float colour is clipped to 8-bit sRGB. lightfield.json does not
+    /// describe depth codes in PNG; lightfold inspect prints the range that converts them to metres
     #[arg(long, value_parser = one_of(FORMATS), default_value = "exr")]
     pub format: FileFormat,
     /// Colour space of EXR files: linear, with these primaries [default: that of the source]. PNG files always have

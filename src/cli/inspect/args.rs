@@ -30,8 +30,8 @@ use footage::inspect::Inspection;
     lightfold inspect scene.glb\n  lightfold inspect manifest.json --json\n  lightfold inspect lightfield.json --check\n  lightfold inspect lightfield.json --check --depth-kind planar --json"
 )]
 pub struct Args {
-    /// Container, - for standard input; scene, as for capture; Seurat manifest; with --check a lightfield.json or
-    /// its folder
+    /// Container, - for standard input; scene, as for capture; Seurat manifest; with --check a lightfield.json or its
+    /// folder
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     #[command(flatten)]

@@ -115,9 +115,8 @@ pub struct Args {
     /// 512]
     #[arg(long, value_name = "N|WxH", value_parser = parse_size, conflicts_with = "probe")]
     pub size: Option<(u32, Option<u32>)>,
-    /// Columns and rows of a quilt such as 8x6, or a device: portrait, go, 16, 16-portrait, 16-gen2, 32,
-    /// 32-portrait, 32-gen2, 65
-    /// [default: the device that matches the views, else a nearly square picture]
+    /// Columns and rows of a quilt such as 8x6, or a device: portrait, go, 16, 16-portrait, 16-gen2, 32, 32-portrait,
+    /// 32-gen2, 65 [default: the device that matches the views, else a nearly square picture]
     #[arg(long, value_name = "DEVICE|CxR")]
     pub quilt: Option<QuiltLayout>,
     /// Colour samples per pixel: on a grid if a square number, else Hammersley points; for containers a square number
@@ -152,15 +151,15 @@ pub struct Args {
     /// Maximum number of source views in hierarchical acquisition
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_VIEWS)))]
     pub max_sources: u32,
-    /// Draw runs of pixels as one primitive if their disparities over the baseline differ by at most this many
-    /// pixels; 0 disables coalescing
+    /// Draw runs of pixels as one primitive if their disparities over the baseline differ by at most this many pixels;
+    /// 0 disables coalescing
     #[arg(long, value_name = "PX", default_value_t = 0.0, value_parser = parse_not_negative)]
     pub coalesce: f64,
     /// Coalesce runs whose distances differ by at most this many metres; the error in pixels is unbounded
     #[arg(long, value_name = "M", value_parser = parse_not_negative, conflicts_with = "coalesce")]
     pub coalesce_depth: Option<f64>,
-    /// Remove the last layer from the next frame if it covers less than LEAST percent of output pixels, and add a
-    /// layer if more than MOST
+    /// Remove the last layer from the next frame if it covers less than LEAST percent of output pixels, and add a layer
+    /// if more than MOST
     #[arg(long, value_name = "LEAST,MOST", value_parser = parse_reduction)]
     pub reduce_layers: Option<LayerReduction>,
     /// Number of ambient occlusion rays per shaded point; 0 disables ambient occlusion
@@ -197,9 +196,9 @@ pub struct Args {
     /// --cameras`
     #[arg(long, value_name = "FILE.json")]
     pub cameras_out: Option<PathBuf>,
-    /// Output: a pattern such as views/%04d.png or views/%04d.exr for views, or one file for a quilt; columns, rows
-    /// and aspect are appended to its name. With --frames, %04d is the frame: %V/v.%04d.png for views, q.%04d.png
-    /// for quilts
+    /// Output: a pattern such as views/%04d.png or views/%04d.exr for views, or one file for a quilt; columns, rows and
+    /// aspect are appended to its name. With --frames, %04d is the frame: %V/v.%04d.png for views, q.%04d.png for
+    /// quilts
     #[arg(long, short, value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// Render without writing output
@@ -213,8 +212,8 @@ pub struct Args {
     pub device: Option<DeviceChoice>,
     #[command(flatten)]
     pub gpu: GpuIndex,
-    /// Rasterize source views (all views with --brute-force) on the device instead of casting rays; edges may shift
-    /// by a fraction of a pixel
+    /// Rasterize source views (all views with --brute-force) on the device instead of casting rays; edges may shift by
+    /// a fraction of a pixel
     #[arg(long)]
     pub rasterize: bool,
     #[command(flatten)]

@@ -36,9 +36,9 @@ pub fn parse_aspect(text: &str) -> Result<f64, String> {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "View")]
 pub struct CameraArgs {
-    /// Camera file, - for standard input; repeatable. Formats: lightfold, files of place and interpolate
-    /// --cameras-out, probes of a container or dataset, nerfstudio transforms.json, glTF, USD text (.usda), or a
-    /// COLMAP folder with cameras.txt and images.txt; see lightfold cameras
+    /// Camera file, - for standard input; repeatable. Formats: lightfold, files of place and interpolate --cameras-out,
+    /// probes of a container or dataset, nerfstudio transforms.json, glTF, USD text (.usda), or a COLMAP folder with
+    /// cameras.txt and images.txt; see lightfold cameras
     #[arg(long, value_name = "FILE")]
     pub camera: Vec<PathBuf>,
     /// Position of a camera in metres

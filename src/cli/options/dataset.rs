@@ -21,8 +21,8 @@ pub struct DatasetArgs {
     pub missing: MissingArgs,
     #[command(flatten)]
     pub frames: FrameArgs,
-    /// Colour space of the input [default: from the manifest, else linear light with the chromaticities of the file
-    /// for EXR, sRGB for PNG]
+    /// Colour space of the input [default: from the manifest, else linear light with the chromaticities of the file for
+    /// EXR, sRGB for PNG]
     #[arg(long, value_parser = one_of(COLOR_SPACES), help_heading = "Colour")]
     pub color_space: Option<ColorSpace>,
     // Groups with headings come last: a heading continues until the next one.

@@ -132,13 +132,13 @@ pub struct ModelArgs {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DepthStepArgs {
-    /// Depth window W: decoders may skip up to W − 1 frames, because pixels are updated if they differ from any of
-    /// the W previous frames; for quadtree, aabb and material
+    /// Depth window W: decoders may skip up to W − 1 frames, because pixels are updated if they differ from any of the
+    /// W previous frames; for quadtree, aabb and material
     #[arg(long, value_name = "W", default_value_t = TemporalSettings::default().window,
         value_parser = clap::value_parser!(u8).range(1..))]
     pub depth_window: u8,
-    /// Update a pixel only if its depth changed by more than this, in 16-bit log codes; adds to --max-error. With
-    /// aabb this is the maximum error, and 0 is lossless [default: 0]
+    /// Update a pixel only if its depth changed by more than this, in 16-bit log codes; adds to --max-error. With aabb
+    /// this is the maximum error, and 0 is lossless [default: 0]
     #[arg(long, alias = "epsilon", value_name = "CODES")]
     pub update_threshold: Option<u16>,
 }
@@ -150,8 +150,7 @@ pub struct DepthUnitArgs {
     #[arg(long, value_name = "FRAMES", default_value_t = TemporalSettings::default().keyframe_interval,
         value_parser = clap::value_parser!(u32).range(1..))]
     pub keyframe_interval: u32,
-    /// Width and height of a tile in pixels, rounded up to a multiple of 8 [default: half of the face, 128 for
-    /// predictive]
+    /// Width and height of a tile in pixels, rounded up to a multiple of 8 [default: half of the face, 128 for predictive]
     #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(1..=16384))]
     pub depth_tile: Option<u32>,
     /// Tiles along each side of a face: the older form of --depth-tile
@@ -172,8 +171,8 @@ pub struct DepthUnitArgs {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct BoundArgs {
-    /// Pack quadtrees of the intermediate form with this maximum error: in percent of the distance, such as 0.4%, or
-    /// in 16-bit log codes, where 0 is lossless
+    /// Pack quadtrees of the intermediate form with this maximum error: in percent of the distance, such as 0.4%, or in
+    /// 16-bit log codes, where 0 is lossless
     #[arg(long, alias = "error", value_name = "SHARE%|CODES", group = "bound", value_parser = parse_bound)]
     pub max_error: Option<ErrorBound>,
     /// The older form of --max-error SHARE%.

@@ -23,8 +23,8 @@ pub struct OutputArgs {
 
 #[derive(Debug, Clone, Args)]
 pub struct StoreArgs {
-    /// Compress chunks with LZMA2, level 0 (fast) to 9 (small); colour of the transform codec is already
-    /// entropy-coded and hardly shrinks [default level: 6]
+    /// Compress chunks with LZMA2, level 0 (fast) to 9 (small); colour of the transform codec is already entropy-coded
+    /// and hardly shrinks [default level: 6]
     #[arg(long, value_name = "LEVEL", num_args = 0..=1, require_equals = true, default_missing_value = "6",
         value_parser = clap::value_parser!(u32).range(0..=9))]
     pub lzma2: Option<u32>,
@@ -44,8 +44,8 @@ pub struct StoreArgs {
 
 #[derive(Debug, Clone, Copy, Args)]
 pub struct MemoryArgs {
-    /// Memory limit of the process, such as 512M, 2G or 1.5GiB. It does not change the result; commands that need
-    /// more fail [default: built-in limits]
+    /// Memory limit of the process, such as 512M, 2G or 1.5GiB. It does not change the result; commands that need more
+    /// fail [default: built-in limits]
     #[arg(long, value_name = "SIZE")]
     pub memory: Option<Budget>,
 }
@@ -66,8 +66,8 @@ impl MemoryArgs {
 pub struct EncodeOutputArgs {
     #[command(flatten)]
     pub container: OutputArgs,
-    /// Resume an interrupted encode of this output after its last complete chunk with the same options; start over
-    /// if there is none
+    /// Resume an interrupted encode of this output after its last complete chunk with the same options; start over if
+    /// there is none
     #[arg(long)]
     pub resume: bool,
 }

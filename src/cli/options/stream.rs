@@ -19,8 +19,8 @@ const STREAM_FORMATS: &Choices<StreamFormat> = &[
 
 #[derive(Debug, Clone, Copy, Args)]
 pub struct StreamArgs {
-    /// Format of pictures on standard output (-o -). y4m stores the frame rate of the container. png does not:
-    /// ffmpeg assumes 25 unless -framerate is given. raw starts with a line of text such as "width=640 height=480
+    /// Format of pictures on standard output (-o -). y4m stores the frame rate of the container. png does not: ffmpeg
+    /// assumes 25 unless -framerate is given. raw starts with a line of text such as "width=640 height=480
     /// pixel_format=rgb24 fps=24/1", followed by codes row by row: 8-bit red, green and blue, or 16-bit depth
     /// (gray16le). y4m and raw have no alpha; colour is composited over black [default: png]
     #[arg(long, value_name = "FORMAT", value_parser = one_of(STREAM_FORMATS))]

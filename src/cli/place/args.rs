@@ -49,8 +49,8 @@ pub struct Args {
     /// with --cameras]
     #[arg(long, value_name = "GAIN", value_parser = options::parse_share)]
     pub until: Option<f64>,
-    /// Place N cameras evenly in the free part of the region (Hammersley points) instead of searching, and report
-    /// their coverage
+    /// Place N cameras evenly in the free part of the region (Hammersley points) instead of searching, and report their
+    /// coverage
     #[arg(long, alias = "spread", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000), conflicts_with_all = ["cameras", "until"])]
     pub uniform: Option<u32>,
     /// Start with the cameras of this file or lightfield.json, and write them first; --cameras 0 only measures their
@@ -60,8 +60,8 @@ pub struct Args {
     /// Reflection of the surfaces
     #[arg(long, value_parser = one_of(LIGHTINGS), default_value = "diffuse")]
     pub lighting: Lighting,
-    /// Angle between directions that see the same reflection, for specular lighting [default: 50]; angles below 1
-    /// need --cameras
+    /// Angle between directions that see the same reflection, for specular lighting [default: 50]; angles below 1 need
+    /// --cameras
     #[arg(long, value_name = "DEGREES", value_parser = parse_theta)]
     pub theta: Option<f64>,
     /// Minimum distance of viewers from surfaces in metres [default: 5% of the region's diagonal]
@@ -83,8 +83,7 @@ pub struct Args {
     /// Frames per second [default: 24]
     #[arg(long, value_name = "N", value_parser = parse_positive)]
     pub fps: Option<f64>,
-    /// Search effort: 256 candidates and 2048 surface samples, 1024 and 8192, or 4096 and 32768 with plain greedy
-    /// search; up
+    /// Search effort: 256 candidates and 2048 surface samples, 1024 and 8192, or 4096 and 32768 with plain greedy search; up
     /// to 4, 16 or 64 frames of an animation
     #[arg(long, value_parser = one_of(EFFORTS), default_value = "normal")]
     pub effort: Effort,

@@ -71,8 +71,8 @@ pub struct Args {
     /// Input container, - for standard input; or a scene written by simplify (.glb)
     #[arg(value_name = "IN.lfold", required_unless_present = "list_devices")]
     pub input: Option<PathBuf>,
-    /// Output: an image ending in .png or .exr, a pattern such as view.%04d.png (%V is left or right), a folder for
-    /// PNG files, or - for a picture stream on standard output
+    /// Output: an image ending in .png or .exr, a pattern such as view.%04d.png (%V is left or right), a folder for PNG
+    /// files, or - for a picture stream on standard output
     #[arg(long, short, value_name = "OUT",
         required_unless_present_any = ["null", "list_devices", "contact_sheet", "trace", "reference"])]
     pub output: Option<PathBuf>,

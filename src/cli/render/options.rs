@@ -84,8 +84,8 @@ pub struct ProjectionArgs {
     /// Projection of pictures; the camera defines the eye and the direction of the picture centre
     #[arg(long, value_parser = one_of(PROJECTIONS), default_value = "perspective", conflicts_with = "reference")]
     pub projection: PictureProjection,
-    /// Render two eyes into one picture, or into separate files if OUT has %V. For equirect and vr180 the eyes
-    /// rotate with longitude (omnidirectional stereo)
+    /// Render two eyes into one picture, or into separate files if OUT has %V. For equirect and vr180 the eyes rotate
+    /// with longitude (omnidirectional stereo)
     #[arg(long, value_name = "LAYOUT", value_parser = one_of(STEREO_LAYOUTS), conflicts_with = "reference")]
     pub stereo: Option<StereoLayout>,
     /// Distance between the eyes in metres [default: 0.063]
@@ -244,8 +244,8 @@ pub struct MarchArgs {
     /// End of rays in metres from the eye [default: unlimited]
     #[arg(long, value_name = "M", value_parser = parse_metres)]
     pub far: Option<f64>,
-    /// Cast N x N rays per pixel; from N = 3 on, only 5 where these show no edge. For simplified scenes, N x N
-    /// samples [default: 1; with --method z-buffer 2]
+    /// Cast N x N rays per pixel; from N = 3 on, only 5 where these show no edge. For simplified scenes, N x N samples
+    /// [default: 1; with --method z-buffer 2]
     #[arg(long, value_name = "N", default_value_t = 1, hide_default_value = true, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub samples: u32,
     /// Acceleration of ray marching
@@ -263,8 +263,8 @@ pub struct MarchArgs {
     /// Display of background, which are directions in which no probe saw a surface
     #[arg(long, value_parser = one_of(BACKGROUNDS), default_value = "opaque")]
     pub background: BackgroundFill,
-    /// Refinements of the CALF paper, joined by +: angles (weights of probes by angle and resolution), edges
-    /// (coverage between texels), thin (surfaces thinner than texels); or all or none
+    /// Refinements of the CALF paper, joined by +: angles (weights of probes by angle and resolution), edges (coverage
+    /// between texels), thin (surfaces thinner than texels); or all or none
     #[arg(long, value_name = "LIST", value_parser = parse_refinements, default_value = "all")]
     pub refinements: Refinements,
     /// Additional channels of EXR images, from the ray through the pixel centre
@@ -290,8 +290,8 @@ pub struct ViewArgs {
     /// Priority of probes
     #[arg(long, value_parser = one_of(VIEW_PRIORITIES), default_value = "distance")]
     pub view_priority: ViewPriority,
-    /// Reference point of --view-priority angle in metres, at which the angles between probes and the eye are
-    /// measured [default: the centre of all probes]
+    /// Reference point of --view-priority angle in metres, at which the angles between probes and the eye are measured
+    /// [default: the centre of all probes]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     pub pivot: Option<DVec3>,
     /// Cull a probe if it is within this angle, seen from the eye, of a probe of higher priority

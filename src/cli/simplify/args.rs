@@ -64,12 +64,12 @@ pub struct Args {
     /// Maximum side of the texture atlas in texels
     #[arg(long, value_name = "TEXELS", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(4..=16_384))]
     pub atlas: u32,
-    /// Texels per degree of view before textures are fitted to the atlas; reduced if quads of the full area would
-    /// need more than two atlases [default: twice the pixels per degree of the capture]
+    /// Texels per degree of view before textures are fitted to the atlas; reduced if quads of the full area would need
+    /// more than two atlases [default: twice the pixels per degree of the capture]
     #[arg(long, value_name = "P", value_parser = parse_positive)]
     pub pixels_per_degree: Option<f64>,
-    /// Viewing region, which must not contain surfaces: x0,y0,z0,x1,y1,z1 (two corners in metres), sphere:x,y,z,r,
-    /// or a file with a closed mesh; repeatable, for a union [default: the bounding box of the cameras]
+    /// Viewing region, which must not contain surfaces: x0,y0,z0,x1,y1,z1 (two corners in metres), sphere:x,y,z,r, or a
+    /// file with a closed mesh; repeatable, for a union [default: the bounding box of the cameras]
     #[arg(long, value_name = "BOX|SPHERE|MESH", allow_hyphen_values = true)]
     pub region: Vec<String>,
     /// Representation of background
@@ -81,8 +81,8 @@ pub struct Args {
     /// Frame to simplify [default: the first]
     #[arg(long, value_name = "N")]
     pub frames: Option<u32>,
-    /// Search effort: number of candidate tiles for each part of the scene and precision of their planes; fast
-    /// traces a quarter of the rays
+    /// Search effort: number of candidate tiles for each part of the scene and precision of their planes; fast traces a
+    /// quarter of the rays
     #[arg(long, value_parser = one_of(EFFORTS), default_value = "normal")]
     pub effort: Effort,
     /// Partition of the sphere into cells with separate quads
@@ -107,8 +107,8 @@ pub struct Args {
     /// Also compare pictures of the scene with the images of this dataset
     #[arg(long, value_name = "DATASET")]
     pub held_out: Option<PathBuf>,
-    /// Write charts and pictures into this folder: convergence of the selection, durations of stages, the worst
-    /// images with their errors, and the view with the most overdraw
+    /// Write charts and pictures into this folder: convergence of the selection, durations of stages, the worst images
+    /// with their errors, and the view with the most overdraw
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
     /// Compare pictures of the scene with the input, and print durations and counters of all stages

@@ -56,8 +56,8 @@ pub struct Args {
     /// Predefined sweeps: those of the figures in the papers, or the same with few values
     #[arg(long, value_name = "NAME", value_parser = one_of(PRESETS))]
     pub preset: Option<Preset>,
-    /// Output folder for tradeoff.csv, tradeoff.json, charts and index.html; files of other sweeps are named
-    /// rendering, simplification or placement
+    /// Output folder for tradeoff.csv, tradeoff.json, charts and index.html; files of other sweeps are named rendering,
+    /// simplification or placement
     #[arg(long, short, value_name = "DIR", default_value = "lightfold-tradeoff")]
     pub output: PathBuf,
     /// Replace results of other footage, options, machines or versions of lightfold in DIR, instead of failing

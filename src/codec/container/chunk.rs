@@ -74,8 +74,7 @@ impl ChunkEntry {
         Ok(entry)
     }
 
-    /// Fails unless the chunk lies between the head and `end`, and its sizes are plausible; `start` is the offset of
-    /// the row.
+    /// Fails unless the chunk lies between the head and `end`, and its sizes are plausible; `start` is the offset of the row.
     pub(super) fn check(&self, fields: &Fields<'_>, start: u64, end: u64) -> Result<()> {
         let ChunkEntry { offset, stored_bytes, raw_bytes, .. } = *self;
         let inside =

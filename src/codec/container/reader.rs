@@ -124,8 +124,7 @@ impl Reader {
         }
     }
 
-    /// Reads the foot at the end of the file. If the foot lies before the end, the error states the number of bytes
-    /// after it.
+    /// Reads the foot at the end of the file. If the foot lies before the end, the error states the number of bytes after it.
     fn read_foot(&self) -> Result<Foot> {
         let start = self.file_bytes - FOOT_BYTES as u64;
         Foot::read(&self.read_at(start, FOOT_BYTES as u64, Vec::new())?, self.file_bytes).map_err(|error| {

@@ -202,8 +202,7 @@ pub fn find_named(names: &[ChannelName], wanted: &str) -> Result<usize> {
     named(names, wanted, OTHER_KEY)?.ok_or_else(|| none_of_that_name(names, wanted, "channel"))
 }
 
-/// Returns the channels of a layer or part, with their names in that layer, and their indices in `names`. If there
-/// is no such
+/// Returns the channels of a layer or part, with their names in that layer, and their indices in `names`. If there is no such
 /// layer or part, returns the channels of the stereo view called `wanted`, with the view removed from their names.
 fn inside(names: &[ChannelName], wanted: &str) -> (Vec<usize>, Vec<ChannelName>) {
     let of_layer = |channel: &ChannelName| {
@@ -245,8 +244,7 @@ pub fn find_alpha(names: &[ChannelName], red: usize) -> Option<usize> {
     names.iter().position(is_alpha)
 }
 
-/// Returns the index of the alpha channel: the one that `select` names, else the one in the layer of colour, and in
-/// a file
+/// Returns the index of the alpha channel: the one that `select` names, else the one in the layer of colour, and in a file
 /// without colour the only channel `A`.
 pub fn find_alpha_channel(names: &[ChannelName], select: &ChannelSelect, color: &ChannelSelect) -> Result<usize> {
     if let ChannelSelect::Named(wanted) = select {
@@ -264,8 +262,7 @@ pub fn find_alpha_channel(names: &[ChannelName], select: &ChannelSelect, color: 
     })
 }
 
-/// Returns the indices of red, green and blue of a rendered image. No setting names its channels, so errors mention
-/// none.
+/// Returns the indices of red, green and blue of a rendered image. No setting names its channels, so errors mention none.
 pub fn find_picture_color(names: &[ChannelName]) -> Result<[usize; 3]> {
     find_color(names, &ChannelSelect::Auto).map_err(|_| {
         Error::invalid(format!("one picture with channels R, G and B was expected; the channels are: {}", list(names)))

@@ -43,8 +43,7 @@ impl Primaries {
     /// SMPTE EG 432-1 with D65 white.
     pub const P3_D65: Primaries = Primaries { red: [0.68, 0.32], green: [0.265, 0.69], blue: [0.15, 0.06], white: D65 };
 
-    /// Creates primaries from red x, red y, green x, and so on to white y, the order of files. Fails if the
-    /// chromaticities span
+    /// Creates primaries from red x, red y, green x, and so on to white y, the order of files. Fails if the chromaticities span
     /// no gamut.
     pub fn from_array(values: [f32; 8]) -> Result<Primaries> {
         let [red, green, blue, white] = [0, 2, 4, 6].map(|at| [values[at], values[at + 1]]);
@@ -81,8 +80,7 @@ impl Primaries {
         Some(LightMatrix(to.inverse() * adapt * from))
     }
 
-    /// Returns the matrix from RGB to XYZ. Its columns are the XYZ of red, green and blue; they sum to white with Y
-    /// = 1.
+    /// Returns the matrix from RGB to XYZ. Its columns are the XYZ of red, green and blue; they sum to white with Y = 1.
     fn to_xyz(self) -> Option<DMat3> {
         let columns = DMat3::from_cols(xyz(self.red)?, xyz(self.green)?, xyz(self.blue)?);
         if columns.determinant().abs() < 1e-9 {

@@ -74,8 +74,7 @@ impl FromStr for FrameRange {
 /// A file name pattern with a field for the frame number.
 ///
 /// Fields are `%d` and `%04d`; n `#` for n digits (a single `#` for four); n `@` for n digits; `$F`, `$F4` and `${F4}` as in
-/// Houdini; `<frame>`, `<frame04>`, `<f>` and `<f4>`. Without a width, the number is not padded. A pattern has at
-/// most one field,
+/// Houdini; `<frame>`, `<frame04>`, `<f>` and `<f4>`. Without a width, the number is not padded. A pattern has at most one field,
 /// in the file name. `%%` is a percent sign. Numbers longer than the width are written in full.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
@@ -249,8 +248,7 @@ fn percent_field(text: &str) -> Option<(usize, usize)> {
     }
 }
 
-/// Parses a `$F4`, `${F4}`, `<frame04>` or `<f4>` at the start of the text; returns its number of digits and its
-/// length.
+/// Parses a `$F4`, `${F4}`, `<frame04>` or `<f4>` at the start of the text; returns its number of digits and its length.
 fn named_field(text: &str) -> Option<(usize, usize)> {
     let (name, used) = if let Some(name) = text.strip_prefix("$F") {
         let digits = name.bytes().take_while(u8::is_ascii_digit).count();
@@ -282,8 +280,7 @@ pub struct Sequence {
 }
 
 impl Sequence {
-    /// Finds the files of `spec`: a pattern, a folder with one sequence of .exr or .png files, or one file. The
-    /// range defaults to
+    /// Finds the files of `spec`: a pattern, a folder with one sequence of .exr or .png files, or one file. The range defaults to
     /// the first and last file on disk. Fails if the file of a frame is missing.
     pub fn find(spec: &str, frames: Option<FrameRange>) -> Result<Sequence> {
         let sequence = Sequence::find_with_gaps(spec, frames)?;
@@ -330,8 +327,7 @@ impl Sequence {
         Sequence { pattern, frames }
     }
 
-    /// Returns the frames of the range whose file exists, ascending, found by listing the folder. The time is
-    /// proportional to
+    /// Returns the frames of the range whose file exists, ascending, found by listing the folder. The time is proportional to
     /// their number, not to the length of the range.
     pub fn frames_there(&self, folders: &mut FolderNames) -> Result<Vec<u32>> {
         let is_there = |frame: &u32| self.path(*frame).is_file();

@@ -92,8 +92,7 @@ impl Camera {
         Self::new(eye, [DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y].map(|axis| turn * axis), lens)
     }
 
-    /// Returns a camera with the axes forward, right and down. With mirrored axes, such as those of cube faces, it
-    /// has no
+    /// Returns a camera with the axes forward, right and down. With mirrored axes, such as those of cube faces, it has no
     /// [`Camera::orientation`].
     pub fn with_axes(eye: DVec3, axes: [DVec3; 3], lens: Lens) -> Result<Camera> {
         check_finite("eye", eye)?;
@@ -107,8 +106,7 @@ impl Camera {
         Self::new(eye, axes, lens)
     }
 
-    /// Returns a pinhole camera from axes as of [`Self::with_axes`], width and height of the image, and fx, fy, cx,
-    /// cy, all
+    /// Returns a pinhole camera from axes as of [`Self::with_axes`], width and height of the image, and fx, fy, cx, cy, all
     /// in pixels.
     pub fn pinhole(eye: DVec3, axes: [DVec3; 3], size: [f64; 2], [fx, fy, cx, cy]: [f64; 4]) -> Result<Camera> {
         let [width, height] = size;
@@ -117,8 +115,7 @@ impl Camera {
         Camera::with_window(eye, axes, half, middle)
     }
 
-    /// Returns a camera from axes as of [`Self::with_axes`], half the width and half the height of its image at
-    /// distance 1,
+    /// Returns a camera from axes as of [`Self::with_axes`], half the width and half the height of its image at distance 1,
     /// and the centre of the image at distance 1, to the right and down.
     pub fn with_window(eye: DVec3, axes: [DVec3; 3], half: [f64; 2], middle: [f64; 2]) -> Result<Camera> {
         let lens = Lens { aspect: half[0] / half[1], ..Lens::new(2.0 * half[1].atan().to_degrees()) };
@@ -178,8 +175,7 @@ impl Camera {
         Window { u: edges(0), v: edges(1) }
     }
 
-    /// Returns the camera with an off-axis window: `middle` is the centre of the image at distance 1, to the right
-    /// and down.
+    /// Returns the camera with an off-axis window: `middle` is the centre of the image at distance 1, to the right and down.
     pub fn off_axis(self, middle: [f64; 2]) -> Result<Camera> {
         match middle.iter().all(|at| at.is_finite()) {
             true => Ok(Camera { middle, ..self }),
@@ -194,8 +190,7 @@ impl Camera {
         (turn != DQuat::IDENTITY).then(|| turn.to_array())
     }
 
-    /// Returns the panorama of `longitudes_deg` degrees of longitude, above 0 and up to 360, around the viewing
-    /// direction,
+    /// Returns the panorama of `longitudes_deg` degrees of longitude, above 0 and up to 360, around the viewing direction,
     /// and of all latitudes. The eye is `offset_m` metres to the right of each direction.
     #[must_use]
     pub fn as_panorama(self, longitudes_deg: f64, offset_m: f64) -> Camera {
@@ -212,8 +207,7 @@ impl Camera {
         self.panorama.is_some_and(|panorama| panorama.offset_m != 0.0)
     }
 
-    /// Returns column `at` of the `of` columns of a panorama, seen from the eye of its centre. The column's image is
-    /// a row:
+    /// Returns column `at` of the `of` columns of a panorama, seen from the eye of its centre. The column's image is a row:
     /// up to down becomes left to right. Other cameras are returned unchanged.
     #[must_use]
     pub fn column(&self, at: u32, of: u32) -> Camera {
@@ -226,8 +220,7 @@ impl Camera {
         Camera { eye: self.eye + offset_m * beside, panorama, ..*self }
     }
 
-    /// Returns six cameras of 90 degrees with the same eye: right, left, up, down, front and back. The lower edge of
-    /// up and
+    /// Returns six cameras of 90 degrees with the same eye: right, left, up, down, front and back. The lower edge of up and
     /// the upper edge of down meet front.
     pub fn cube(&self) -> [Camera; 6] {
         let [forward, right, down] = self.axes;
@@ -255,8 +248,7 @@ impl Camera {
         (forward + at(0, x) * right + at(1, y) * down).normalize()
     }
 
-    /// Projects a point relative to the eye. Returns its position in the image, 0 to 1 as for [`Self::direction`],
-    /// and its
+    /// Projects a point relative to the eye. Returns its position in the image, 0 to 1 as for [`Self::direction`], and its
     /// planar depth; `None` behind the eye. For perspective cameras only.
     pub fn project(&self, from_eye: DVec3) -> Option<([f64; 2], f64)> {
         let [deep, right, down] = self.axes.map(|axis| from_eye.dot(axis));

@@ -37,8 +37,7 @@ impl<'a> Content<'a> {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WriteSettings {
-    /// Image size in pixels, for formats that state it and cameras that do not: width and height, or only the
-    /// height, in which
+    /// Image size in pixels, for formats that state it and cameras that do not: width and height, or only the height, in which
     /// case the width follows from the aspect ratio.
     pub size: (u32, Option<u32>),
     /// Frames per second.
@@ -66,8 +65,7 @@ impl FileCamera {
     }
 }
 
-/// Returns the eye and the unit vectors forward, right and down of a camera-to-world matrix. The camera looks along
-/// −Z with +Y
+/// Returns the eye and the unit vectors forward, right and down of a camera-to-world matrix. The camera looks along −Z with +Y
 /// up. The matrix may scale; fails if it shears, mirrors or is not finite.
 pub fn axes_of(to_world: &DMat4) -> Result<(DVec3, [DVec3; 3])> {
     let columns = DMat3::from_mat4(*to_world);

@@ -76,8 +76,7 @@ impl CameraFormat {
     }
 }
 
-/// Reads the cameras of a file, or of the probes of a container or dataset; at least one. The path `-` is standard
-/// input. `fps`
+/// Reads the cameras of a file, or of the probes of a container or dataset; at least one. The path `-` is standard input. `fps`
 /// is frames per second, for formats with times in seconds.
 pub fn read(path: &Path, fps: f64) -> Result<Vec<FileCamera>> {
     let read = || {

@@ -17,8 +17,7 @@ use codec::math::{Camera, Lens};
 use footage::dataset::CameraSet;
 use render::camera_path::TimedCamera;
 
-/// Returns the cameras of a container or dataset, by probe and then by face. They have frames only if frames differ
-/// between
+/// Returns the cameras of a container or dataset, by probe and then by face. They have frames only if frames differ between
 /// cameras or a probe moves.
 pub fn of_probes(path: &Path) -> Result<Vec<FileCamera>> {
     let images = Reference::open(path)?.images;

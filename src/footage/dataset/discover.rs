@@ -351,8 +351,7 @@ impl Draft<'_> {
         Ok(varies(values.data()) && corners(&|x, y| values.get(x, y)))
     }
 
-    /// Returns the first image in gray, from colour, or from inverse depth with a black background; black if there
-    /// is only
+    /// Returns the first image in gray, from colour, or from inverse depth with a black background; black if there is only
     /// material.
     fn shades(&self) -> Result<Plane<f32>> {
         let first = |kind| self.kinds.get(&kind).map(|(files, _)| files[0]);

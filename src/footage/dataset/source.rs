@@ -36,16 +36,14 @@ pub struct SourceOptions {
     pub material_channel: Option<String>,
     /// Alpha channel.
     pub alpha_channel: Option<String>,
-    /// Metres per unit of depth, not 0; negative if values in front of the camera are negative. Default 1, except
-    /// for integer
+    /// Metres per unit of depth, not 0; negative if values in front of the camera are negative. Default 1, except for integer
     /// (PNG) depth, which has no default.
     pub depth_scale: Option<f64>,
     /// Background value of the files, before scaling. Default +inf.
     pub background: Option<f32>,
     /// Quantity that depth files store. Default distance.
     pub depth_kind: Option<DepthKind>,
-    /// Colour space of the files. Default for EXR: linear with the primaries that the file states, or else Rec. 709;
-    /// for PNG:
+    /// Colour space of the files. Default for EXR: linear with the primaries that the file states, or else Rec. 709; for PNG:
     /// sRGB.
     pub color_space: Option<ColorSpace>,
     pub invalid_depth: InvalidDepth,
@@ -53,8 +51,7 @@ pub struct SourceOptions {
     /// Treatment of frames whose file is missing. Default an error.
     pub missing: Option<Missing>,
     pub frames: Option<FrameRange>,
-    /// Side in pixels of cube faces resampled from equirectangular images, at most half their width. Default a
-    /// quarter of the
+    /// Side in pixels of cube faces resampled from equirectangular images, at most half their width. Default a quarter of the
     /// width.
     pub face_size: Option<u32>,
     pub limits: ReadLimits,
@@ -106,13 +103,11 @@ pub struct ProbeInfo {
     pub name: String,
     /// Centre in metres; for a moving probe, at its first pose.
     pub position: [f64; 3],
-    /// Unit quaternion x, y, z, w that rotates the probe's axes into the world's; for a moving probe, at its first
-    /// pose.
+    /// Unit quaternion x, y, z, w that rotates the probe's axes into the world's; for a moving probe, at its first pose.
     pub orientation: [f64; 4],
     /// Poses of a moving probe, one for each of its `frames`, in order; empty for a static probe.
     pub poses: Vec<Pose>,
-    /// Frames of the probe within the caller's range. A probe without frames in that range keeps its own frames in
-    /// this field and
+    /// Frames of the probe within the caller's range. A probe without frames in that range keeps its own frames in this field and
     /// has no groups.
     pub frames: FrameRange,
     /// fx, fy, cx, cy in pixels; perspective only.
@@ -120,8 +115,7 @@ pub struct ProbeInfo {
 }
 
 impl ProbeInfo {
-    /// Returns the pose at a frame. For a static probe, and outside the probe's frames, it is `position` and
-    /// `orientation`.
+    /// Returns the pose at a frame. For a static probe, and outside the probe's frames, it is `position` and `orientation`.
     pub fn pose(&self, frame: u32) -> Pose {
         let found = self.poses.binary_search_by_key(&frame, |pose| pose.frame).ok();
         let still = Pose { frame, position: self.position, orientation: self.orientation };
@@ -196,8 +190,7 @@ pub struct Source {
     pub rules: DepthRules,
     /// True if the depth scale is stated.
     scale_stated: bool,
-    /// Quantity that [`Self::read_depth`] returns: distance, or planar Z if the camera is not known well enough to
-    /// convert.
+    /// Quantity that [`Self::read_depth`] returns: distance, or planar Z if the camera is not known well enough to convert.
     pub depth_stored: DepthKind,
     /// Declared quantity of the depth in files.
     pub depth_in_files: DepthKind,
@@ -233,8 +226,7 @@ impl Source {
         &self.probes
     }
 
-    /// Upper bound in bytes of the memory for reading a frame of a group, including the returned planes: the file,
-    /// which is
+    /// Upper bound in bytes of the memory for reading a frame of a group, including the returned planes: the file, which is
     /// decoded as a whole, and the parts cut from it.
     pub fn reading_bytes(&self, group: &SourceGroup) -> u64 {
         let file_pixels = u64::from(self.file_size.0) * u64::from(self.file_size.1);
@@ -295,8 +287,7 @@ impl Source {
         )))
     }
 
-    /// Reads the linear colour of a frame in [`Self::primaries`], one plane per face of the group, with finite
-    /// values. If the
+    /// Reads the linear colour of a frame in [`Self::primaries`], one plane per face of the group, with finite values. If the
     /// source has alpha, colour is premultiplied: PNG colour is multiplied by this function, EXR colour is stored so.
     pub fn read_color(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>> {
         self.read_color_by(group, frame, resample_color)
@@ -330,8 +321,7 @@ impl Source {
         })
     }
 
-    /// Reads the alpha of a colour frame: 0 if its own file is missing and replaced by black; `None` if the source
-    /// has no alpha.
+    /// Reads the alpha of a colour frame: 0 if its own file is missing and replaced by black; `None` if the source has no alpha.
     fn alpha_beside(&self, color: &SourceGroup, frame: u32) -> Result<Option<AlphaPlane>> {
         let Some(group) = self.group_beside(color) else { return Ok(None) };
         if !group.frames.contains(frame) {
@@ -354,8 +344,7 @@ impl Source {
         self.groups.iter().find(is_beside)
     }
 
-    /// Returns the first colour file and its number of pixels with an alpha below 1, if the dataset declares no
-    /// alpha. `None` if
+    /// Returns the first colour file and its number of pixels with an alpha below 1, if the dataset declares no alpha. `None` if
     /// there are no such pixels.
     pub fn unnamed_alpha(&self) -> Option<(PathBuf, u64)> {
         if self.groups.iter().any(|group| group.kind == StreamKind::Alpha) {
@@ -391,8 +380,7 @@ impl Source {
         Ok(plane)
     }
 
-    /// Reads the depth of a frame in metres, one plane per face of the group: +inf exactly for the background, 0.0
-    /// where
+    /// Reads the depth of a frame in metres, one plane per face of the group: +inf exactly for the background, 0.0 where
     /// [`InvalidDepth::Near`] was applied, all other values finite and positive.
     pub fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
         self.read((StreamKind::Depth, group, frame), f32::INFINITY, |path| {
@@ -432,8 +420,7 @@ impl Source {
         }
     }
 
-    /// Reads the stored depth of a frame, before background, unit and kind are applied, one plane per face of the
-    /// group. Values
+    /// Reads the stored depth of a frame, before background, unit and kind are applied, one plane per face of the group. Values
     /// may be arbitrary, including NaN.
     pub fn read_depth_as_stored(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
         let read = |path: &Path| self.faces_of(self.depth_file(path, group)?, group, resample_nearest);
@@ -491,8 +478,7 @@ impl Source {
         self.path(group.kind, group, frame)
     }
 
-    /// Returns the files that the pixels of a frame are read from: its own file, and for PNG colour the file of the
-    /// alpha that it
+    /// Returns the files that the pixels of a frame are read from: its own file, and for PNG colour the file of the alpha that it
     /// is multiplied by, which may be the same file.
     pub fn files_of(&self, group: &SourceGroup, frame: u32) -> Result<Vec<PathBuf>> {
         let own = self.file(group, frame)?;

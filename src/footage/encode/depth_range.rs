@@ -37,8 +37,7 @@ pub(super) fn given_range(source: &dyn FrameSource, settings: &EncodeSettings) -
     [settings.near_m.or(near), settings.far_m.or(far)]
 }
 
-/// Determines near and far of a probe. `groups` holds all depth groups of the probe; `known` is an earlier scan of
-/// the same
+/// Determines near and far of a probe. `groups` holds all depth groups of the probe; `known` is an earlier scan of the same
 /// images.
 pub(super) fn depth_of_probe(
     source: &dyn FrameSource,

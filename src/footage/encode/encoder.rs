@@ -18,10 +18,8 @@ use codec::monitor::{Monitor, Silent};
 
 /// Encodes frames from memory into a container.
 ///
-/// Add probes and streams first, then push frames; [`Self::finish`] encodes them. All streams start at the same
-/// frame; each may
-/// have its own number of frames. Frames are held until `finish`, at 4 bytes a pixel for depth and alpha, 6 for
-/// colour, 12 for
+/// Add probes and streams first, then push frames; [`Self::finish`] encodes them. All streams start at the same frame; each may
+/// have its own number of frames. Frames are held until `finish`, at 4 bytes a pixel for depth and alpha, 6 for colour, 12 for
 /// material.
 ///
 /// ```
@@ -117,8 +115,7 @@ impl Encoder {
     /// Adds a depth stream of images of `size` (width, height) pixels.
     ///
     /// # Errors
-    /// [`Error::Usage`] for an unknown probe, a second stream of the same kind and face, a cube face that is not
-    /// square, or
+    /// [`Error::Usage`] for an unknown probe, a second stream of the same kind and face, a cube face that is not square, or
     /// a mix of [`Face::View`] and cube faces.
     pub fn add_depth(&mut self, probe: usize, face: Face, size: [u32; 2]) -> Result<EncoderStream> {
         self.add_stream(probe, face, size, Frames::Depth(Vec::new()))
@@ -174,8 +171,7 @@ impl Encoder {
     /// Adds a frame of distances from the probe's centre in metres, row by row; +inf for the background.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a stream of another kind or a slice of another length; [`Error::Invalid`] for a depth
-    /// that is NaN,
+    /// [`Error::Usage`] for a stream of another kind or a slice of another length; [`Error::Invalid`] for a depth that is NaN,
     /// zero or negative.
     pub fn push_depth(&mut self, stream: EncoderStream, metres: &[f32]) -> Result<()> {
         let ([width, height], Some(Frames::Depth(frames))) = self.stream(stream) else { return Err(wrong_kind()) };
@@ -238,8 +234,7 @@ impl Encoder {
     /// Encodes all frames into `out`, front to back; returns `out` and the statistics of the encode.
     ///
     /// # Errors
-    /// [`Error::Usage`] for settings out of range, no stream, or a stream without frames; [`Error::Invalid`] for
-    /// values that
+    /// [`Error::Usage`] for settings out of range, no stream, or a stream without frames; [`Error::Invalid`] for values that
     /// cannot be coded; [`Error::Io`] if writing fails.
     pub fn finish<W: Write>(self, out: W) -> Result<(W, EncodeSummary)> {
         self.finish_monitored(out, &Silent)

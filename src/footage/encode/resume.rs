@@ -189,8 +189,7 @@ impl Completed {
         self.searches.get(&(stream, unit, end)).copied()
     }
 
-    /// Returns the number of colour pixels of a frame that were clipped to 8 bits, or of depth pixels outside near
-    /// and far.
+    /// Returns the number of colour pixels of a frame that were clipped to 8 bits, or of depth pixels outside near and far.
     pub fn beyond(&self, group: usize, frame: u32) -> u64 {
         self.frames.get(&(group, frame)).map_or(0, |note| note.beyond)
     }
@@ -222,8 +221,7 @@ impl Completed {
         )))
     }
 
-    /// Fails if files that complete chunks depend on have changed. Drops scans of changed files that no chunk
-    /// depends on.
+    /// Fails if files that complete chunks depend on have changed. Drops scans of changed files that no chunk depends on.
     pub fn check_files(
         &mut self,
         source: &dyn FrameSource,

@@ -127,8 +127,7 @@ impl ScanFile {
         Ok(segments(&order, shard)?.iter().map(|segment| segment.frames.count() * faces(segment)).sum())
     }
 
-    /// Scans the parts of a shard that are missing, and calls `save` after each. Returns the number of images read.
-    /// The monitor
+    /// Scans the parts of a shard that are missing, and calls `save` after each. Returns the number of images read. The monitor
     /// advances by one per image of the shard.
     pub fn scan(
         &mut self,
@@ -285,8 +284,7 @@ pub fn probe_images(source: &dyn FrameSource, settings: &EncodeSettings, probes:
     groups.filter(|group| probes.contains(&group.group.probe)).map(|group| group.images()).sum()
 }
 
-/// Scans all frames of the given probes, for an encode of some of these frames. Returns no scans if near and far are
-/// given. The
+/// Scans all frames of the given probes, for an encode of some of these frames. Returns no scans if near and far are given. The
 /// monitor advances by one per image.
 pub fn scan_probes(
     source: &dyn FrameSource,

@@ -58,8 +58,7 @@ impl ShardChoice {
     }
 }
 
-/// Returns the nearest valid boundary, as words of an error, if `part` does not consist of whole segments of
-/// `length` frames.
+/// Returns the nearest valid boundary, as words of an error, if `part` does not consist of whole segments of `length` frames.
 fn not_cut(all: FrameRange, part: FrameRange, length: u32) -> Option<String> {
     // Offset of a frame from the start of its segment.
     let behind = |frame: u32| (frame - all.first) % length;

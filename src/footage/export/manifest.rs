@@ -41,8 +41,7 @@ impl FileFormat {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FileCoding {
     pub format: FileFormat,
-    /// Colour space of linear RGB in EXR files; `None` keeps that of the container. PNG files always have the
-    /// primaries of Rec.
+    /// Colour space of linear RGB in EXR files; `None` keeps that of the container. PNG files always have the primaries of Rec.
     /// 709.
     pub space: Option<ColorSpace>,
 }
@@ -67,10 +66,8 @@ pub fn has_decoded(manifest: &Manifest) -> bool {
     manifest.extra.as_ref().is_some_and(|extra| extra.get("lightfold").is_some())
 }
 
-/// Builds the manifest of decoded files. Its `extra` contains the coding of the streams, so that a later comparison
-/// can use the
-/// same codes. Fails with the reason if there can be no manifest: PNG files hold codes that a manifest cannot
-/// describe, streams
+/// Builds the manifest of decoded files. Its `extra` contains the coding of the streams, so that a later comparison can use the
+/// same codes. Fails with the reason if there can be no manifest: PNG files hold codes that a manifest cannot describe, streams
 /// differ in size, cube faces are not square, or some faces have kinds or frames that others do not.
 pub(super) fn manifest_of(
     decoder: &Decoder,
@@ -155,8 +152,7 @@ pub(super) fn manifest_of(
     })
 }
 
-/// Returns the streams whose files a manifest can describe. In PNG files these are colour in sRGB codes, as which
-/// half-float
+/// Returns the streams whose files a manifest can describe. In PNG files these are colour in sRGB codes, as which half-float
 /// colour is also written, and its alpha.
 fn listed<'a>(streams: &[StreamFrames<'a>], format: FileFormat) -> Vec<StreamFrames<'a>> {
     let is_other = |header: &CodecHeader| match header {
@@ -172,8 +168,7 @@ fn listed<'a>(streams: &[StreamFrames<'a>], format: FileFormat) -> Vec<StreamFra
     streams.iter().filter(is_listed).copied().collect()
 }
 
-/// Returns true if all faces of all probes have the same kinds, and all streams of a probe the same frames, as a
-/// manifest
+/// Returns true if all faces of all probes have the same kinds, and all streams of a probe the same frames, as a manifest
 /// requires.
 fn is_complete(listed: &[StreamFrames<'_>]) -> bool {
     let kinds: BTreeSet<_> = listed.iter().map(|part| part.stream.kind).collect();

@@ -4,8 +4,7 @@ use std::io::{Stdout, stdout};
 
 use codec::error::{Error, Result};
 
-/// Returns standard output. Fails if it is closed: if a shell closes it by `>&-`, Rust opens the null device in its
-/// place,
+/// Returns standard output. Fails if it is closed: if a shell closes it by `>&-`, Rust opens the null device in its place,
 /// for reading and writing, and a result would be lost without an error. A user who discards a result opens the null device
 /// for writing only (`>/dev/null`).
 pub fn standard_output() -> Result<Stdout> {

@@ -98,8 +98,7 @@ pub fn read_alpha(
     Plane::new(plane.width(), plane.height(), plane.into_data().into_flattened())
 }
 
-/// Reads depth unchanged, in the unit and kind of the file; `+inf` outside the data window. Fails if a layer holds
-/// depth as R, G
+/// Reads depth unchanged, in the unit and kind of the file; `+inf` outside the data window. Fails if a layer holds depth as R, G
 /// and B and the three differ.
 pub fn read_depth(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> Result<DepthPlane> {
     let opened = open(path)?;

@@ -76,8 +76,7 @@ pub struct FrameRate {
 impl FrameRate {
     const MAX_TERM: f64 = i32::MAX as f64;
 
-    /// Converts `fps`, above 0, to a fraction. Rates such as 23.976 and 29.97 become multiples of 1000/1001, the
-    /// NTSC rates.
+    /// Converts `fps`, above 0, to a fraction. Rates such as 23.976 and 29.97 become multiples of 1000/1001, the NTSC rates.
     pub fn of(fps: f64) -> FrameRate {
         let of_television = (fps * 1.001).round();
         let is_whole = fps.fract() == 0.0;
@@ -138,8 +137,7 @@ impl<W: Write> PictureStream<W> {
     /// Writes the next image.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the format cannot hold the image, or if its size or pixel format differs from that of the
-    /// first image;
+    /// [`Error::Usage`] if the format cannot hold the image, or if its size or pixel format differs from that of the first image;
     /// [`Error::Io`] if writing fails, for example because the reader closed the pipe.
     pub fn put(&mut self, picture: &CodePicture) -> Result<()> {
         let layout = (picture.size(), picture.pixel_format());

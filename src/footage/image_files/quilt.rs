@@ -25,8 +25,7 @@ const fn device(name: &'static str, [columns, rows]: [u32; 2], size: [u32; 2]) -
     Device { name, columns, rows, size }
 }
 
-/// Source: "Quilt Settings by Device", docs.lookingglassfactory.com/keyconcepts/quilts, as of 2026. Displays of the
-/// second
+/// Source: "Quilt Settings by Device", docs.lookingglassfactory.com/keyconcepts/quilts, as of 2026. Displays of the second
 /// generation, `-gen2`, are listed in earlier editions of that page and in lookingglassfactory.com/tutorial/what-is-a-quilt.
 const DEVICES: [Device; 9] = [
     device("portrait", [8, 6], [3360, 3360]),
@@ -44,8 +43,7 @@ const DEVICES: [Device; 9] = [
 const MAX_TILES: u32 = 4096;
 /// Maximum number of pixels of a quilt: 4 GiB of 8-bit RGBA.
 const MAX_PIXELS: u64 = 1 << 30;
-/// Maximum ratio of the sides of the image at which a layout without blank tiles is preferred to one nearer to a
-/// square.
+/// Maximum ratio of the sides of the image at which a layout without blank tiles is preferred to one nearer to a square.
 const LONGEST_RATIO: f64 = 3.0;
 /// Tolerance between the aspect ratio in a file name and that of the views: the manufacturer writes 16:9 as 1.777.
 const ASPECT_TOLERANCE: f64 = 0.001;
@@ -73,10 +71,8 @@ impl QuiltLayout {
         Ok(QuiltLayout { columns, rows, size: None })
     }
 
-    /// Chooses the layout for `views` views of `view_size` pixels. The first choice is the layout of a device with
-    /// that number
-    /// and size of tiles. The second is the layout nearest to a square among those without blank tiles and with
-    /// sides of at most
+    /// Chooses the layout for `views` views of `view_size` pixels. The first choice is the layout of a device with that number
+    /// and size of tiles. The second is the layout nearest to a square among those without blank tiles and with sides of at most
     /// 3:1. The third is the layout nearest to a square, with blank tiles.
     pub fn choose(views: u32, view_size: [u32; 2]) -> Result<QuiltLayout> {
         let fits = |device: &QuiltLayout| device.tiles() == u64::from(views) && device.view_size() == Some(view_size);
@@ -119,8 +115,7 @@ impl QuiltLayout {
         self.size.map(|[width, height]| [width / self.columns, height / self.rows])
     }
 
-    /// Returns the width and height in pixels of a quilt with views of that size. Fails if it has more than 2^30
-    /// pixels.
+    /// Returns the width and height in pixels of a quilt with views of that size. Fails if it has more than 2^30 pixels.
     pub fn picture_size(self, view_size: [u32; 2]) -> Result<[u32; 2]> {
         let sides = [self.columns.checked_mul(view_size[0]), self.rows.checked_mul(view_size[1])];
         let fits = |size: &[u32; 2]| u64::from(size[0]) * u64::from(size[1]) <= MAX_PIXELS;
@@ -132,16 +127,14 @@ impl QuiltLayout {
         })
     }
 
-    /// Returns the top left pixel of a view's tile, rows counted from the top of the image; `None` if there is no
-    /// such tile.
+    /// Returns the top left pixel of a view's tile, rows counted from the top of the image; `None` if there is no such tile.
     pub fn corner(self, view: u32, view_size: [u32; 2]) -> Option<[u32; 2]> {
         let from_bottom = view / self.columns;
         let row = self.rows.checked_sub(from_bottom + 1)?;
         Some([(view % self.columns).checked_mul(view_size[0])?, row.checked_mul(view_size[1])?])
     }
 
-    /// Returns notes for the user: the number of blank tiles, and the size that the device expects if it differs.
-    /// Fails if the
+    /// Returns notes for the user: the number of blank tiles, and the size that the device expects if it differs. Fails if the
     /// views do not fit the tiles.
     pub fn notes(self, views: u32, view_size: [u32; 2]) -> Result<Vec<String>> {
         let [width, height] = self.picture_size(view_size)?;
@@ -210,8 +203,7 @@ pub struct QuiltName {
     pub aspect: Option<f64>,
 }
 
-/// Parses the layout of a file name such as `name_qs8x6a0.75.png` or `name_qs8x6.png`; `None` if the stem does not
-/// end with a
+/// Parses the layout of a file name such as `name_qs8x6a0.75.png` or `name_qs8x6.png`; `None` if the stem does not end with a
 /// layout.
 pub fn parse_quilt_name(path: &Path) -> Option<QuiltName> {
     let stem = path.file_stem()?.to_str()?;
@@ -236,8 +228,7 @@ fn whole_number(text: &str) -> Option<(u32, &str)> {
 }
 
 /// Returns the path with the layout in the file name, as the manufacturer's programs expect it: `quilt.png` becomes
-/// `quilt_qs8x6a0.75.png`. A name that already states the layout is kept. Fails if the name states another layout.
-/// `aspect` is
+/// `quilt_qs8x6a0.75.png`. A name that already states the layout is kept. Fails if the name states another layout. `aspect` is
 /// the width / height of a view.
 pub fn quilt_path(path: &Path, layout: QuiltLayout, aspect: f64) -> Result<PathBuf> {
     let words = aspect_words(aspect);

@@ -198,8 +198,7 @@ impl Joined<'_> {
         Ok(joined)
     }
 
-    /// Rejects an input that shares some streams with an earlier input, unless both have exactly the same streams.
-    /// Attributes
+    /// Rejects an input that shares some streams with an earlier input, unless both have exactly the same streams. Attributes
     /// that cover all streams of an input, such as clipped pixels, would be counted twice.
     fn check_repeats(&self, input: usize, repeats: &[usize]) -> Result<()> {
         let Some(&first) = repeats.first() else { return Ok(()) };
@@ -272,8 +271,7 @@ impl Joined<'_> {
         used.into_iter().map(|input| &self.inputs[input])
     }
 
-    /// Returns the chunks of all inputs in the order of the joined container, each with its input and its stream in
-    /// that
+    /// Returns the chunks of all inputs in the order of the joined container, each with its input and its stream in that
     /// container.
     pub fn chunks(&self) -> Result<Vec<Source>> {
         let mut written: HashMap<usize, Vec<ChunkEntry>> = HashMap::new();
@@ -300,8 +298,7 @@ pub(super) struct Source {
     pub stream: u32,
 }
 
-/// Divides chunks into runs that are adjacent in their file and have at most `most_bytes` bytes in total, or a
-/// single chunk.
+/// Divides chunks into runs that are adjacent in their file and have at most `most_bytes` bytes in total, or a single chunk.
 fn runs(mut chunks: &[Source], most_bytes: u64) -> Vec<&[Source]> {
     let mut runs = Vec::new();
     while let Some(first) = chunks.first() {

@@ -216,8 +216,7 @@ impl View {
         }
     }
 
-    /// Projects a point into the images of this probe. `from_probe` is the vector to the point from the centre, in
-    /// the probe's
+    /// Projects a point into the images of this probe. `from_probe` is the vector to the point from the centre, in the probe's
     /// axes and metres. None at the centre, and where the probe has no image.
     pub fn project(&self, from_probe: Vec3) -> Option<Projected> {
         let PlanarPoint { face, plane, planar } = self.planar_point(from_probe)?;

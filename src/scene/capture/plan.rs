@@ -41,8 +41,7 @@ pub struct CapturePlan {
     /// Metres or `+inf`. Farther surfaces are background in all passes but colour, so a backdrop is visible but not
     /// reconstructed.
     pub far_m: f64,
-    /// Range of requests to capture, out of [`Self::request_count`], ordered by probe, then frame, then face; `None`
-    /// for all.
+    /// Range of requests to capture, out of [`Self::request_count`], ordered by probe, then frame, then face; `None` for all.
     pub part: Option<Range<u64>>,
 }
 

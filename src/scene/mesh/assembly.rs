@@ -1,4 +1,4 @@
-//! Joins parts in world space into one [`Mesh`], without triangles that rays cannot hit: those with a vertex that is not finite,
+//! Joins parts in world space into one [`Mesh`], without triangles that rays cannot hit: those with a corner that is not finite,
 //! and those without area.
 
 use glam::{DVec3, Vec2, Vec3, Vec4};

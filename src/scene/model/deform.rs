@@ -93,8 +93,7 @@ pub fn place(geometry: &Geometry, weights: &[f64], carrier: Carrier) -> Placed {
     Placed { positions, normals, winding }
 }
 
-/// Returns the weighted mean of the matrices of a corner's joints, with normalised weights; the matrix of the first
-/// joint if
+/// Returns the weighted mean of the matrices of a corner's joints, with normalised weights; the matrix of the first joint if
 /// all weights are 0.
 fn blend(influences: &[Influences], corner: usize, joints: &[DMat4]) -> DMat4 {
     let (mut matrix, mut sum) = (DMat4::ZERO, 0.0);
@@ -112,8 +111,7 @@ fn blend(influences: &[Influences], corner: usize, joints: &[DMat4]) -> DMat4 {
     if sum > 0.0 { matrix * (1.0 / sum) } else { first.copied().unwrap_or(joints[0]) }
 }
 
-/// Returns the transform of normals up to scale: the inverse transpose as cofactors, which also exist for singular
-/// matrices.
+/// Returns the transform of normals up to scale: the inverse transpose as cofactors, which also exist for singular matrices.
 fn turn(matrix: &DMat3) -> DMat3 {
     let DMat3 { x_axis: x, y_axis: y, z_axis: z } = *matrix;
     let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));

@@ -119,8 +119,7 @@ impl Model {
         self.motion.as_ref().map_or(0.0, |stage| stage.animation.duration_s)
     }
 
-    /// Returns the scene at a time; after the end of the animation, the scene at its end. Equal times give
-    /// bit-identical
+    /// Returns the scene at a time; after the end of the animation, the scene at its end. Equal times give bit-identical
     /// scenes.
     pub fn at(&self, time_s: f64) -> SceneAtTime {
         let mut meshes = self.still.clone();

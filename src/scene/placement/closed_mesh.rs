@@ -14,8 +14,7 @@ use crate::mesh::{AxisBox, Bvh, Mesh, Ray};
 use crate::{Model, Play};
 use codec::error::{Error, Result};
 
-/// Number of rays that vote on whether a point is inside: an odd number, because a ray along an edge may give a
-/// wrong result.
+/// Number of rays that vote on whether a point is inside: an odd number, because a ray along an edge may give a wrong result.
 const VOTES: usize = 5;
 /// Thickness of the surface, as a fraction of the diagonal of the bounds.
 const BORDER: f64 = 1e-12;
@@ -35,8 +34,7 @@ impl ClosedMesh {
         Self::new(meshes).map_err(|error| error.in_file(path))
     }
 
-    /// Creates the union of the shells of all meshes; equal corners are merged. Fails if there are no triangles, or
-    /// if an edge is
+    /// Creates the union of the shells of all meshes; equal corners are merged. Fails if there are no triangles, or if an edge is
     /// open or its triangles have inconsistent orientations.
     pub fn new(meshes: Vec<Mesh>) -> Result<ClosedMesh> {
         let triangles: Vec<[DVec3; 3]> = meshes
@@ -77,8 +75,7 @@ impl ClosedMesh {
         votes.count() > VOTES / 2
     }
 
-    /// Returns the winding number of the ray's origin; `None` if a triangle is within `border_m`. Coincident
-    /// triangles are
+    /// Returns the winding number of the ray's origin; `None` if a triangle is within `border_m`. Coincident triangles are
     /// counted separately.
     fn winding(&self, ray: &Ray, border_m: f64) -> Option<i64> {
         let mut winding = 0;

@@ -75,8 +75,7 @@ impl SampledScene {
     /// Returns true if a position is outside of solids at each time sample, and at least `clearance_m` from surfaces in all
     /// tested directions.
     ///
-    /// A position is inside if more than half of the rays first hit a back face. (A winding number would require
-    /// closed meshes.)
+    /// A position is inside if more than half of the rays first hit a back face. (A winding number would require closed meshes.)
     pub fn is_free(&self, position: DVec3, clearance_m: f64) -> bool {
         self.times.iter().all(|scene| {
             let mut backs = 0;
@@ -109,8 +108,7 @@ impl SampledScene {
         self.times[*time].sees(position, on.point)
     }
 
-    /// Returns the surfels, given the points that each candidate sees. `Z(x)` (CALF 4.1) is the distance from a
-    /// point to the
+    /// Returns the surfels, given the points that each candidate sees. `Z(x)` (CALF 4.1) is the distance from a point to the
     /// region, and at least `least_m`.
     pub fn surfels(&self, candidates: &[DVec3], visibility: &[Vec<u64>], region: &Region, least_m: f64) -> Surfels {
         let sides = |(at, SamplePoint { on, weight, .. }): (usize, &SamplePoint)| {

@@ -39,8 +39,7 @@ enum SceneFormat {
 }
 
 impl Outputs {
-    /// Fails if the names do not determine the formats, or if two files have the same name. Can be called before the
-    /// scene
+    /// Fails if the names do not determine the formats, or if two files have the same name. Can be called before the scene
     /// exists.
     pub fn check(&self) -> Result<()> {
         self.format()?;
@@ -82,8 +81,7 @@ impl Outputs {
     }
 }
 
-/// Returns the bytes of all files, the scene first. If the scene has half floats, they are written to an EXR file of
-/// the scene's
+/// Returns the bytes of all files, the scene first. If the scene has half floats, they are written to an EXR file of the scene's
 /// name, and to the KTX2 file in place of codes.
 pub fn files(scene: &Scene, outputs: &Outputs) -> Result<Vec<OutputBytes>> {
     outputs.check()?;

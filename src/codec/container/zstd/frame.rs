@@ -61,8 +61,7 @@ fn size_differs(raw_bytes: u32) -> Error {
     ))
 }
 
-/// Reads the header (RFC 8878, 3.1.1.1) and returns the window size in bytes. Checks the content size and the
-/// window, and
+/// Reads the header (RFC 8878, 3.1.1.1) and returns the window size in bytes. Checks the content size and the window, and
 /// that there is neither a dictionary nor a checksum.
 fn read_header(fields: &mut Fields<'_>, raw_bytes: u32, max_window: u64) -> Result<u64> {
     if early(fields.u32())? != MAGIC {

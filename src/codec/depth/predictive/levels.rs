@@ -43,8 +43,7 @@ impl Levels {
         self.0.is_empty()
     }
 
-    /// Converts level numbers to codes, in place. Numbers beyond the last level become the last level; background
-    /// stays.
+    /// Converts level numbers to codes, in place. Numbers beyond the last level become the last level; background stays.
     pub fn to_codes(&self, numbers: &mut [u16]) {
         let [.., last] = self.codes() else { return };
         for number in numbers.iter_mut().filter(|number| **number != BACKGROUND_CODE) {

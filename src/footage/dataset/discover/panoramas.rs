@@ -2,8 +2,7 @@
 
 use codec::image::{Plane, StereoLayout};
 
-/// Minimum concordance (Lin 1989) of the pictures of two eyes, 1 for equal pictures. The halves of other images show
-/// sky and
+/// Minimum concordance (Lin 1989) of the pictures of two eyes, 1 for equal pictures. The halves of other images show sky and
 /// ground, or different walls.
 const ALIKE: f64 = 0.8;
 

@@ -293,8 +293,7 @@ impl Source {
         })
     }
 
-    /// Sets the primaries: those of the stated colour space, or else of the first colour file. If that file cannot
-    /// be read, the
+    /// Sets the primaries: those of the stated colour space, or else of the first colour file. If that file cannot be read, the
     /// error is reported when its pixels are read.
     fn find_primaries(&mut self) {
         let first = self.groups.iter().find(|group| group.kind == StreamKind::Color);

@@ -91,8 +91,7 @@ pub fn read(
     Ok(Some(Geometry { positions, normals, uvs, colors, triangles, material, targets, influences }))
 }
 
-/// Reads an application-specific attribute by its name without the underscore, one vector per corner; empty if there
-/// is none.
+/// Reads an application-specific attribute by its name without the underscore, one vector per corner; empty if there is none.
 pub fn application_vectors(primitive: &gltf::Primitive, name: &str, buffers: &mut Buffers) -> Result<Vec<Vec3>> {
     let count = primitive.get(&Semantic::Positions).map_or(0, |accessor| accessor.count());
     vectors(primitive.get(&Semantic::Extras(name.into())), count, name, buffers)
