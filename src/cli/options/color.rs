@@ -23,7 +23,7 @@ use footage::train::read_tables;
 type KeyframeBlocks = Option<ColorBlocks>;
 
 const COLOR_BLOCKS: &Choices<KeyframeBlocks> = &[
-    ("none", None, "Uncompressed samples"),
+    ("none", None, "Raw samples"),
     ("bc1", Some(ColorBlocks::Bc1), "8 bytes for 4x4 pixels"),
     ("bc7", Some(ColorBlocks::Bc7), "16 bytes for 4x4 pixels"),
     ("bc6h", Some(ColorBlocks::Bc6h), "16 bytes for 4x4 pixels of half floats"),
@@ -90,9 +90,10 @@ pub struct ColorArgs {
     #[arg(long)]
     pub clip: bool,
     /// Encode colour as half floats instead of 8 bits, without clipping values above 1. PSNR is then computed on PU21
-    /// codes, with the peak at 100 cd/m². Infinite values become 65504 Samples below 0.005 or above 10000 cd/m² have a
-    /// separate bound (color.md 5): bright ones are within 14% at the default, and with --psnr within 16% at 40 dB, 5%
-    /// at 50 dB.
+    /// codes, with the peak at 100 cd/m². Infinite values become 65504
+    ///
+    /// Samples below 0.005 or above 10000 cd/m² have a separate bound (color.md 5): bright ones are within 14% at the
+    /// default, and with --psnr within 16% at 40 dB, 5% at 50 dB.
     #[arg(long)]
     pub hdr: bool,
     /// Luminance of the value 1.0 for --hdr, in cd/m²

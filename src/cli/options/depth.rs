@@ -36,12 +36,12 @@ const DEPTH_CODECS: &Choices<DepthCodec> = &[
         DepthCodec::Quadtree,
         "Modelling functions in a quadtree; every pixel within --max-error of the source",
     ),
-    ("aabb", DepthCodec::Boxes, "Uncompressed codes in boxes around changed pixels"),
+    ("aabb", DepthCodec::Boxes, "Raw codes in boxes around changed pixels"),
     ("bc4w", DepthCodec::Blocks, "BC4w blocks: 32 bytes per 8x8 pixels, without an error bound"),
 ];
 
 const DEPTH_BLOCKS: &Choices<InBlocks> = &[
-    ("none", false, "Uncompressed codes"),
+    ("none", false, "Raw codes"),
     (
         "bc5",
         true,

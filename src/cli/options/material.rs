@@ -9,7 +9,7 @@ use footage::encode::{EncodeSettings, MaterialSettings};
 const USUAL_ERROR_IN_BLOCKS: u16 = 8;
 
 const MATERIAL_BLOCKS: &Choices<InBlocks> = &[
-    ("none", false, "Uncompressed values"),
+    ("none", false, "Raw values"),
     (
         "bc1",
         true,
