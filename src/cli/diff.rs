@@ -105,9 +105,7 @@ const SSIM: &Choices<SsimFrames> = &[
 
 fn parse_codes(text: &str) -> Result<u16, String> {
     text.parse().map_err(|_| {
-        "a whole number of codes from 0 to 65535 was expected, the unit of error bounds in encode and \
-            inspect"
-            .into()
+        "a whole number of codes from 0 to 65535 was expected, the unit of error bounds in encode and inspect".into()
     })
 }
 

@@ -243,8 +243,7 @@ fn sized(camera: Option<Camera>, asked: Option<(u32, Option<u32>)>, aspect: Opti
     let camera = camera.ok_or_else(|| Error::Usage("no camera was given".into()))?;
     if aspect.is_some() && camera.has_range() {
         return refuse(
-            "near_m and far_m of a camera apply to perspective pictures only: leave them out, or \
-            --projection",
+            "near_m and far_m of a camera apply to perspective pictures only: leave them out, or --projection",
         );
     }
     match asked.unwrap_or((DEFAULT_SIZE, None)) {

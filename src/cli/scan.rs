@@ -79,8 +79,7 @@ fn merge(inputs: &[PathBuf], output: &Path) -> Result<u64> {
             Some(path) => Error::busy(
                 path,
                 format!(
-                    "this scan is unfinished, and no scan has {missing}: wait for it, or run it again with \
-                    `resume`"
+                    "this scan is unfinished, and no scan has {missing}: wait for it, or run it again with `resume`"
                 ),
             ),
             None => {

@@ -76,8 +76,7 @@ impl CameraFile {
         serde_json::from_slice(text).map_err(|error| {
             if CameraSet::from_json(text).is_ok() {
                 return Error::invalid(
-                    "this is a file of probes to capture, not of cameras with \"eye\" and \
-                    \"look_at\"",
+                    "this is a file of probes to capture, not of cameras with \"eye\" and \"look_at\"",
                 );
             }
             Error::invalid(format!("not a camera file: {error}"))

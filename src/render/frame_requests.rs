@@ -84,8 +84,7 @@ fn check_covered(cameras: &[TimedCamera], asked: Option<FrameRange>, available: 
         return Ok(());
     }
     Err(Error::Usage(format!(
-        "no camera is defined for frame {next} of {asked}: request frames of the path, or extend \
-        it"
+        "no camera is defined for frame {next} of {asked}: request frames of the path, or extend it"
     )))
 }
 

@@ -46,9 +46,7 @@ impl Scene {
         match self {
             Scene::Model(model) => Ok(Scene::Model(Box::new(model.subdivided(times)?))),
             Scene::Procedural(_) if times > 0 => Err(Error::Usage(
-                "`subdivide` does not apply to built-in scenes, which have no triangles: use a scene \
-                    file"
-                    .into(),
+                "`subdivide` does not apply to built-in scenes, which have no triangles: use a scene file".into(),
             )),
             Scene::Procedural(_) => Ok(self),
         }

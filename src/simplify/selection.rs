@@ -376,10 +376,9 @@ impl<'a> Problem<'a> {
         };
         Error::Usage(match ratio > 1.0 {
             true => format!("{INFEASIBLE} the budget of {name}: the minimum is {least}"),
-            false => format!(
-                "{INFEASIBLE} all budgets at once; {name} alone needs {least}: increase it or another \
-                budget"
-            ),
+            false => {
+                format!("{INFEASIBLE} all budgets at once; {name} alone needs {least}: increase it or another budget")
+            }
         })
     }
 

@@ -109,8 +109,7 @@ const PROJECTIONS: &Choices<Projection> = &[
     (
         "perspective",
         Projection::Perspective,
-        "Pinhole camera that looks along -Z with +Y up, rotated by its \
-        orientation",
+        "Pinhole camera that looks along -Z with +Y up, rotated by its orientation",
     ),
 ];
 
@@ -140,10 +139,7 @@ pub fn parse_size(text: &str) -> Result<(u32, Option<u32>), String> {
 
 pub fn parse_fps(text: &str) -> Result<f64, String> {
     parse_frame_rate(text).ok_or_else(|| {
-        format!(
-            "'{text}': frames per second above 0 were expected, a number or a \
-        ratio such as 24000/1001"
-        )
+        format!("'{text}': frames per second above 0 were expected, a number or a ratio such as 24000/1001")
     })
 }
 

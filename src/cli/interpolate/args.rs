@@ -388,10 +388,7 @@ impl Args {
     /// Returns the output views of a scene or a container.
     pub(super) fn views_from_eye(&self) -> Result<OutputViews> {
         let (Some(eye), Some(look_at)) = (self.eye, self.look_at) else {
-            return refuse(
-                "--eye and --look-at are \
-            required",
-            );
+            return refuse("--eye and --look-at are required");
         };
         let Some(spread) = self.spread() else {
             return refuse("--baseline or --view-cone is required");
@@ -419,8 +416,7 @@ impl Args {
         if let Some(wanted_m) = self.focus.filter(|wanted_m| (wanted_m / focus_m - 1.0).abs() > SAME_FOCUS) {
             let found = if focus_m.is_finite() { format!("is {focus_m:.4} m") } else { "is infinity".to_owned() };
             return refuse(format!(
-                "--focus {wanted_m}: the focus of these images {found} and cannot be changed: leave \
-                out --focus"
+                "--focus {wanted_m}: the focus of these images {found} and cannot be changed: leave out --focus"
             ));
         }
         OutputViews::new(captured.camera, captured.size, self.views, spread, focus_m)

@@ -40,15 +40,7 @@ const DEPTH_CODECS: &Choices<DepthCodec> = &[
     ("bc4w", DepthCodec::Blocks, "BC4w blocks: 32 bytes per 8x8 pixels, without an error bound"),
 ];
 
-const DEPTH_BLOCKS: &Choices<InBlocks> = &[
-    ("none", false, "Raw codes"),
-    (
-        "bc5",
-        true,
-        "16 bytes per 4x4 \
-    pixels",
-    ),
-];
+const DEPTH_BLOCKS: &Choices<InBlocks> = &[("none", false, "Raw codes"), ("bc5", true, "16 bytes per 4x4 pixels")];
 
 const DEPTH_DOMAINS: &Choices<DomainKind> = &[
     ("log", DomainKind::Log, "Log codes"),

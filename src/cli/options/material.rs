@@ -8,15 +8,7 @@ use footage::encode::{EncodeSettings, MaterialSettings};
 /// Default error of material in blocks, in 8-bit steps.
 const USUAL_ERROR_IN_BLOCKS: u16 = 8;
 
-const MATERIAL_BLOCKS: &Choices<InBlocks> = &[
-    ("none", false, "Raw values"),
-    (
-        "bc1",
-        true,
-        "8 bytes per 4x4 \
-    pixels",
-    ),
-];
+const MATERIAL_BLOCKS: &Choices<InBlocks> = &[("none", false, "Raw values"), ("bc1", true, "8 bytes per 4x4 pixels")];
 
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Material")]

@@ -192,8 +192,7 @@ const BACKGROUNDS: &Choices<BackgroundFill> = &[
     (
         "transparent",
         BackgroundFill::Transparent,
-        "Leave transparent; alpha is the fraction of a pixel that surfaces \
-        cover",
+        "Leave transparent; alpha is the fraction of a pixel that surfaces cover",
     ),
 ];
 

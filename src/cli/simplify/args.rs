@@ -165,16 +165,12 @@ impl Args {
         check_stdout(&self.output, self.json)?;
         if self.stats && self.output == Path::new("-") {
             return Err(Error::Usage(
-                "--stats and -o - would both write to standard output: specify an output \
-                file"
-                    .into(),
+                "--stats and -o - would both write to standard output: specify an output file".into(),
             ));
         }
         match (self.hdr || self.gbuffer) && self.output == Path::new("-") {
             true => Err(Error::Usage(
-                "--hdr and --gbuffer write files beside the scene: specify an output file \
-                instead of -"
-                    .into(),
+                "--hdr and --gbuffer write files beside the scene: specify an output file instead of -".into(),
             )),
             false => self.outputs().check(),
         }

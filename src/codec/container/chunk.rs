@@ -94,10 +94,7 @@ impl ChunkEntry {
         if !plausible {
             return Err(fields.error_at(
                 start,
-                format!(
-                    "a chunk of {stored_bytes} stored bytes cannot decompress to \
-                    {raw_bytes} bytes"
-                ),
+                format!("a chunk of {stored_bytes} stored bytes cannot decompress to {raw_bytes} bytes"),
             ));
         }
         Ok(())

@@ -215,13 +215,8 @@ impl Reader {
     /// Returns `count` bytes from `offset` on: a range of the source's memory, or bytes read into `spare`.
     fn read_at(&self, offset: u64, count: u64, mut spare: Vec<u8>) -> Result<Payload> {
         let past_end = || {
-            Error::invalid_at(
-                "container.md 3",
-                offset,
-                "the file is truncated: it ends before data that it refers \
-                to",
-            )
-            .in_file(&self.path)
+            Error::invalid_at("container.md 3", offset, "the file is truncated: it ends before data that it refers to")
+                .in_file(&self.path)
         };
         if offset.checked_add(count).is_none_or(|end| end > self.file_bytes) {
             return Err(past_end());

@@ -106,14 +106,8 @@ fn camera(line: &str) -> Result<(u64, Intrinsics)> {
     let [id, model, width, height, parameters @ ..] = &words[..] else {
         return Err(Error::invalid("CAMERA_ID, MODEL, WIDTH, HEIGHT and parameters were expected"));
     };
-    let whole = |word: &str| {
-        word.parse::<u32>().map_err(|_| {
-            Error::invalid(format!(
-                "“{word}” is not a size in \
-        pixels"
-            ))
-        })
-    };
+    let whole =
+        |word: &str| word.parse::<u32>().map_err(|_| Error::invalid(format!("“{word}” is not a size in pixels")));
     let size = [whole(width)?, whole(height)?];
     let id = id.parse().map_err(|_| Error::invalid(format!("“{id}” is not a camera ID")))?;
     let Some((_, places, count)) = MODELS.iter().find(|(name, ..)| name == model) else {

@@ -74,8 +74,7 @@ fn camera(all: &Keys, frame: &Frame) -> Result<FileCamera> {
         let value = own.others.get(key).or(all.others.get(key));
         if value.is_some_and(|value| value.as_f64() != Some(0.0)) {
             return Err(Error::unsupported(format!(
-                "lens distortion (\"{key}\") is not supported: undistort the \
-                images"
+                "lens distortion (\"{key}\") is not supported: undistort the images"
             )));
         }
     }

@@ -52,8 +52,7 @@ impl Proposal {
         let whole = folder.canonicalize().map_err(|error| Error::io(folder, error))?;
         let Some(whole) = whole.to_str().filter(|whole| !whole.contains(['{', '}'])) else {
             return Err(Error::invalid(
-                "patterns cannot contain the path of this folder: write the manifest into the \
-                folder",
+                "patterns cannot contain the path of this folder: write the manifest into the folder",
             )
             .in_file(folder));
         };
@@ -237,12 +236,9 @@ impl Draft<'_> {
             return Err(Error::invalid(message).in_file(self.folder));
         }
         let lacking: Vec<&String> = all.iter().filter(|name| !common.contains(name)).collect();
-        self.unsure.extend(lacking.iter().map(|name| {
-            format!(
-                "probe {name} was left out: it does not have files of every \
-                kind"
-            )
-        }));
+        self.unsure.extend(
+            lacking.iter().map(|name| format!("probe {name} was left out: it does not have files of every kind")),
+        );
         Ok(common)
     }
 

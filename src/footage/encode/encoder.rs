@@ -95,8 +95,7 @@ impl Encoder {
     pub fn add_probe(&mut self, name: &str, pose: ProbePose) -> Result<usize> {
         if !is_probe_name(name) || self.source.probes.iter().any(|probe| probe.name == name) {
             return Err(Error::Usage(format!(
-                "\"{name}\" is not a new probe name of letters, digits, '.', '_' and \
-                '-'"
+                "\"{name}\" is not a new probe name of letters, digits, '.', '_' and '-'"
             )));
         }
         let ProbePose { position, orientation, intrinsics } = pose;

@@ -116,10 +116,8 @@ impl PartialFolder {
         disk::create_folders(&files).map_err(io)?;
         let Some(Locked { file: state, is_locked }) = open_locked(&path.join(kind.state)).map_err(io)? else {
             let place = path.display();
-            let message = format!(
-                "another lightfold process is writing it, in {place}: wait for it, or use another \
-                folder"
-            );
+            let message =
+                format!("another lightfold process is writing it, in {place}: wait for it, or use another folder");
             return Err(Error::busy(output, message));
         };
         // Files without a state may be all that survived on a damaged disk.

@@ -304,8 +304,7 @@ fn select<const N: usize>(
         // A subsampled channel shifts the bytes of all channels of its layer.
         if headers[part].channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
             return Err(Error::unsupported(
-                "EXR layers with subsampled channels are not supported: save all channels \
-                at full resolution",
+                "EXR layers with subsampled channels are not supported: save all channels at full resolution",
             ));
         }
         wanted.push(Wanted { part, sample_type, bytes_before, slot });

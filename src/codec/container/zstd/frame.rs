@@ -56,8 +56,7 @@ fn early<T>(read: Result<T>) -> Result<T> {
 
 fn size_differs(raw_bytes: u32) -> Error {
     Error::invalid(format!(
-        "the chunk's Zstandard frame does not decompress to the {raw_bytes} bytes that the chunk \
-        table states"
+        "the chunk's Zstandard frame does not decompress to the {raw_bytes} bytes that the chunk table states"
     ))
 }
 
