@@ -221,7 +221,7 @@ class Encode(Folder):
     def test_refusals(self):
         depth, color = np.ones((1, 8, 8)), np.ones((1, 8, 8, 3))
         cases = [
-            ({}, "no stream of the kinds asked for"),
+            ({}, "no stream of the selected kinds"),
             ({"depth": depth[0]}, "`depth` has 8 entries, there are 1 probes"),
             ({"depth": depth}, "frame 0 has the shape"),
             ({"depth": [depth.astype(np.uint16)]}, "`depth`: an array of uint16, floats were expected"),

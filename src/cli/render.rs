@@ -252,8 +252,7 @@ fn sized(camera: Option<Camera>, asked: Option<(u32, Option<u32>)>, aspect: Opti
             let width = (f64::from(height) * aspect.unwrap_or(camera.aspect())).round();
             if !(1.0..=65_536.0).contains(&width) {
                 return refuse(format!(
-                    "an image of {width}x{height} pixels is too large, at most 65536 a side are possible: set --size \
-                    WxH"
+                    "an image of {width}x{height} pixels: a width of 1 to 65536 was expected: set --size WxH"
                 ));
             }
             Ok(([width as u32, height], camera))

@@ -129,8 +129,8 @@ impl ProbeLine {
         let most = beside.into_iter().map(f64::abs).fold(0.0, f64::max);
         if most > BESIDE_LINE * self.length_m {
             return refuse(format!(
-                "it stands {most:.4} m off the line of the first probe's scanlines: choose probes side by side, and the face that \
-                 looks across their line"
+                "it is {most:.4} m off the line of the first probe's scanlines: choose probes side by side, and the \
+                face perpendicular to their line"
             ));
         }
         let ([found, wanted], [high, first_high]) = (

@@ -266,8 +266,8 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     all.push(("color-first-keyframe-late", payload(2, 8, &[1]), "keyframe 0 at frame 1"));
     all.push(("color-keyframe-order", payload(2, 12, &[0]), "keyframe 1 at frame 0"));
     all.push(("color-keyframe-beyond", payload(2, 12, &[4]), "keyframe 1 at frame 4"));
-    all.push(("color-keyframe-with-weight", payload(2, 16, &[1]), "a weight stands where no two keyframes"));
-    all.push(("color-weight-not-closed", payload(2, 2, &[0]), "a weight stands where no two keyframes"));
+    all.push(("color-keyframe-with-weight", payload(2, 16, &[1]), "a weight is not between two keyframes"));
+    all.push(("color-weight-not-closed", payload(2, 2, &[0]), "a weight is not between two keyframes"));
     all.push(("color-samples-missing", payload(2, 4, &[3]), "keyframes of 12 bytes expected, 13 there"));
     all.push((
         "color-last-leads-nowhere",

@@ -86,9 +86,9 @@ fn text(name: &str, report: &Report, strays: &[ProbePrecision]) -> String {
     }
     let suspects = report.findings.iter().filter(|finding| finding.verdict == Verdict::Suspect).count();
     let _ = match suspects {
-        0 => writeln!(out, "{table}\nNothing is suspected."),
-        1 => writeln!(out, "{table}\nOne check suspects that the manifest or the files are wrong."),
-        count => writeln!(out, "{table}\n{count} checks suspect that the manifest or the files are wrong."),
+        0 => writeln!(out, "{table}\nNo check is suspect."),
+        1 => writeln!(out, "{table}\nOne check is suspect: the manifest or the files may be wrong."),
+        count => writeln!(out, "{table}\n{count} checks are suspect: the manifest or the files may be wrong."),
     };
     for probe in strays {
         let _ = probe.strays.iter().try_for_each(|strays| writeln!(out, "\nwarning: {}", stray_words(probe, strays)));

@@ -18,7 +18,7 @@ use footage::encode::{DepthCodec, EncodeSettings, ErrorBound, TileSize};
 use footage::train::read_tables;
 
 pub fn parse_background(text: &str) -> std::result::Result<f32, String> {
-    let value: f32 = text.parse().map_err(|_| format!("'{text}' is no number"))?;
+    let value: f32 = text.parse().map_err(|_| format!("'{text}' is not a number"))?;
     if value == f32::INFINITY && !text.contains("inf") || value == f32::NEG_INFINITY || value.is_nan() {
         return Err(format!("'{text}': a finite 32-bit float or inf was expected"));
     }
@@ -190,7 +190,7 @@ pub fn parse_bound(text: &str) -> std::result::Result<ErrorBound, String> {
 
 pub fn parse_share(text: &str) -> std::result::Result<f64, String> {
     let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
-    let share: f64 = number.trim().parse().map_err(|_| format!("'{text}' is no number"))?;
+    let share: f64 = number.trim().parse().map_err(|_| format!("'{text}' is not a number"))?;
     let share = share * unit;
     if !(0.0..=1.0).contains(&share) {
         return Err(format!("'{text}' is not between 0 and 100%"));

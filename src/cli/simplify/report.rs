@@ -234,7 +234,7 @@ impl Report {
         });
         format!(
             "{files}{}, area {:.2} spheres, peak overdraw of 126 views {:.2}\natlas {}x{}, {:.0}% used; energy within \
-             {:.1}% of the least in {:.0}% of the budgets, {}\n{}{}{:.1} s",
+            {:.1}% of the lower bound under {:.0}% of the budgets, {}\n{}{}{:.1} s",
             counted(self.triangles as u64, "triangle"),
             self.projected_area,
             self.peak_overdraw,

@@ -121,7 +121,7 @@ impl Pattern {
             .and_then(|name| name.to_str())
             .filter(|_| !text.ends_with(['/', std::path::MAIN_SEPARATOR]));
         let Some(name) = name else {
-            return Err(Error::Usage(format!("\"{text}\" names no file")));
+            return Err(Error::Usage(format!("\"{text}\" is not a file name")));
         };
         let directory = path.parent().map(Path::to_path_buf).unwrap_or_default();
         let mut pattern = Pattern { directory, before: String::new(), field: None, after: String::new() };

@@ -117,7 +117,7 @@ fn camera(line: &str) -> Result<(u64, Intrinsics)> {
     };
     let parameters: Vec<f64> = parameters.iter().map(|word| number(word)).collect::<Result<_>>()?;
     if parameters.len() != *count {
-        return Err(Error::invalid(format!("{} parameters, where {model} has {count}", parameters.len())));
+        return Err(Error::invalid(format!("{} parameters were found, but {model} has {count}", parameters.len())));
     }
     let distortion = &parameters[places[3] + 1..];
     if let Some(value) = distortion.iter().find(|value| **value != 0.0) {

@@ -181,7 +181,7 @@ fn colmap_models_that_are_no_pinholes_are_refused() {
     for (text, cameras, words) in [
         (image, "3 OPENCV 8 4 5 5 4 2 0 0 0.1 0\n", "distortion (0.1)"),
         (image, "3 OPENCV_FISHEYE 8 4 5 5 4 2 0 0 0 0\n", "OPENCV_FISHEYE"),
-        (image, "3 PINHOLE 8 4 5 5 4\n", "3 parameters, where PINHOLE has 4"),
+        (image, "3 PINHOLE 8 4 5 5 4\n", "3 parameters were found, but PINHOLE has 4"),
         (image, "3 PINHOLE 8 4 5 5 4 nan\n", "“nan” is not a number"),
         (image, "4 PINHOLE 8 4 5 5 4 2\n", "no camera 3"),
         ("1 1 0 0 0 0 0 3 a.png\n", "3 PINHOLE 8 4 5 5 4 2\n", "were expected"),

@@ -92,7 +92,7 @@ impl CameraSet {
         let mut text = Vec::new();
         source.take(MAX_MANIFEST_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
         if text.len() as u64 > MAX_MANIFEST_BYTES {
-            return Err(Error::invalid("a file of cameras has at most 16 MiB, this one has more").in_file(path));
+            return Err(Error::invalid("a camera file can have at most 16 MiB").in_file(path));
         }
         // Editors may put a byte order mark before UTF-8.
         if text.starts_with(b"\xef\xbb\xbf") {

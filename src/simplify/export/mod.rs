@@ -47,7 +47,7 @@ impl Outputs {
         if let Some(Ktx2Output { path, .. }) = &self.ktx2
             && (path == Path::new("-") || self.of_scene().iter().any(|other| absolute(other) == absolute(path)))
         {
-            return Err(Error::Usage(format!("{}: a file name of its own is needed for `ktx2`", path.display())));
+            return Err(Error::Usage(format!("{}: `ktx2` needs a different file name", path.display())));
         }
         Ok(())
     }
@@ -161,8 +161,8 @@ mod tests {
         assert!(of("a.glb", Some("a.ktx2")).check().is_ok());
         for (outputs, words) in [
             (of("a.ply", None), "a.ply: a name that ends in .glb or .obj"),
-            (of("a.glb", Some("a.glb")), "a.glb: a file name of its own"),
-            (of("a.obj", Some("-")), "-: a file name of its own"),
+            (of("a.glb", Some("a.glb")), "a.glb: `ktx2` needs a different file name"),
+            (of("a.obj", Some("-")), "-: `ktx2` needs a different file name"),
         ] {
             let said = outputs.check().unwrap_err().to_string();
             assert!(said.contains(words), "{said}");
