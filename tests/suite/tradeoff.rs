@@ -141,7 +141,7 @@ fn a_folder_is_for_one_at_a_time() {
     let lock = std::fs::File::create(folder.join(".tradeoff.lock")).unwrap();
     lock.lock().unwrap();
     let said = refused("scene --sweep color-cell=8 --repeats 1 -o locked");
-    assert!(said.contains("another tradeoff measures into it"), "{said}");
+    assert!(said.contains("another tradeoff process writes to it"), "{said}");
     drop(lock);
     json("scene --sweep color-cell=8 --repeats 1 --json -o locked");
     let hidden = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name());
@@ -201,7 +201,7 @@ fn tiles_are_modelled_as_the_options_say() {
 #[test]
 fn what_makes_no_sense_is_refused_in_a_sentence_before_anything_runs() {
     for (line, said) in [
-        ("scene --sweep cells=8 -o no", "'cells' is none of the knobs"),
+        ("scene --sweep cells=8 -o no", "'cells' is not a knob"),
         ("scene --sweep color-cell=0 -o no", "'0' for '--color-cell"),
         ("scene --sweep color-cell=8,8 -o no", "value 8 twice"),
         ("scene --sweep psnr=30,loud -o no", "'loud' for '--psnr"),
