@@ -185,8 +185,8 @@ fn with_scans<'a>(
     let Some(part) = part else { return Ok(None) };
     if part.is_shard() && settings.depends_on_processor() {
         global.note(
-            "texture blocks depend on the instruction set of the processor: encode all shards on the same kind, \
-            otherwise pack refuses them",
+            "texture blocks depend on the instruction set of the processor: encode all shards on processors of the \
+            same kind, otherwise pack refuses them",
         );
     }
     match known {

@@ -97,8 +97,8 @@ pub struct Args {
     /// Interpolation of texture coordinates; affine divides slanted quads
     #[arg(long, value_parser = one_of(COORDINATES), default_value = "affine")]
     pub uv: TextureCoordinates,
-    /// Keep values above 1: also write the texture as half floats to a .exr file beside the scene; --ktx2 then uses
-    /// BC6H, which has no alpha
+    /// Keep values above 1: write the texture as half floats to a .exr file beside the scene; --ktx2 then uses BC6H,
+    /// which has no alpha
     #[arg(long)]
     pub hdr: bool,
     /// Also write the texture as KTX2 in BC7, which graphics cards read compressed

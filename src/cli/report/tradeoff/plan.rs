@@ -322,9 +322,7 @@ mod tests {
         assert_eq!((sweep.knob.name, sweep.values.join("|")), ("psnr", "30|40".to_owned()));
         assert_eq!(Sweep::parse("color-cell").unwrap().values, ["8", "16", "32", "64", "128"]);
         assert!(sweep.given && !Sweep::parse("color-cell").unwrap().given);
-        assert!(
-            Sweep::parse("cells=8").unwrap_err().contains("'cells' is not a knob; knobs of coding: depth-codec, ")
-        );
+        assert!(Sweep::parse("cells=8").unwrap_err().contains("'cells' is not a knob; knobs of coding: depth-codec, "));
         assert!(Sweep::parse("color-cell=8,,16").unwrap_err().contains("empty value"));
         assert!(Sweep::parse("color-cell=").unwrap_err().contains("empty value"));
         assert!(Sweep::parse("color-cell=8,16,8").unwrap_err().contains("value 8 twice"));
