@@ -72,19 +72,19 @@ pub enum Command {
     /// Train entropy tables of predictive depth on containers
     #[command(after_help = train::DEPTH_HELP)]
     TrainDepth(train::Args),
-    /// Show and verify a container, show a scene, check the conventions of a dataset
+    /// Inspect or verify a container, inspect a scene, or check the conventions of a dataset
     Inspect(inspect::Args),
     /// Decode a container into image files, or measure decoding time
     Decode(decode::Args),
     /// Render light fields and simplified scenes, and compare pictures with references
     Render(Box<render::Args>),
-    /// Convert files of cameras between programs, and export the probes of a light field
+    /// Convert camera files between programs, and export the probes of a light field
     Cameras(cameras::Args),
     /// Simplify a still scene to textured quads under budgets, as binary glTF
     Simplify(simplify::Args),
     /// Interpolate many views side by side, for light-field displays
     Interpolate(Box<interpolate::Args>),
-    /// Join rendered views to a quilt, the picture that light-field displays read
+    /// Join rendered views into a quilt, the picture format of light-field displays
     Quilt(quilt::Args),
     /// Play a container, a simplified scene or a quilt in the browser
     View(view::Args),
@@ -94,7 +94,7 @@ pub enum Command {
     Tradeoff(TradeoffArgs),
     /// Test graphics devices against the CPU, and hard cases against their error bounds
     Selftest(selftest::Args),
-    /// Print the JSON Schema of a file, for editors and validators
+    /// Print the JSON Schema of a file type, for editors and validators
     Schema(schema::Args),
     /// Print a completion script for a shell
     Completions(completions::Args),
