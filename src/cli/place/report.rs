@@ -108,7 +108,7 @@ impl Report<'_> {
             let digits = across + (bounds.min.abs().max(bounds.max.abs())).max_element();
             let corner = |at: DVec3| at.to_array().map(|value| metres(value, digits)).join(", ");
             notes.push(format!(
-                "only {}% of the surface is visible from the region, which is {} m from the scene ({} to {}): check \
+                "{}% of the surface is visible from the region, which is {} m from the scene ({} to {}): check \
                 --region",
                 percent(found.reachable.seen),
                 plain(away),
