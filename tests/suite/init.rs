@@ -334,12 +334,7 @@ fn cameras_of_a_file_beside_the_images() {
     write(&[1, 2]);
     assert_says(
         &init(folder.path()),
-        &[
-            "transforms.json was ignored",
-            "nor are they one for each frame",
-            "the probe \
-        stands",
-        ],
+        &["transforms.json was ignored", "nor are they one for each frame", "the probe stands"],
     );
     std::fs::write(set.join("transforms.json"), "{").unwrap();
     assert_says(&init(folder.path()), &["transforms.json was left out:"]);

@@ -240,9 +240,8 @@ fn two_encodes_of_one_output_refuse_each_other() {
     for more in [&[][..], &["--resume"]] {
         let second = place.run(more);
         assert_eq!(second.status.code(), Some(75));
-        let expected = "lightfold: out/a.lfold: another lightfold process is writing it, in out/.a.lfold.partial; \
-            wait for it, or name \
-                        another file\n";
+        let expected = "lightfold: out/a.lfold: another lightfold process is writing it, in out/.a.lfold.partial: \
+                        wait for it, or use another file\n";
         assert_eq!(said(&second), expected);
     }
     // Another command cannot write the file either.
@@ -282,7 +281,7 @@ fn an_old_state_is_replaced_where_nobody_asks_for_it() {
     let before: Vec<_> = STATE.map(|name| fs::read(place.out().join(name)).unwrap()).into();
     let refused = place.run(&["--resume"]);
     assert_eq!(refused.status.code(), Some(2));
-    let expected = "lightfold: out/a.lfold: the unfinished encode cannot go on: --color-cell was 16 and is 64 now; repeat its \
+    let expected = "lightfold: out/a.lfold: cannot resume the unfinished encode: --color-cell was 16 and is 64 now: use its \
                     settings, or leave out --resume to start over\n";
     assert_eq!(said(&refused), expected);
     let after: Vec<_> = STATE.map(|name| fs::read(place.out().join(name)).unwrap()).into();

@@ -120,7 +120,7 @@ fn shards_of_chosen_probes_kinds_and_frames_join_to_one_encode() {
             Some([10, 16]),
             "`shard_frames` 10-16: depth of probe a can end at frame 15 or 18, not at 16",
         ),
-        (&[], &others, Some([12, 20]), "depth of probe a begins anew at frame 10 or 13, not at 12"),
+        (&[], &others, Some([12, 20]), "depth of probe a can begin at frame 10 or 13, not at 12"),
         (&[], &[], Some([10, 15]), "color of probe a can end at frame 20, not at 15"),
         (&["c"], &[], None, "`shard_probe` c: the probes are a, b"),
         (&["b"], &[], Some([10, 12]), "no stream has the probes, kinds and frames"),

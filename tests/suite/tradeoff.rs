@@ -115,10 +115,7 @@ fn what_is_of_something_else_is_refused_or_replaced() {
     let sweep = "scene --sweep max-error=0,90 --repeats 1 -o other";
     let said = refused(&format!("{sweep} -- --near 0.01"));
     assert!(
-        said.contains(
-            "2 points are of other footage, options, machine or version of lightfold: use another \
-        folder"
-        ),
+        said.contains("2 points are of other footage, options, machine or version of lightfold: use another folder"),
         "{said}"
     );
     assert!(said.contains("--overwrite"), "{said}");

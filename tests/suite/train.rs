@@ -209,8 +209,7 @@ fn commands_train_and_use_tables_of_depth() {
         ("train-color plain.lfold -o x.txt", "plain.lfold: no colour of the transform codec"),
         (
             "train-depth plain.lfold -o x.txt --held-out plain.lfold",
-            "--held-out plain.lfold: this container is also \
-            used for training",
+            "--held-out plain.lfold: this container is also used for training",
         ),
         (&format!("{encode} --depth-codec quadtree --depth-tables tables.txt -o x.lfold"), "--depth-tables is of"),
         (
