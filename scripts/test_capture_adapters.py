@@ -229,7 +229,7 @@ class AdapterTest(Folder):
         manifest = str(folder / layout.MANIFEST)
         done = subprocess.run([binary, "inspect", manifest, "--check"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertIn("Nothing is suspected", done.stdout)
+        self.assertIn("No check is suspect", done.stdout)
         command = [binary, "encode", manifest, "--clip", "-o", str(self.work / "out.lfold"), "--quiet"]
         done = subprocess.run(command, capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)

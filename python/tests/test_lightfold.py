@@ -221,7 +221,7 @@ class Encode(Folder):
     def test_refusals(self):
         depth, color = np.ones((1, 8, 8)), np.ones((1, 8, 8, 3))
         cases = [
-            ({}, "no stream of the kinds asked for"),
+            ({}, "no stream of the selected kinds"),
             ({"depth": depth[0]}, "`depth` has 8 entries, there are 1 probes"),
             ({"depth": depth}, "frame 0 has the shape"),
             ({"depth": [depth.astype(np.uint16)]}, "`depth`: an array of uint16, floats were expected"),
@@ -242,7 +242,7 @@ class Encode(Folder):
             ({"color": [color], "color_qp": 241}, "`color_qp` 241: 0 to 240"),
             ({"color": [color], "exposure": 9}, "`exposure` 9: -8 to 8 stops"),
             ({"color": [color], "hdr": True, "white": -1}, "white"),
-            ({"color": [color], "hdr": True, "color_block": "bc7"}, "choose bc6h with `hdr`"),
+            ({"color": [color], "hdr": True, "color_block": "bc7"}, "use bc6h with `hdr`"),
             ({"color": [color], "zstd": 20}, "`zstd` 20: 1 to 19"),
             ({"depth": [depth], "memory": 1}, "`memory`"),
         ]
@@ -252,7 +252,7 @@ class Encode(Folder):
         for arguments in [{"max_error": "many"}, {"hdr": "yes"}, {"psnrr": 40}]:
             with self.subTest(arguments), self.assertRaisesRegex(TypeError, next(iter(arguments))):
                 self.encode(depth=[depth], **arguments)
-        with self.assertRaisesRegex(lightfold.Error, "no new probe name"):
+        with self.assertRaisesRegex(lightfold.Error, "not a new probe name"):
             self.encode(["a", "a"], depth=[depth, depth])
         self.assertEqual(list(self.path.parent.iterdir()), [])
 

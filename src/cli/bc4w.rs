@@ -24,12 +24,14 @@ const BAR_COLUMNS: u64 = 8;
     mut_arg("no_compression", |arg| arg.requires("output")), after_help = "Examples:\n  lightfold bc4w depth.%04d.exr -o depth.lfold\n  \
     lightfold bc4w depth.0000.exr --effort fast -o depth.lfold\n  \
     lightfold bc4w depth.%04d.exr --stats\n\n\
-    Each 8x8 pixels become 32 bytes, a quarter of their 16-bit codes, without an error bound; the background is exact. \
+    Each block of 8x8 pixels takes 32 bytes, a quarter of its 16-bit codes. There is no error bound; background is \
+    exact. \
     --stats fits each tile with BC4w, a platelet and a biquadratic, and reports their PSNR (peak 65535) and that of the best \
-    of the last two and of all three. A tile without error counts as 114.39 dB in the mean, the PSNR of the least possible \
-    error, and as inf elsewhere. A tile that a function cannot model, with background beside a surface, counts as 0 dB.")]
+    of the last two and of all three. A tile without error counts as 114.39 dB in the mean, the PSNR of the smallest \
+    possible error, and as inf elsewhere. A tile that a function cannot model, because it has both background and \
+    surfaces, counts as 0 dB.")]
 pub struct Args {
-    /// The container to write, - for standard output
+    /// Output container, - for standard output
     #[arg(long, short, value_name = "OUT.lfold")]
     pub output: Option<PathBuf>,
     /// Measure the PSNR of each tile with each modelling function
@@ -63,10 +65,10 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     settings.depth.codec = DepthCodec::Blocks;
     let output = args.output.as_deref();
     if output.is_none() && !args.stats {
-        return refuse("nothing to do: name a container to write with -o, or measure the tiles with --stats");
+        return refuse("nothing to do: write a container with -o, or measure the tiles with --stats");
     }
     if output == Some(Path::new("-")) && args.stats {
-        return refuse("--stats and -o - would both write to standard output; name a file");
+        return refuse("--stats and -o - would both write to standard output: write the container to a file");
     }
     let source = args.input.open(StreamKind::Depth, &options)?;
     let target = output.map(|path| Target { path, unfinished: Unfinished::Discard, json: args.store.json });

@@ -20,11 +20,11 @@ const FPS: f64 = 24.0;
 const HEIGHT: u32 = 1080;
 
 const FORMATS: &Choices<CameraFormat> = &[
-    ("lightfold", CameraFormat::Lightfold, "The camera files of decode and render"),
-    ("transforms", CameraFormat::Transforms, "transforms.json of nerfstudio"),
-    ("colmap", CameraFormat::Colmap, "A folder with cameras.txt and images.txt of COLMAP; without frames"),
-    ("gltf", CameraFormat::Gltf, "Binary glTF; in single precision, without off-axis windows"),
-    ("usd", CameraFormat::Usd, "USD in text"),
+    ("lightfold", CameraFormat::Lightfold, "Camera file of decode and render"),
+    ("transforms", CameraFormat::Transforms, "nerfstudio transforms.json"),
+    ("colmap", CameraFormat::Colmap, "COLMAP folder with cameras.txt and images.txt; without frame numbers"),
+    ("gltf", CameraFormat::Gltf, "Binary glTF: single precision, no off-axis windows"),
+    ("usd", CameraFormat::Usd, "USD text (.usda)"),
 ];
 
 #[derive(Debug, clap::Args)]
@@ -32,30 +32,33 @@ const FORMATS: &Choices<CameraFormat> = &[
     lightfold cameras shot.usda -o path.json\n  \
     lightfold cameras shot.glb --fps 25 -o transforms.json\n  \
     lightfold cameras path.json --size 1920x1080 -o colmap --format colmap\n\n\
-    IN is recognised by its content: a container, a dataset, a file of cameras in any of the formats, or a file of probes to capture, as \
-    place and interpolate --cameras-out write it. Without --format OUT is one \
-    by its name: transforms*.json, other .json files are lightfold's, .glb, .usda, and a folder is COLMAP's.\n\n\
-    A perspective probe is one camera, a cube map six of 90 degrees, which see its faces the right way round; in datasets they are \
-    stored mirrored. A probe that moves has them in each frame. Pictures in transforms.json and images.txt have the names that render gives them: lightfold render film.lfold \
-    --camera transforms.json -o images/view.%04d.png. There cameras without frames are one camera that moves: the first is that of \
-    the first of --frames, and so on. transforms.json with camera_angle_x alone is of square pictures.\n\n\
-    World coordinates stay as they are, in metres; USD files may state another unit, or that Z is up. Cameras with distortion and \
-    orthographic ones are refused. Clip planes are written and not read. Times of glTF become frames by --fps, time codes of USD are \
-    frames.")]
+    The format of IN is detected from its content: a container, a dataset, a camera file in any of the formats, or a \
+    file of probes to capture, as written by place and interpolate --cameras-out. Without --format, the name of OUT \
+    selects the format: transforms*.json, other .json files (lightfold), .glb, .usda, or a folder (COLMAP).\n\n\
+    A perspective probe becomes one camera, a cube map six cameras of 90 degrees. They show the faces unmirrored; \
+    datasets store faces mirrored. A moving probe has these cameras in each frame. Picture names in transforms.json \
+    and images.txt are those that render writes: lightfold render film.lfold --camera transforms.json -o \
+    images/view.%04d.png. In these files, cameras without frame numbers are successive poses of one camera: the first \
+    belongs to the first frame of --frames, and so on. A transforms.json with camera_angle_x alone describes square \
+    pictures.\n\n\
+    World coordinates are kept, in metres; units and the up axis of USD files are converted. Orthographic cameras and \
+    cameras with distortion are refused. Clip planes are written but not read. glTF times are converted to frames by \
+    --fps; USD time codes are frames.")]
 pub struct Args {
-    /// A container, a dataset, a file of cameras, or one of probes to capture
+    /// Input: a container, a dataset, a camera file, or a file of probes to capture
     #[arg(value_name = "IN")]
     pub input: PathBuf,
-    /// The file or folder to write, - for standard output
+    /// Output file or folder, - for standard output
     #[arg(long, short, value_name = "OUT")]
     pub output: PathBuf,
-    /// Format of OUT [default: by its name]
+    /// Output format [default: by the name of OUT]
     #[arg(long, value_parser = one_of(FORMATS))]
     pub format: Option<CameraFormat>,
-    /// Frames per second of glTF and USD [default: those of a container or dataset, else 24]
+    /// Frames per second of glTF and USD [default: that of the container or dataset, else 24]
     #[arg(long, value_name = "FPS", value_parser = parse_positive)]
     pub fps: Option<f64>,
-    /// Height, or width and height, of pictures in pixels, for transforms.json and COLMAP, of cameras that state none [default: 1080]
+    /// Picture size in pixels, height or width and height, written to transforms.json and COLMAP for cameras without a
+    /// size [default: 1080]
     #[arg(long, value_name = "N|WxH", value_parser = parse_size)]
     pub size: Option<(u32, Option<u32>)>,
     /// Report as JSON
@@ -73,13 +76,13 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let Args { input, output, .. } = args;
     let Some(format) = args.format.or_else(|| CameraFormat::of_name(output)) else {
         return refuse(format!(
-            "{}: its name tells no format; name one with --format, or a file ending in .json, .glb or .usda",
+            "{}: the format cannot be told from the name: set --format, or use a name ending in .json, .glb or .usda",
             output.display()
         ));
     };
     let to_stdout = output == Path::new("-");
     if to_stdout && (args.format.is_none() || format == CameraFormat::Colmap) {
-        return refuse("-o -: standard output takes a file of the format that --format names, other than colmap");
+        return refuse("-o -: standard output needs --format with a format other than colmap");
     }
     check_report(output, args.json)?;
     outputs::check(&[("-o", output.clone())], &[input])?;

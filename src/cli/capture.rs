@@ -25,13 +25,13 @@ pub use args::{Args, parse_size};
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     if args.output == Path::new("-") {
-        return refuse("standard output cannot hold a dataset: name a folder");
+        return refuse("standard output cannot hold a dataset: specify a folder");
     }
     let manifest = args.output.join(MANIFEST_NAME);
     let cameras = args.cameras.as_ref().and_then(|path| path.canonicalize().ok());
     if cameras.is_some() && manifest.canonicalize().ok() == cameras {
         let path = manifest.display();
-        return refuse(format!("{path}: the file of cameras would be overwritten; name another folder"));
+        return refuse(format!("{path}: the camera file would be overwritten: specify another folder"));
     }
     let (cameras, viewers) = args.read_cameras()?;
     let play = args.animation.as_deref().map_or(Play::First, Play::Named);
@@ -44,7 +44,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         let bytes = std::fs::read(&manifest).map_err(|error| Error::io(&manifest, error))?;
         if args.shard.is_some() && bytes != plan.manifest()?.to_json()?.into_bytes() {
             return refuse(format!(
-                "{}: it holds another dataset than this capture, whose shards would be mixed with it: name a new folder",
+                "{}: the folder has a different dataset, which shards of this capture would be mixed with: specify a \
+                new folder",
                 args.output.display()
             ));
         }

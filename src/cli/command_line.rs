@@ -22,10 +22,15 @@ use footage::files;
     version,
     propagate_version = true,
     max_term_width = 100,
-    after_help = "Exit codes: 0 success; 1 a check failed: diff exceeds a bound, devices disagree, inspect --check suspects\n\
-        an error, or no point of tradeoff meets its limits; 2 bad input or usage; a path of the command line that is not there;\n\
-        75 may succeed if it is tried again: an image of a sequence or a dataset is not there yet, a disk is full, a mount\n\
-        is lost, another process has the output; 130 interrupted; 141 the reader of standard output has gone.\n\n\
+    after_help = "Exit codes:\n  \
+        0    success\n  \
+        1    a check failed: diff exceeds a bound, devices disagree, inspect --check suspects an error, or\n       \
+        no point of tradeoff meets its limits\n  \
+        2    bad input or usage, or a path on the command line does not exist\n  \
+        75   temporary failure: an image does not exist yet, a disk is full, a mount is lost, or another\n       \
+        process writes the output\n  \
+        130  interrupted\n  \
+        141  the reader of standard output closed it\n\n\
         Examples:\n  lightfold demo -o out/demo\n  lightfold encode lightfield.json -o film.lfold\n  \
         lightfold inspect film.lfold\n  lightfold decode film.lfold -o frames\n  \
         lightfold diff lightfield.json film.lfold --max-error 100 --min-cell-psnr 40"
@@ -67,19 +72,19 @@ pub enum Command {
     /// Train entropy tables of predictive depth on containers
     #[command(after_help = train::DEPTH_HELP)]
     TrainDepth(train::Args),
-    /// Show and verify a container, show a scene, check the conventions of a dataset
+    /// Inspect or verify a container, inspect a scene, or check the conventions of a dataset
     Inspect(inspect::Args),
     /// Decode a container into image files, or measure decoding time
     Decode(decode::Args),
     /// Render light fields and simplified scenes, and compare pictures with references
     Render(Box<render::Args>),
-    /// Convert files of cameras between programs, and export the probes of a light field
+    /// Convert camera files between programs, and export the probes of a light field
     Cameras(cameras::Args),
     /// Simplify a still scene to textured quads under budgets, as binary glTF
     Simplify(simplify::Args),
     /// Interpolate many views side by side, for light-field displays
     Interpolate(Box<interpolate::Args>),
-    /// Join rendered views to a quilt, the picture that light-field displays read
+    /// Join rendered views into a quilt, the picture format of light-field displays
     Quilt(quilt::Args),
     /// Play a container, a simplified scene or a quilt in the browser
     View(view::Args),
@@ -89,7 +94,7 @@ pub enum Command {
     Tradeoff(TradeoffArgs),
     /// Test graphics devices against the CPU, and hard cases against their error bounds
     Selftest(selftest::Args),
-    /// Print the JSON Schema of a file, for editors and validators
+    /// Print the JSON Schema of a file type, for editors and validators
     Schema(schema::Args),
     /// Print a completion script for a shell
     Completions(completions::Args),

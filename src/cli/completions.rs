@@ -6,7 +6,7 @@ use codec::error::Result;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  lightfold completions bash > ~/.local/share/bash-completion/completions/lightfold")]
 pub struct Args {
-    /// The shell
+    /// Shell to complete commands in
     #[arg(value_enum)]
     pub shell: clap_complete::Shell,
 }

@@ -40,7 +40,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.gpu.list_devices {
         return device::list(args.json);
     }
-    let Some(input) = &args.input else { return refuse("name a container to decode") };
+    let Some(input) = &args.input else { return refuse("no container to decode was given") };
     if let Some(output) = args.output.as_deref().filter(|output| point_cloud::is_named(output)) {
         return point_cloud::run(args, input, output, global);
     }
@@ -62,7 +62,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let chosen = selection.choose(&decoder)?;
     let pipe = args.stream.open(args.output.as_deref(), args.json, decoder.reader().index().fps)?.map(RefCell::new);
     if pipe.is_some() && args.keep_going {
-        return refuse("--keep-going leaves out images, and a stream of pictures has all: name a folder");
+        return refuse("--keep-going skips damaged images, which a picture stream cannot: specify an output folder");
     }
     let view = args.cameras.view(&decoder, &chosen)?;
     let images: u64 = chosen.iter().map(|part| part.frames.count()).sum();
@@ -144,13 +144,13 @@ fn note_losses(args: &Args, decoded: &Decoded) {
     let Some(output) = &args.output else { return };
     if decoded.clipped_pixels > 0 {
         output::note(format_args!(
-            "{}: {} did not fit 8 bits, or were brighter than their alpha, and were clipped; --format exr keeps all light",
+            "{}: {} exceeded the 8-bit range or their alpha, and were clipped; --format exr does not clip",
             output.display(),
             counted(decoded.clipped_pixels, "colour pixel")
         ));
     }
     if let Some(why) = decoded.no_manifest {
-        let stays = if output.join(MANIFEST_NAME).exists() { "; the older one stays, and may not fit" } else { "" };
+        let stays = if output.join(MANIFEST_NAME).exists() { "; an older one is kept, and may not match" } else { "" };
         output::note(format_args!("{}: {MANIFEST_NAME} was not written: {why}{stays}", output.display()));
     }
 }
@@ -160,7 +160,7 @@ fn verdict(decoded: &Decoded, images: u64) -> Error {
     Error::invalid(if missing == images {
         format!("none of the {images} images is intact ({chunks}); nothing was written")
     } else {
-        format!("{missing} of {images} images are missing ({chunks}); all others are intact")
+        format!("{missing} of {images} images could not be decoded ({chunks}); all others are intact")
     })
 }
 
@@ -212,7 +212,7 @@ impl Export<'_> {
             if output.join(MANIFEST_NAME).exists() {
                 check_replaced(output)?;
                 output::note(format_args!(
-                    "{}: contains a dataset; files of the same names are replaced, others stay",
+                    "{}: contains a dataset; files of the same names are replaced, others are kept",
                     output.display()
                 ));
             }
@@ -223,14 +223,14 @@ impl Export<'_> {
         let images: u64 = sequences.iter().map(|frames| frames.count()).sum();
         if !pattern.has_field() && images != 1 {
             return refuse(format!(
-                "{}: one file for {images} images; name a pattern such as depth.%04d.exr, or a folder",
+                "{}: one file for {images} images: use a pattern such as depth.%04d.exr, or a folder",
                 output.display()
             ));
         }
         if sequences.len() != 1 {
             return refuse(format!(
-                "{}: a pattern names the files of one stream, {} are selected; use --probe, --face and --stream, or name a \
-                 folder",
+                "{}: a pattern takes one stream, and {} are selected: select one with --probe, --face and --stream, \
+                or use a folder",
                 output.display(),
                 streams.len()
             ));
@@ -255,7 +255,7 @@ impl Export<'_> {
             let removed = destination(path).remove_missing(self.decoder, &decoded.missing, self.coding.format)?;
             if removed > 0 {
                 output::note(format_args!(
-                    "{}: removed {removed} older files of images that are missing now",
+                    "{}: removed {removed} older files of images that could not be decoded",
                     path.display()
                 ));
             }
@@ -270,7 +270,8 @@ fn check_replaced(folder: &Path) -> Result<()> {
     match Manifest::read(folder).is_ok_and(|manifest| export::has_decoded(&manifest)) {
         true => Ok(()),
         false => refuse(format!(
-            "{}: contains a dataset that lightfold did not decode; its files would be replaced: name another folder",
+            "{}: contains a dataset that lightfold did not decode, whose files would be replaced: specify another \
+            folder",
             folder.display()
         )),
     }

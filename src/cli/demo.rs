@@ -28,14 +28,14 @@ use scene::{CapturePlan, DemoKind, DemoScene, FootagePlan, Scene};
 #[command(
     after_help = "Examples:\n  lightfold demo\n  lightfold demo -o out/demo --frame-count 48 --size 256 --json\n\n\
     Captures a procedural courtyard into DIR/scene, encodes it to DIR/demo.lfold, decodes that into DIR/decoded and \
-    compares the two. The same options write the same bytes on every run. The exit code is 1 if the errors exceed the \
+    compares both. The same options write the same bytes in every run. The exit code is 1 if an error exceeds the \
     bounds of the encoder."
 )]
 pub struct Args {
-    /// Folder to write into
+    /// Output folder
     #[arg(long, short, value_name = "DIR", default_value = "lightfold-demo")]
     pub output: PathBuf,
-    /// Number of frames, 24 a second; the scene repeats after 96
+    /// Number of frames, at 24 frames per second; the animation repeats after 96
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=9999))]
     pub frame_count: u32,
     /// Width and height of each cube face in pixels

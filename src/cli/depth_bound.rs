@@ -64,14 +64,14 @@ pub fn stray_words(probe: &ProbePrecision, strays: &NamedStrays) -> String {
     let ends: Vec<String> = near.into_iter().chain(far).collect();
     let precision = match (probe.bound.share(), without.share()) {
         (Some(with), Some(without)) => {
-            format!("{}% of the distance in place of {}%", rounded_up(100.0 * with), rounded_up(100.0 * without))
+            format!("{}% of the distance instead of {}%", rounded_up(100.0 * with), rounded_up(100.0 * without))
         }
-        _ => "longer steps between codes".into(),
+        _ => "larger steps between codes".into(),
     };
     let more = if *pixels > first.len() as u64 { ", and others" } else { "" };
     format!(
-        "probe {}: {} of {of_pixels} cost precision, an error of {precision}: {}{more}; {} with --invalid-depth near \
-         (moved to that distance) or far (background) leaves them out",
+        "probe {}: {} of {of_pixels} widen the depth range and reduce its precision ({precision}): {}{more}; {} with \
+        --invalid-depth near (clamp to that distance) or far (background) excludes them",
         probe.probe,
         counted(*pixels, "depth pixel"),
         places.join("; "),

@@ -15,22 +15,22 @@ const VARIABLE: &str = "LIGHTFOLD_GPU";
 pub struct GpuArgs {
     #[command(flatten)]
     pub index: GpuIndex,
-    /// List the graphics devices and exit
+    /// List graphics devices and exit
     #[arg(long)]
     pub list_devices: bool,
 }
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct GpuIndex {
-    /// Number of the graphics device; LIGHTFOLD_GPU may hold a number or part of a name instead
+    /// Index of the graphics device; or set LIGHTFOLD_GPU to an index or a part of its name
     #[arg(long, value_name = "N")]
     pub gpu_index: Option<usize>,
 }
 
 pub const DEVICES: &Choices<DeviceChoice> = &[
-    ("auto", DeviceChoice::Auto, "A hardware graphics device if there is one, else the CPU"),
-    ("gpu", DeviceChoice::Gpu, "A graphics device, or an error without one"),
-    ("cpu", DeviceChoice::Cpu, "The CPU"),
+    ("auto", DeviceChoice::Auto, "Hardware graphics device if there is one, else CPU"),
+    ("gpu", DeviceChoice::Gpu, "Graphics device; an error if there is none"),
+    ("cpu", DeviceChoice::Cpu, "CPU"),
 ];
 
 impl GpuIndex {
@@ -66,7 +66,7 @@ pub fn or_on_cpu<'g, T>(
     match on_gpu(gpu) {
         Ok(done) => Ok((done, gpu.info.name.clone())),
         Err(error @ Error::Unsupported { .. }) if choice == Some(DeviceChoice::Auto) => {
-            global.note(format_args!("{error}; going on with the CPU"));
+            global.note(format_args!("{error}; using the CPU instead"));
             Ok((on_cpu()?, "cpu".to_owned()))
         }
         Err(error) => Err(error),

@@ -22,52 +22,56 @@ use footage::compare::{self, Bounds, ColorDomain, CompareSettings, Coverage, Mea
     image. Streams are matched by kind, probe and face; single streams of a kind are matched regardless of their names.\n\n\
     Depth is compared in 16-bit log codes from near to far, colour in 8-bit codes after the transfer function, half floats \
     in the PU21 encoding. Range and encoding are those of A if it is a container, else of B, else of the manifest of a \
-    decoded dataset. For other pairs the range covers both sides, and colour is 8-bit sRGB, whose codes go on beyond 255; --hdr \
-    compares half floats. Errors in metres are computed \
-    from the files, not from codes. Background against a surface, and a depth outside the range, count as 65535 codes.\n\n\
-    Light that a container's 8 bits clipped is a difference: it is compared unclipped, and the exit code is 1, unless \
-    --allow-clipping is given. Colours of other primaries are converted to those of the side whose encoding is used.\n\n\
-    Exit codes: 0 all bounds hold; 1 a bound is exceeded, colour is clipped, bits differ (--exact), or streams or frames are missing although \
-    a bound or --exact was given; 2 bad input; 75 an image is not there yet, or a file may be read later."
+    decoded dataset. For other pairs the range covers both sides, and colour is 8-bit sRGB, not clipped at 255; --hdr \
+    compares half floats. Errors in metres are computed from the files, not from codes. Background compared with a \
+    surface, and depth outside the range, count as an error of 65535 codes.\n\n\
+    Colour that a container clipped to 8 bits is a difference: it is compared with the unclipped source, and the exit \
+    code is 1 unless --allow-clipping is given. Colour with other primaries is converted to those of the side whose \
+    encoding is used.\n\n\
+    Exit codes: 0 all bounds hold; 1 a bound is exceeded, colour is clipped, bits differ (--exact), or streams or \
+    frames are missing on one side, if a bound or --exact is given; 2 bad input; 75 an image does not exist yet, or a \
+    file cannot be read at present."
 )]
 pub struct Args {
-    /// First side and reference; - for a container on standard input
+    /// Reference; - for a container on standard input
     #[arg(value_name = "A")]
     pub a: String,
-    /// Second side
+    /// Input to compare with A
     #[arg(value_name = "B")]
     pub b: String,
-    /// Largest allowed error: 16-bit log codes of depth, 8-bit codes of material
+    /// Maximum error: 16-bit log codes of depth, 8-bit codes of material
     #[arg(long, value_name = "CODES", value_parser = parse_codes)]
     pub max_error: Option<u16>,
-    /// Lowest allowed PSNR of a frame of a colour stream, in dB
+    /// Minimum PSNR in dB of each frame of a colour stream
     #[arg(long, value_name = "DB", value_parser = parse_db)]
     pub min_psnr: Option<f64>,
-    /// Lowest allowed PSNR of a frame of a colour cell, in dB, as for encode --psnr
+    /// Minimum PSNR in dB of each frame of each colour cell, as encode --psnr
     #[arg(long, value_name = "DB", value_parser = parse_db)]
     pub min_cell_psnr: Option<f64>,
-    /// Lowest allowed quality to the eye of a frame of a colour cell, as for encode --quality; A is the source
+    /// Minimum perceptual quality of each frame of each colour cell, as encode --quality; A is the source
     #[arg(long, value_name = "Q", value_parser = parse_quality)]
     pub min_quality: Option<f64>,
-    /// Compare colour as half floats, also where a side is 8-bit: PSNR is that of their PU21 encoding, with the peak at 100 cd/m²
+    /// Compare colour as half floats, even if a side has 8 bits; PSNR is computed on PU21 codes with the peak at 100
+    /// cd/m²
     #[arg(long)]
     pub hdr: bool,
-    /// Luminance of the value 1.0 for --hdr, in cd/m² [default: that of the container or its manifest, else 100]
+    /// Luminance of the value 1.0 in cd/m², for --hdr [default: from the container or its manifest, else 100]
     #[arg(long, value_name = "CD_M2", requires = "hdr")]
     pub white: Option<f64>,
-    /// Accept light that did not fit 8 bits, and compare clipped codes
+    /// Accept colour clipped to 8 bits: compare clipped codes
     #[arg(long)]
     pub allow_clipping: bool,
-    /// Require every bit to be equal: of depth as stored in the files, of colour as half floats or 8 bits
+    /// Require equal bits: of depth as stored in the files, of colour as half floats or 8 bits
     #[arg(long)]
     pub exact: bool,
-    /// Ignore streams and frames that only one side has
+    /// Ignore streams and frames that exist on one side only
     #[arg(long)]
     pub common: bool,
-    /// Frames of each stream to compute SSIM and PSNR-HVS-M for (8-bit colour; slow)
+    /// Frames of each stream for which to compute SSIM and PSNR-HVS-M (8-bit colour; slow)
     #[arg(long, value_parser = one_of(SSIM), default_value = "sampled")]
     pub ssim: SsimFrames,
-    /// Score the same frames by SSIMULACRA2 and butteraugli, too, where sides below 256 pixels are mirrored (8-bit sRGB; slower)
+    /// Also compute SSIMULACRA2 and butteraugli of these frames; images smaller than 256 pixels are extended by
+    /// mirroring (8-bit sRGB; slower)
     #[arg(long)]
     pub ssimulacra2: bool,
     /// Print a row for every stream [default: up to 12 streams]
@@ -100,12 +104,13 @@ const SSIM: &Choices<SsimFrames> = &[
 ];
 
 fn parse_codes(text: &str) -> Result<u16, String> {
-    text.parse()
-        .map_err(|_| "a whole number of codes to 65535 was expected, as encode and inspect state their bound".into())
+    text.parse().map_err(|_| {
+        "a whole number of codes from 0 to 65535 was expected, the unit of error bounds in encode and inspect".into()
+    })
 }
 
 fn parse_db(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| format!("'{text}' is no number of decibels"))?;
+    let value: f64 = text.parse().map_err(|_| format!("'{text}': a number of decibels was expected"))?;
     if value.is_nan() { Err("decibels were expected".into()) } else { Ok(value) }
 }
 
@@ -117,7 +122,7 @@ fn parse_quality(text: &str) -> Result<f64, String> {
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.ssimulacra2 && (args.hdr || args.ssim == SsimFrames::None) {
         return Err(Error::Usage(
-            "--ssimulacra2 scores 8-bit frames of --ssim: leave out --hdr and --ssim none".into(),
+            "--ssimulacra2 needs 8-bit colour and frames selected by --ssim: leave out --hdr and --ssim none".into(),
         ));
     }
     let selection = Selection {
@@ -158,7 +163,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         ));
     }
     if args.ssimulacra2 && comparison.color().is_some_and(|total| total.eye.pictures() == 0) {
-        output::note("nothing was scored by SSIMULACRA2: codes of 8-bit sRGB alone are");
+        output::note("SSIMULACRA2 was not computed: it needs 8-bit sRGB colour");
     }
     output::print_either(args.json, &output::with_memory(comparison.report(&sides, &judgement)), text)?;
     Ok(if judgement.failed { ExitStatus::Failed } else { ExitStatus::Passed })

@@ -32,13 +32,14 @@ const SMALLER: &str = "a lower --quality or a higher --max-error";
     lightfold encode scene -o scene.lfold --resume\n  \
     lightfold encode scene --shard 3/8 -o scene-3.lfold\n  \
     lightfold encode scene --shard 1/2 --shard-frames 0-383 -o scene-1.lfold\n\n\
-    An encode that stops early, by a signal, a full disk or an invalid frame, keeps its complete chunks beside the output. \
-    The same command with --resume continues after them and writes the same bytes. A shard that is complete, with the same \
-    options, and newer than its images is not encoded again.\n\n\
-    A shard has an even share of all segments, by --shard-by; or what --shard-probe, --shard-stream and --shard-frames say. Of such \
-    shards each stream and frame has to be in one; pack names those that are in none, or in two.")]
+    An encode interrupted by a signal, a full disk or an invalid frame keeps its complete chunks beside the output. \
+    The same command with --resume continues after them and writes the same bytes. With --resume, a complete shard \
+    with the same options that is newer than its images is not encoded again.\n\n\
+    --shard-by divides the footage evenly among the shards. --shard-probe, --shard-stream and --shard-frames select \
+    the content of a shard instead; then every frame of every stream must be in exactly one shard. pack reports \
+    frames that are missing or duplicated.")]
 pub struct Args {
-    /// The dataset: a lightfield.json, or the folder that holds it
+    /// Dataset: a lightfield.json or its folder
     #[arg(value_name = "MANIFEST")]
     pub input: PathBuf,
     #[command(flatten)]
@@ -128,7 +129,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         && let Some(summary) = encode::complete_shard(part, path)
     {
         let report = EncodeReport::new(summary, start.elapsed().as_secs_f64());
-        let words = || format!("{}: this shard is complete; nothing was left to encode", path.display());
+        let words = || format!("{}: this shard is complete; nothing to encode", path.display());
         return global.report(args.output.container.store.json, &report, words).map(|()| ExitStatus::Passed);
     }
     let part = with_scans(part, scans, &settings, global)?;
@@ -184,7 +185,8 @@ fn with_scans<'a>(
     let Some(part) = part else { return Ok(None) };
     if part.is_shard() && settings.depends_on_processor() {
         global.note(
-            "texture blocks depend on the processor: use machines with the same instruction sets, or pack refuses",
+            "texture blocks depend on the instruction set of the processor: encode all shards on processors of the \
+            same kind, otherwise pack refuses them",
         );
     }
     match known {
@@ -291,7 +293,8 @@ impl Encode<'_> {
             self.settings.color_blocks.filter(|blocks| has_color && blocks.final_psnr_db < searched_db)
         {
             self.global.note(format_args!(
-                "keyframes in blocks keep {} dB (--psnr-final); the {searched_db} dB of --psnr hold before they are put in blocks",
+                "keyframes in blocks have at least {} dB (--psnr-final); --psnr {searched_db} applies before block \
+                compression",
                 blocks.final_psnr_db
             ));
         }
@@ -318,7 +321,7 @@ impl Encode<'_> {
     /// Resumes if requested, and keeps complete chunks on failure.
     fn encode_resumable(&self, mut file: OutputFile, progress: &Progress) -> Result<EncodeSummary> {
         if !file.is_locked() {
-            self.say("the file system has no locks: do not encode to this file twice at the same time");
+            self.say("the file system does not support locks: do not run two encodes to this file at the same time");
         }
         let begun = file
             .recover(|records, bytes| journal::recover_watched(records, bytes, progress))
@@ -327,7 +330,7 @@ impl Encode<'_> {
             (Some(begun), Unfinished::Resume) if !begun.chunks.is_empty() => {
                 // A shard of changed footage is encoded anew, even if it is complete.
                 if self.is_shard() && encode::is_of_changed_footage(self.frames(), self.settings, &begun, progress)? {
-                    self.say("files have changed since the unfinished encode; starting anew");
+                    self.say("input files have changed since the unfinished encode; starting over");
                     return self.encode_recovered(file, None, progress);
                 }
                 encode::check_recovered(self.frames(), self.settings, &begun)
@@ -337,7 +340,7 @@ impl Encode<'_> {
                 Some(begun)
             }
             (begun, Unfinished::Resume) => {
-                self.say("nothing to resume; starting anew");
+                self.say("nothing to resume; starting from the beginning");
                 // The results of its scan may still be usable.
                 begun.filter(|begun| encode::check_recovered(self.frames(), self.settings, begun).is_ok())
             }
@@ -396,7 +399,7 @@ impl Encode<'_> {
                 let on_disk = file.keep();
                 let how = match error {
                     // The scan of a shard describes the footage before the change.
-                    Error::Invalid { .. } if self.is_shard() => "after a new scan, --resume starts this shard anew",
+                    Error::Invalid { .. } if self.is_shard() => "after a new scan, --resume starts this shard again",
                     _ => output::how_to_resume(&error),
                 };
                 let safe = kept(file.work_path(), &words, &on_disk) + "; " + how;
@@ -414,7 +417,7 @@ pub fn is_one_of(path: &Path, mut files: impl Iterator<Item = PathBuf>) -> bool 
 
 /// Returns an error that leaves an earlier unfinished encode unchanged.
 fn stays(error: Error, file: &OutputFile) -> Error {
-    let safe = format!("the unfinished encode stays in {}; remove it to start anew", file.work_path().display());
+    let safe = format!("the unfinished encode is kept in {}; remove it to start again", file.work_path().display());
     Error::Unfinished { cause: Box::new(error), safe }
 }
 

@@ -28,9 +28,9 @@ pub fn note_values(source: &Source, settings: &EncodeSettings, global: &GlobalAr
         && let Some((file, pixels)) = source.unnamed_alpha()
     {
         let file = file.display();
-        let instead = "name it by files.alpha in the manifest to keep it";
+        let instead = "list it as files.alpha in the manifest to keep it";
         global.note(format_args!(
-            "warning: {file}: alpha is below 1 in {}, and is dropped: {instead}",
+            "warning: {file}: alpha is below 1 in {} and is not encoded: {instead}",
             counted(pixels, "pixel")
         ));
     }
@@ -59,7 +59,7 @@ pub fn note_depth(summary: &EncodeSummary, global: &GlobalArgs) {
     }
     if summary.outside_pixels > 0 {
         let pixels = counted(summary.outside_pixels, "depth pixel");
-        global.note(format_args!("{pixels} outside near and far: replaced, as --invalid-depth says"));
+        global.note(format_args!("{pixels} outside near and far: replaced according to --invalid-depth"));
     }
 }
 

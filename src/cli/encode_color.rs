@@ -12,9 +12,9 @@ use footage::image_files::ColorSpace;
 #[command(after_help = "Examples:\n  lightfold encode-color face_px/color.%04d.exr --face px -o px.lfold\n  \
     lightfold encode-color color.####.exr --color-block bc1 -o small.lfold\n  \
     lightfold encode-color pano.####.exr --layout equirect --hdr -o pano.lfold\n\n\
-    Channels are found by their usual names: R, G, B, or layers such as rgba, Combined and beauty; Y alone is gray.")]
+    Channels are detected by common names: R, G, B, or layers such as rgba, Combined and beauty; Y alone is gray.")]
 pub struct Args {
-    /// Encoding of the values [default: linear light for EXR, sRGB for PNG]
+    /// Colour space of the input [default: linear light for EXR, sRGB for PNG]
     #[arg(long, value_parser = one_of(COLOR_SPACES), help_heading = "Colour")]
     pub color_space: Option<ColorSpace>,
     #[command(flatten)]

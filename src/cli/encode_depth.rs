@@ -13,8 +13,8 @@ use footage::encode::EncodeSettings;
     -o a.lfold\n  \
     lightfold encode-depth frame-######.depth.png --depth-scale 0.001 --background 0 \\\n      \
     --depth-kind planar --intrinsics 585,585,320,240 -o kinect.lfold\n\n\
-    Channels are found by their usual names: Z, depth.Z, depth.V, depth, Depth, ViewLayer.Depth.Z and the like, in any \
-    layer.")]
+    Channels are detected by common names in any layer: Z, depth.Z, depth.V, depth, Depth, ViewLayer.Depth.Z and \
+    similar.")]
 pub struct Args {
     #[command(flatten)]
     pub depth: DepthArgs,

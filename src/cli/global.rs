@@ -16,7 +16,7 @@ pub struct GlobalArgs {
     /// Print results and errors only
     #[arg(long, short, global = true)]
     pub quiet: bool,
-    /// How progress is shown
+    /// Form of the progress display
     #[arg(long, global = true, value_name = "FORM", value_parser = one_of(PROGRESS_FORMS), default_value = "auto")]
     pub progress: ProgressForm,
     /// Whether standard output carries the result, so that progress must not.

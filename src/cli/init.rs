@@ -16,18 +16,19 @@ use footage::dataset::{DepthKind, Projection, Source, SourceOptions};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  lightfold init my-renders\n  lightfold encode my-renders -o film.lfold\n\n\
-    Finds image sequences by the frame numbers in their names, probes and faces by folders or names, panoramas, also of two \
-    eyes, crosses and strips by shape, colour, depth and alpha by channels, and the space of colour by chromaticities. Cameras are those \
-    of the attributes worldToCamera and worldToNDC, or of a file in DIR: transforms.json, images.txt of COLMAP, or USD in text. \
-    Checks the manifest as inspect --check does. What images cannot tell is printed, one line each: correct it in the manifest.")]
+    Detects image sequences by the frame numbers in file names; probes and faces by folder or file names; panoramas \
+    (mono or stereo), crosses and strips by image shape; colour, depth and alpha by channels; and the colour space by \
+    chromaticities. Cameras are read from the EXR attributes worldToCamera and worldToNDC, or from a file in DIR: \
+    transforms.json, images.txt of COLMAP, or USD text. The manifest is then checked as by inspect --check. Values \
+    that images do not define are printed, one per line: correct them in the manifest.")]
 pub struct Args {
-    /// The folder of images
+    /// Folder of images
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// The manifest to write, - for standard output [default: lightfield.json in DIR]
+    /// Output manifest, - for standard output [default: lightfield.json in DIR]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Replace a manifest that exists
+    /// Overwrite an existing manifest
     #[arg(long)]
     pub force: bool,
 }
@@ -37,7 +38,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let to = args.output.as_ref().unwrap_or(&inside);
     let is_standard_output = to == Path::new("-");
     if !is_standard_output && to.exists() && !args.force {
-        return refuse(format!("{}: there is a manifest already; --force replaces it", to.display()));
+        return refuse(format!("{}: a manifest exists already: use --force to replace it", to.display()));
     }
     if !args.folder.exists() {
         return Err(Error::not_found(&args.folder, "there is no such file or folder"));
@@ -63,7 +64,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         Ok((manifest, doubts)) => (manifest, doubts),
         Err(Error::Interrupted) => return Err(Error::Interrupted),
         // The manifest is still useful.
-        Err(error) => (manifest, vec![format!("the checks ended early: {error}")]),
+        Err(error) => (manifest, vec![format!("the checks stopped early: {error}")]),
     };
     unsure.extend(doubts);
     output::write_file(to, &manifest.to_json()?)?;
@@ -101,9 +102,13 @@ fn checked(manifest: &Manifest, file: &Path, global: &GlobalArgs) -> Result<(Man
     {
         doubts.push(match depth.kind {
             DepthKind::Planar => {
-                "depth was taken for Z along the axis of the camera; \"kind\": \"distance\" is along rays".into()
+                "depth was assumed to be Z along the camera axis; if it is distance along rays, set \"kind\": \
+                \"distance\""
+                    .into()
             }
-            DepthKind::Distance => "depth was taken for the distance along rays; \"kind\": \"planar\" is Z".into(),
+            DepthKind::Distance => "depth was assumed to be distance along rays; if it is Z, set \"kind\": \
+                \"planar\""
+                .into(),
         });
     }
     Ok((manifest, doubts))

@@ -53,7 +53,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     if manifest::is_dataset(&args.input) {
         return refuse(format!(
-            "{}: a dataset, not a container; --check compares its files with its manifest",
+            "{}: this is a dataset, not a container: use --check to check it",
             args.input.display()
         ));
     }
@@ -67,7 +67,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
             (true, Some(range)) => FrameRows::Range(range),
             (false, None) => FrameRows::None,
             (false, Some(range)) => {
-                return refuse(format!("--frames {range} selects rows of --per-frame: add --per-frame"));
+                return refuse(format!("--frames {range} needs --per-frame"));
             }
         },
         check: if args.verify { Check::ListAll } else { Check::StopAtFirst },

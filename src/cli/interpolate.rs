@@ -49,7 +49,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let views = input.views(args, frames.first)?;
     if matches!(input, Input::Images(_)) && views.baseline_m() == 0.0 && args.views > 1 {
         notes.push(
-            "the sources stand in one place: all views are equal; choose probes side by side, or --baseline".into(),
+            "the source views have the same position, so all views are equal: choose probes side by side, or set \
+            --baseline"
+                .into(),
         );
     }
     let range = args.range()?;
@@ -61,7 +63,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let outputs = args.output.as_deref().map(|path| Outputs::open(path, args, &views, &mut notes)).transpose()?;
     notes.iter().for_each(|note| global.note(note));
     if args.rasterize && !matches!(input, Input::Scene(_)) {
-        return refuse("--rasterize draws the triangles of scenes: leave it out for containers and captured images");
+        return refuse("--rasterize needs a scene: leave it out for containers and captured images");
     }
     let by_columns = args.by_columns() && matches!(input, Input::Scene(_));
     let (loaded, need) = input.need(args, &views, &args.acquire_settings()?, &progress)?;
@@ -407,7 +409,7 @@ impl Args {
             && let Some(taken) = files.iter().find(|file| pattern.has_name_of(file))
         {
             return refuse(format!(
-                "-o {}: {}, an input, would be overwritten; name others",
+                "-o {}: the input {} would be overwritten: use another name",
                 path.display(),
                 taken.display()
             ));

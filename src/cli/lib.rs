@@ -130,7 +130,7 @@ fn execute(cli: Cli) -> Result<ExitStatus> {
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads.into())
             .build_global()
-            .map_err(|error| Error::Usage(format!("{threads} threads could not be started: {error}")))?;
+            .map_err(|error| Error::Usage(format!("cannot start {threads} threads: {error}")))?;
     }
     let global = &cli.global;
     match cli.command {

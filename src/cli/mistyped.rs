@@ -30,7 +30,7 @@ pub fn judge(error: Error, arguments: &[OsString]) -> Error {
         format!("there is no folder {}", missing.display())
     };
     if let Ok(target) = missing.read_link() {
-        message = format!("this is a link to {}, which is not there", target.display());
+        message = format!("this is a link to {}, which does not exist", target.display());
     } else if let Ok(Some(near)) = nearest(&folder, &missing) {
         message += &format!("; did you mean {}?", near.display());
     }

@@ -50,11 +50,9 @@ pub fn with_memory<T: Serialize>(report: T) -> WithMemory<T> {
 pub fn how_to_resume(error: &Error) -> &'static str {
     let message = error.to_string();
     match matches!(error, Error::Usage(_)) || with_option_names(&message) != message {
-        true => {
-            "--resume continues with equal options, once the input is mended; with other options, start anew without --resume"
-        }
+        true => "fix the input, then use --resume with the same options, or start over without --resume",
         false if matches!(error, Error::Invalid { .. }) => {
-            "the same command with --resume continues, once the input is mended"
+            "fix the input, then continue with the same command and --resume"
         }
         false => "the same command with --resume continues",
     }

@@ -16,11 +16,14 @@ pub fn check(outputs: &[Output], inputs: &[&Path]) -> Result<()> {
     for (option, path) in outputs.iter().filter(|(_, path)| path != Path::new("-")) {
         let place = place_of(path);
         if inputs.contains(&place) {
-            return refuse(format!("{option} {}: an input would be overwritten; name another file", path.display()));
+            return refuse(format!(
+                "{option} {}: an input would be overwritten: use another file name",
+                path.display()
+            ));
         }
         if let Some(other) = taken.insert(place, option) {
             let path = path.display();
-            return refuse(format!("{option} {path}: is also written by {other}; name another file or folder"));
+            return refuse(format!("{option} {path}: is also written by {other}: use another file or folder"));
         }
     }
     Ok(())

@@ -17,8 +17,7 @@ use footage::pack::{self, FlattenSettings, PackReport, PackSettings, Repack};
     after_help = "Examples:\n  lightfold pack px.lfold nx.lfold py.lfold ny.lfold pz.lfold nz.lfold -o probe.lfold\n  \
     lightfold pack film.lfold --lzma2=9 -o film-small.lfold\n  \
     lightfold pack px.tree.lfold --max-error 30 -o px.lfold\n\n\
-    With --max-error, quadtrees in the intermediate form become packed nodes. All other streams are \
-    copied.",
+    With --max-error, quadtrees of the intermediate form are packed. All other streams are copied.",
     mut_arg("no_compression", |arg| arg.alias("no-lzma2")),
     mut_arg("optimize", |arg| arg.requires("bound")),
     mut_arg("min_children", |arg| arg.requires("bound")),
@@ -27,7 +26,7 @@ use footage::pack::{self, FlattenSettings, PackReport, PackSettings, Repack};
     mut_arg("effort", |arg| arg.requires("bound"))
 )]
 pub struct Args {
-    /// The containers, - for standard input
+    /// Input containers, - for standard input
     #[arg(value_name = "IN.lfold", required = true)]
     pub inputs: Vec<PathBuf>,
     #[command(flatten)]

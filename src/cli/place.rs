@@ -48,7 +48,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         for name in
             (0..positions.len()).filter(|&at| !search.free_space().admits(positions[at])).map(|at| set.name_of(at))
         {
-            global.note(format_args!("camera {name} is outside of the open part of the region; it is kept"));
+            global.note(format_args!("camera {name} is outside the free part of the region; it is kept"));
         }
     }
     let started = positions.len();
@@ -61,7 +61,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     };
     let placement = place(&search, args.lighting())?;
     if placement.cameras.is_empty() {
-        return refuse("no camera adds coverage: nothing is visible from the region, or --until is too large");
+        return refuse("no camera was placed: nothing is visible from the region, or --until is too large");
     }
     let is_compared = args.plot.is_some() || args.csv.is_some();
     let other = if args.lighting == Lighting::Diffuse { SPECULAR } else { Lighting::Diffuse };

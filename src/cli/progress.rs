@@ -41,7 +41,7 @@ impl Progress {
         // The handler is set once per process.
         match ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed)) {
             Ok(()) | Err(ctrlc::Error::MultipleHandlers) => {}
-            Err(error) => return refuse(format!("no handler for Ctrl-C could be set: {error}")),
+            Err(error) => return refuse(format!("cannot set a handler for Ctrl-C: {error}")),
         }
         let is_drawn = global.progress == ProgressForm::Auto && !global.quiet && std::io::stderr().is_terminal();
         let target = if is_drawn { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };

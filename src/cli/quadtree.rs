@@ -11,10 +11,10 @@ use footage::encode::{DepthCodec, EncodeSettings, ErrorBound};
 #[command(after_help = "Examples:\n  lightfold quadtree face_px/depth.%04d.exr --face px -o px.tree.lfold\n  \
     lightfold quadtree face_px/depth.%04d.exr --max-error 1000 --effort fast -o px.tree.lfold\n  \
     lightfold pack px.tree.lfold --max-error 30 -o px.lfold\n\n\
-    The intermediate form holds every code and the modelling functions of every node. It decodes without loss; \
+    The intermediate form stores every code and the modelling functions of every node. It decodes losslessly; \
     `lightfold pack` reduces it to any error bound up to --max-error.")]
 pub struct Args {
-    /// Largest error of a modelling function in 16-bit log codes, and so the largest bound to pack at
+    /// Maximum error of modelling functions in 16-bit log codes, which is the largest bound that pack accepts
     #[arg(long, value_name = "CODES", default_value_t = 300, help_heading = "Depth",
         value_parser = clap::value_parser!(u16).range(..=65534))]
     pub max_error: u16,

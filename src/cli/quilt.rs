@@ -30,25 +30,25 @@ use footage::image_files::{exr, png};
     lightfold quilt views/%04d.png -o film.png\n  \
     lightfold quilt views --quilt portrait --views 0-47 -o film_qs8x6a0.75.png\n  \
     lightfold quilt light/%04d.exr --quilt 11x6 -o light.exr\n\n\
-    The view of the lowest number is the leftmost one and comes to the bottom left; views go right, then rows go up. The file's \
-    name gets columns, rows and the aspect ratio of a view: film.png becomes film_qs8x6a0.75.png. Views are not resampled; a note \
-    says which size a device expects."
+    The lowest-numbered view is the leftmost one. It is placed at the bottom left; others follow to the right, row by \
+    row upwards. Columns, rows and the aspect ratio of a view are appended to the file name: film.png becomes \
+    film_qs8x6a0.75.png. Views are not resampled; if a device expects another size, that size is reported."
 )]
 pub struct Args {
-    /// The views: a pattern such as views/%04d.png, or a folder; PNG files (16 bits are rounded to 8), or EXR files
+    /// Views: a pattern such as views/%04d.png, or a folder, of PNG files (16 bits are rounded to 8) or EXR files
     #[arg(value_name = "VIEWS")]
     pub input: String,
-    /// Picture to write, of the views' format; - writes a PNG file to standard output
+    /// Output picture, in the format of the views; - writes PNG to standard output
     #[arg(long, short, value_name = "QUILT")]
     pub output: PathBuf,
-    /// Columns and rows such as 8x6, or a device: portrait, go, 16, 16-portrait, 16-gen2, 32, 32-portrait, 32-gen2, 65 [default: the
-    /// device that the views fit, or a nearly square picture]
+    /// Columns and rows such as 8x6, or a device: portrait, go, 16, 16-portrait, 16-gen2, 32, 32-portrait, 32-gen2, 65
+    /// [default: the device that matches the views, else a nearly square picture]
     #[arg(long, value_name = "DEVICE|CxR")]
     pub quilt: Option<QuiltLayout>,
-    /// Only the views of these numbers, such as 0-47
+    /// Only views with these numbers, such as 0-47
     #[arg(long, value_name = "A-B")]
     pub views: Option<FrameRange>,
-    /// Aspect ratio of a view as the display shows it, such as 16/9, for the file's name [default: width / height in pixels]
+    /// Aspect ratio of a displayed view for the file name, such as 16/9 [default: width / height in pixels]
     #[arg(long, value_name = "W/H", value_parser = parse_aspect)]
     pub aspect: Option<f64>,
     /// Report as JSON
@@ -152,22 +152,28 @@ impl Views {
         let format = match first.as_path() {
             path if png::is_png(path) => FileFormat::Png,
             path if is_exr(path) => FileFormat::Exr,
-            path => return refuse(format!("{}: views are files ending in .png or .exr", path.display())),
+            path => return refuse(format!("{}: views ending in .png or .exr were expected", path.display())),
         };
         let output = &args.output;
         match (format, FileFormat::of(output), output == Path::new("-")) {
             (FileFormat::Png, _, true) => {}
             (FileFormat::Exr, _, true) => {
                 return refuse(
-                    "-o -: standard output takes PNG, and the views are EXR files; name a file ending in .exr",
+                    "-o -: standard output takes PNG, and the views are EXR files: use a file name ending in .exr",
                 );
             }
             (FileFormat::Png, Some(FileFormat::Png), _) | (FileFormat::Exr, Some(FileFormat::Exr), _) => {}
             (FileFormat::Png, ..) => {
-                return refuse(format!("{}: the views are PNG files; name a quilt ending in .png", output.display()));
+                return refuse(format!(
+                    "{}: the views are PNG files: use a file name ending in .png",
+                    output.display()
+                ));
             }
             (FileFormat::Exr, ..) => {
-                return refuse(format!("{}: the views are EXR files; name a quilt ending in .exr", output.display()));
+                return refuse(format!(
+                    "{}: the views are EXR files: use a file name ending in .exr",
+                    output.display()
+                ));
             }
         }
         Ok(Views { paths: sequence.frames.iter().map(|view| sequence.path(view)).collect(), format })
@@ -187,12 +193,12 @@ impl Views {
         let sizes =
             try_map_ordered(self.paths.iter().collect(), |path| read_size(path, &limits).map(<[u32; 2]>::from))?;
         let (Some(first), Some(&size)) = (self.paths.first(), sizes.first()) else {
-            return refuse("a quilt of no view");
+            return refuse("a quilt needs at least one view");
         };
         match self.paths.iter().zip(&sizes).find(|(_, other)| **other != size) {
             None => Ok(size),
             Some((path, other)) => Err(Error::invalid(format!(
-                "this view has {}x{} pixels, and {} has {}x{}; views of one size were expected",
+                "this view has {}x{} pixels, but {} has {}x{}: all views must have the same size",
                 other[0],
                 other[1],
                 first.display(),

@@ -48,11 +48,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.gpu.list_devices {
         return device::list(args.json);
     }
-    let Some(input) = &args.input else { return refuse("name a container or a simplified scene to render") };
+    let Some(input) = &args.input else { return refuse("no container or simplified scene to render was given") };
     args.check()?;
     if input.is_dir() || input.extension().is_some_and(|extension| extension == "json") {
         return refuse(format!(
-            "{}: a container was expected; encode a dataset first: lightfold encode {0} -o film.lfold",
+            "{}: a container was expected: encode a dataset first: lightfold encode {0} -o film.lfold",
             input.display()
         ));
     }
@@ -127,25 +127,25 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
 impl Args {
     fn check(&self) -> Result<()> {
         if let (Some(_), Some((_, Some(_)))) = (self.cameras.aspect, self.size) {
-            return refuse("--size WxH and --aspect contradict each other: leave out one of them");
+            return refuse("--size WxH and --aspect both set the aspect ratio: leave out one of them");
         }
         if self.projection.projection == PictureProjection::Cubemap
             && let Some((width, Some(height))) = self.size
             && width != height
         {
-            return refuse("--size of a cube map is that of a face: one number was expected");
+            return refuse("--size of a cube map is the side of a face: one number was expected");
         }
         if self.projection.is_panorama() && self.is_on_device() {
-            return refuse("equirect and vr180 are rendered by the CPU: leave out --device");
+            return refuse("equirect and vr180 are rendered on the CPU only: leave out --device");
         }
         if self.is_on_device() && self.memory.memory.is_some() {
             return refuse("--memory limits the CPU renderer only, not graphics devices: leave out one of them");
         }
         if self.results_to_stdout() + usize::from(self.json) > 1 {
-            return refuse("only one result fits standard output: name files for the others");
+            return refuse("only one result can be written to standard output: write the others to files");
         }
         if self.shard.is_some() && self.output.as_deref() == Some(Path::new("-")) {
-            return refuse("--shard renders a part of the pictures: name a pattern such as view.%04d.png, or a folder");
+            return refuse("--shard needs a pattern such as view.%04d.png, or a folder");
         }
         self.output.iter().chain(&self.contact_sheet).try_for_each(|path| check_stdout(path, false))
     }
@@ -193,7 +193,7 @@ impl Args {
         }
         if let Some(asked) = self.frames.frames.filter(|asked| frames.is_none() && asked.count() > MAX_STILL_FRAMES) {
             return Err(Error::Usage(format!(
-                "--frames {asked}: {} pictures of a still scene, where {MAX_STILL_FRAMES} are the most",
+                "--frames {asked}: {} pictures of a still scene, at most {MAX_STILL_FRAMES} are possible",
                 asked.count()
             )));
         }
@@ -227,7 +227,7 @@ impl Args {
         let first = FrameRange { first: available.first, last: available.first };
         let asked = self.frames.frames.and_then(|asked| asked.intersect(available)).unwrap_or(first);
         let (camera, words) = subject.own_camera(asked.first)?;
-        global.note(format_args!("{words}; --eye and --look-at, or --camera, choose another"));
+        global.note(format_args!("{words}; use --eye and --look-at, or --camera, for another view"));
         let of = |frame: u32| {
             let (camera, _) = subject.own_camera(frame)?;
             Ok(TimedCamera { camera, frames: Some(FrameRange { first: frame, last: frame }) })
@@ -240,9 +240,11 @@ impl Args {
 
 /// Returns the size of a picture, and its camera. `aspect` replaces the aspect of the camera, if given.
 fn sized(camera: Option<Camera>, asked: Option<(u32, Option<u32>)>, aspect: Option<f64>) -> Result<([u32; 2], Camera)> {
-    let camera = camera.ok_or_else(|| Error::Usage("name a camera".into()))?;
+    let camera = camera.ok_or_else(|| Error::Usage("no camera was given".into()))?;
     if aspect.is_some() && camera.has_range() {
-        return refuse("near_m and far_m of a camera clip perspective pictures: leave them out, or --projection");
+        return refuse(
+            "near_m and far_m of a camera apply to perspective pictures only: leave them out, or --projection",
+        );
     }
     match asked.unwrap_or((DEFAULT_SIZE, None)) {
         (width, Some(height)) => Ok(([width, height], camera.with_aspect(f64::from(width) / f64::from(height)))),
@@ -250,7 +252,7 @@ fn sized(camera: Option<Camera>, asked: Option<(u32, Option<u32>)>, aspect: Opti
             let width = (f64::from(height) * aspect.unwrap_or(camera.aspect())).round();
             if !(1.0..=65_536.0).contains(&width) {
                 return refuse(format!(
-                    "an image of {width}x{height} pixels: up to 65536 were expected; set --size WxH"
+                    "an image of {width}x{height} pixels: a width of 1 to 65536 was expected: set --size WxH"
                 ));
             }
             Ok(([width as u32, height], camera))

@@ -19,14 +19,15 @@ use footage::encode::{self, ScanFile, Shard};
     lightfold encode film --scan scan.json --shard 3/8 -o film-3.lfold\n  \
     lightfold scan film --shard 3/8 -o scan-3.json\n  \
     lightfold scan --merge scan-*.json -o scan.json\n\n\
-    Near, far and recurring distances of a probe follow from all its frames. Digests of all files are kept with them: shards join only \
-    where they are equal, and encode refuses a file that has changed since. Give scan the options of encode: those of colour, material, \
-    effort, compression and --stream have no effect on it. --merge needs the scans of all shards.")]
+    A scan has near, far and recurring distances of each probe, computed from all its frames, and digests of all \
+    files: pack joins shards only if digests are equal, and encode refuses files that have changed since the scan. \
+    Use the same options as for encode; options of colour, material, effort, compression and --stream have no effect \
+    on a scan. --merge needs the scans of all shards.")]
 pub struct Args {
-    /// The dataset: a lightfield.json, or the folder that holds it; with --merge, scans of shards
+    /// Dataset: a lightfield.json or its folder; with --merge, scans of shards
     #[arg(value_name = "MANIFEST", required = true)]
     pub inputs: Vec<PathBuf>,
-    /// The scan to write, - for standard output
+    /// Output scan, - for standard output
     #[arg(long, short, value_name = "SCAN.json")]
     pub output: PathBuf,
     /// Join scans of shards
@@ -35,7 +36,7 @@ pub struct Args {
     /// Scan one shard of the images, such as 3/8
     #[arg(long, value_name = "I/N", value_parser = parse_shard)]
     pub shard: Option<Shard>,
-    /// Keep what the output has of an earlier scan, and scan the rest
+    /// Keep valid parts of an earlier scan in the output file, and scan the rest
     #[arg(long)]
     pub resume: bool,
     #[command(flatten)]
@@ -65,7 +66,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
 
 fn merge(inputs: &[PathBuf], output: &Path) -> Result<u64> {
     let mut scans = inputs.iter().map(|path| Ok((path, ScanFile::read(path)?)));
-    let Some(first) = scans.next() else { return refuse("--merge needs scans") };
+    let Some(first) = scans.next() else { return refuse("--merge needs at least one scan") };
     let (first, mut merged) = first?;
     let mut unfinished = merged.is_unfinished().then_some(first);
     for scan in scans {
@@ -77,11 +78,13 @@ fn merge(inputs: &[PathBuf], output: &Path) -> Result<u64> {
         return Err(match unfinished {
             Some(path) => Error::busy(
                 path,
-                format!("this scan has not ended, and none has {missing}: wait for it, or run it again with `resume`"),
+                format!(
+                    "this scan is unfinished, and no scan has {missing}: wait for it, or run it again with `resume`"
+                ),
             ),
-            None => Error::invalid(format!(
-                "none of these scans has {missing}: scan the missing shards, and name the scans of all"
-            )),
+            None => {
+                Error::invalid(format!("no scan has {missing}: scan the missing shards, and merge the scans of all"))
+            }
         });
     }
     save(&merged, output)?;
@@ -90,7 +93,7 @@ fn merge(inputs: &[PathBuf], output: &Path) -> Result<u64> {
 
 fn scan(args: &Args, global: &GlobalArgs) -> Result<u64> {
     let [input] = args.inputs.as_slice() else {
-        return refuse("one dataset was expected; --merge joins scans of shards");
+        return refuse("one dataset was expected: use --merge to join scans of shards");
     };
     let (options, settings) = args.coding.settings(&args.store)?;
     let mut source = args.coding.dataset.open(input, &options)?;
@@ -105,7 +108,8 @@ fn scan(args: &Args, global: &GlobalArgs) -> Result<u64> {
         let earlier = ScanFile::read(&args.output)?;
         if !earlier.is_of(&source, &settings) {
             return refuse(format!(
-                "{}: a scan of other footage or with other settings; repeat them, or leave out --resume to start anew",
+                "{}: this is a scan of other footage or with other settings: use the same ones, or leave out --resume \
+                to start over",
                 args.output.display()
             ));
         }
@@ -116,7 +120,7 @@ fn scan(args: &Args, global: &GlobalArgs) -> Result<u64> {
     let mut keep = |scan: &ScanFile| if in_file { scan.write(&args.output) } else { Ok(()) };
     let read = scan.scan(&source, &settings, args.shard, &progress, &mut keep)?;
     if args.resume && read == 0 {
-        global.note(format_args!("{}: the scan is complete; nothing was left to scan", args.output.display()));
+        global.note(format_args!("{}: the scan is complete; nothing to scan", args.output.display()));
     }
     save(&scan, &args.output)?;
     Ok(images)

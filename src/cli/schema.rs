@@ -8,14 +8,14 @@ use codec::error::Result;
 const SCHEMAS: &Choices<&str> = &[(
     "manifest",
     include_str!(concat!(env!("LIGHTFOLD_FORMATS"), "/schemas/manifest.json")),
-    "lightfield.json, the manifest of a dataset",
+    "Manifest of a dataset, lightfield.json",
 )];
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  lightfold schema manifest > manifest.schema.json\n\n\
-    Editors complete and check a lightfield.json whose first key is \"$schema\": \"manifest.schema.json\".")]
+    Editors complete and validate a lightfield.json whose first key is \"$schema\": \"manifest.schema.json\".")]
 pub struct Args {
-    /// What the schema describes
+    /// File type that the schema describes
     #[arg(value_name = "NAME", value_parser = one_of(SCHEMAS))]
     pub name: &'static str,
 }

@@ -25,16 +25,16 @@ use verify::{CaseReport, CaseRow, Family, FamilyReport, FamilyRow, Inputs, famil
     lightfold selftest --streams 10000 --seed 7 --json"
 )]
 pub struct Args {
-    /// Test hard cases only, on the CPU and on graphics devices if any
+    /// Run only the hard cases, on the CPU and on graphics devices if there are any
     #[arg(long)]
     pub hard_cases: bool,
-    /// Only this family of hard cases; repeatable
+    /// Run only this family of hard cases; repeatable
     #[arg(long, value_name = "NAME", requires = "hard_cases", value_parser = Family::NAMES)]
     pub family: Vec<String>,
-    /// Number of random streams to decode on both, in random order of frames
+    /// Number of random streams to decode on CPU and device, in random frame order
     #[arg(long, value_name = "N", default_value_t = 500, conflicts_with = "hard_cases")]
     pub streams: u64,
-    /// Seed of the random inputs
+    /// Seed of random inputs
     #[arg(long, value_name = "N", default_value_t = SEED, conflicts_with = "hard_cases")]
     pub seed: u64,
     #[command(flatten)]

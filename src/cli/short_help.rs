@@ -98,7 +98,7 @@ mod tests {
             assert!(short.lines().all(fits), "{short}");
             assert!(short.trim_end().ends_with(MORE), "{short}");
             assert!(long.contains("--progress <FORM>") && !long.contains(MORE), "{long}");
-            assert!(name.is_some() || long.contains("Exit codes: "), "{long}");
+            assert!(name.is_some() || long.contains("Exit codes:"), "{long}");
         }
     }
 

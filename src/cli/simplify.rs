@@ -79,12 +79,12 @@ fn check_outputs(args: &Args, captures: &[&Capture]) -> Result<()> {
             return refuse(format!("{option} {}: there is no folder {folder}; create it first", path.display()));
         }
         if path.is_dir() {
-            return refuse(format!("{}: a folder, where a file is to be written", path.display()));
+            return refuse(format!("{}: this is a folder; a file name was expected", path.display()));
         }
     }
     if let Some(path) = &args.plot {
         if path.exists() && !path.is_dir() {
-            return refuse(format!("--plot {}: a file, where a folder was expected", path.display()));
+            return refuse(format!("--plot {}: this is a file; a folder was expected", path.display()));
         }
         all.push(("--plot", path.clone()));
     }

@@ -43,12 +43,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
             let measuring = !args.sweep.is_empty() || args.preset.is_some() || !args.fixed.is_empty();
             if measuring || args.budget_seconds.is_some() || args.weights.is_some() {
                 return refuse(
-                    "--sweep, --preset, --budget-seconds, --weights and options after -- are for measuring: name the \
-                     footage, or leave them out to be recommended what DIR holds",
+                    "--sweep, --preset, --budget-seconds, --weights and options after -- need footage to measure: \
+                    specify it, or leave them out to recommend a point in DIR",
                 );
             }
             coding::recommend_from_folder(args, &demands)
         }
-        (None, None) => refuse("name the footage to measure"),
+        (None, None) => refuse("no footage to measure was given"),
     }
 }

@@ -18,28 +18,28 @@ use footage::train::{self, Footage, HeldOut, TrainSettings, TrainSummary, Traine
 pub const COLOR_HELP: &str = "Examples:\n  lightfold train-color kitchen.lfold hall.lfold -o house.txt\n  \
     lightfold encode garden/lightfield.json --color-tables house.txt -o garden.lfold\n  \
     lightfold train-color kitchen.lfold -o - --sets 4\n\n\
-    The tables suit footage of the same kind, noise and quality; other footage may gain nothing from them. A container stores \
-    them once, in some 1.3 kB, and each cell takes the cheapest set, trained or built in. Encodes with tables can be trained on \
-    again.";
+    Tables suit footage of the same kind, noise and quality; other footage may not become smaller. A container stores \
+    them once, in about 1.3 kB, and each cell uses the set that makes it smallest, trained or built in. Containers \
+    with trained tables can be used for training.";
 
 pub const DEPTH_HELP: &str = "Examples:\n  lightfold train-depth kitchen.lfold hall.lfold -o house.txt --sets 2\n  \
     lightfold encode garden/lightfield.json --depth-tables house.txt -o garden.lfold\n  \
     lightfold train-depth kitchen.lfold hall.lfold --held-out garden.lfold -o house.txt\n\n\
-    A set suits footage of the same kind and error bound. A container stores the sets once for each depth stream, in some 3 kB \
-    each, and each chunk takes the cheapest set, trained or built in.";
+    A set suits footage of the same kind and error bound. A container stores the sets once per depth stream, in about \
+    3 kB each, and each chunk uses the set that makes it smallest, trained or built in.";
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Containers with streams of the codec, - for standard input
+    /// Training containers with streams of this codec, - for standard input
     #[arg(value_name = "IN.lfold", required = true)]
     pub inputs: Vec<PathBuf>,
-    /// The tables to write, as text; - for standard output
+    /// Output tables as text, - for standard output
     #[arg(long, short, value_name = "TABLES")]
     pub output: PathBuf,
-    /// Number of table sets; --color-tables takes one, --depth-tables all
+    /// Number of table sets; encode --color-tables uses one, --depth-tables all
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=MAX_OWN as i64))]
     pub sets: u8,
-    /// A container to measure the trained sets on, without the built-in ones; repeatable
+    /// Container on which to measure the trained sets without the built-in ones; repeatable
     #[arg(long, value_name = "IN.lfold")]
     pub held_out: Vec<PathBuf>,
     /// Report as JSON
@@ -63,7 +63,10 @@ pub fn run<C: TrainedCodec>(args: &Args, global: &GlobalArgs) -> Result<ExitStat
         return refuse(format!("{}: an input file would be overwritten", args.output.display()));
     }
     if let Some(path) = args.held_out.iter().find(|held| args.inputs.iter().any(|input| is_same_file(input, held))) {
-        return refuse(format!("--held-out {}: it is trained on; leave it out of one of both", path.display()));
+        return refuse(format!(
+            "--held-out {}: this container is also used for training: leave it out of one of both",
+            path.display()
+        ));
     }
     let open = |paths: &[PathBuf]| paths.iter().map(Decoder::open).collect::<Result<Vec<_>>>();
     let (inputs, held_out) = (open(&args.inputs)?, open(&args.held_out)?);

@@ -29,7 +29,10 @@ impl UnfinishedFolder {
         let what = self.what;
         let say = |words: &str| global.note(format_args!("{}: {words}", self.path.display()));
         if !self.folder.is_locked() {
-            say(&format!("the file system has no locks: do not {what} into this folder twice at the same time"));
+            say(&format!(
+                "the file system does not support locks: do not run two commands that {what} into this \
+                folder at the same time"
+            ));
         }
         let Left { words: left, files: images } = self.folder.left()?;
         if resume && images > 0 {
@@ -41,14 +44,14 @@ impl UnfinishedFolder {
             let Kept { intact, damaged } = self.folder.resume()?;
             let again = match damaged {
                 0 => String::new(),
-                1 => "; 1 damaged image is made again".to_owned(),
-                many => format!("; {many} damaged images are made again"),
+                1 => "; 1 damaged image is rewritten".to_owned(),
+                many => format!("; {many} damaged images are rewritten"),
             };
             say(&format!("resuming with {intact} of {all} images{again}"));
             return Ok(());
         }
         if resume {
-            say("nothing to resume; starting anew");
+            say("nothing to resume; starting from the beginning");
         } else if images > 0 {
             let begun: Vec<(String, String)> = serde_json::from_str(&left).unwrap_or_default();
             let is_same = Fingerprint(begun).difference(now).is_none();
@@ -62,7 +65,7 @@ impl UnfinishedFolder {
 
     fn cannot(&self, difference: &str) -> Error {
         Error::Usage(format!(
-            "{}: cannot resume the unfinished {}: {difference}; repeat its options, or leave out --resume to start anew",
+            "{}: cannot resume the unfinished {}: {difference}: use its options, or leave out --resume to start over",
             self.path.display(),
             self.what
         ))

@@ -20,33 +20,34 @@ use footage::inspect::{self, Check, FrameRows, InspectSettings};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold view film.lfold --open\n  lightfold view room.glb --port 8000\n  \
     lightfold view film_qs8x6a0.75.png\n  lightfold view film.lfold --export site\n\n\
-    The address of the page is the line on standard output; Ctrl-C ends the server. It answers requests for the page and for FILE, \
-    nothing else, and unless --listen says otherwise to programs on this machine only; to hosts by their address, not their name. \
-    Containers are drawn by WebGPU, which browsers offer to pages of this machine and to pages by HTTPS; without it the page offers \
-    small pictures, drawn on the processor. To look from another machine, forward the port (ssh -L 8000:localhost:8000 HOST), or put the \
-    site that --export writes on a web server with HTTPS that answers requests for ranges, as nginx and Apache do and python3 -m \
-    http.server does not.\n\n\
-    --export writes into a new or empty folder, or over an earlier site that has no other files. It checks all of FILE before: if FILE is \
-    damaged, nothing is written, and the exit code is 1.\n\n\
-    The server has up to 256 connections. A client that for 10 seconds neither sends a request nor takes 64 KiB of an answer loses its \
-    connection, at once where another client needs it.")]
+    The address of the page is printed on standard output; Ctrl-C stops the server. It serves only the page and FILE, \
+    by default only to programs on this machine (see --listen), and only to requests by address or localhost, not by \
+    host name. Containers are rendered with WebGPU, which browsers provide to pages from this machine and to HTTPS \
+    pages; without WebGPU the page shows small pictures rendered on the CPU. To view from another machine, forward \
+    the port (ssh -L 8000:localhost:8000 HOST), or upload the site written by --export to an HTTPS server that \
+    supports range requests, such as nginx or Apache; python3 -m http.server does not.\n\n\
+    --export writes into a new or empty folder, or replaces an earlier site without other files. All of FILE is \
+    checked first: if it is damaged, nothing is written, and the exit code is 1.\n\n\
+    The server has up to 256 connections. A connection on which the client neither sends a request nor receives 64 \
+    KiB of a response within 10 seconds is closed. If all are in use, one is closed for a new client.")]
 pub struct Args {
-    /// What to play: a container (.lfold), a simplified scene (.glb) or a quilt (.png)
+    /// Container (.lfold), simplified scene (.glb) or quilt (.png) to play
     #[arg(value_name = "FILE")]
     pub input: PathBuf,
-    /// Port of the server, 0 for a free one
+    /// Port of the server; 0 selects a free port
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub port: u16,
-    /// Open the page in the browser
+    /// Open the page in a browser
     #[arg(long)]
     pub open: bool,
-    /// Address to listen at, 0.0.0.0 for all of this machine: whoever reaches it sees the film
+    /// Address to listen on, 0.0.0.0 for all interfaces; everyone who reaches it can see the film
     #[arg(long, value_name = "ADDR", default_value_t = Ipv4Addr::LOCALHOST.into(), value_parser = parse_address)]
     pub listen: IpAddr,
-    /// Write the page and a copy of FILE as a static site, and serve nothing; an earlier site in DIR is replaced
+    /// Write the page and a copy of FILE as a static site instead of starting a server; an earlier site in DIR is
+    /// replaced
     #[arg(long, value_name = "DIR", conflicts_with_all = ["port", "open", "listen"])]
     pub export: Option<PathBuf>,
-    /// Report as JSON: the address, or what was written
+    /// Report the address, or the written site, as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -76,7 +77,7 @@ fn parse_address(text: &str) -> std::result::Result<IpAddr, std::net::AddrParseE
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.input == Path::new("-") {
-        return refuse("view needs a file, not standard input: the page reads it in parts");
+        return refuse("view cannot read standard input, because the page reads parts of the file: specify a file");
     }
     let Some(folder) = &args.export else { return serve(Film::open(&args.input)?, args, global) };
     let film = match Film::open(&args.input) {
@@ -149,13 +150,14 @@ fn serve(film: Film, args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     if !args.listen.is_loopback() {
         global.note(format_args!(
-            "whoever reaches {} sees the film; by plain HTTP from another machine browsers give the page no WebGPU: it offers small pictures of containers",
+            "everyone who reaches {} can see the film; over HTTP from another machine, browsers do not provide \
+            WebGPU, and the page shows small pictures of containers",
             server.address()
         ));
     }
-    global.note(format_args!("{}: {}; Ctrl-C ends the server", args.input.display(), human_bytes(bytes)));
+    global.note(format_args!("{}: {}; Ctrl-C stops the server", args.input.display(), human_bytes(bytes)));
     if args.open && open::that_detached(&page).is_err() {
-        output::note(format_args!("no browser could be opened: open {page} in one"));
+        output::note(format_args!("cannot open a browser: open {page} in one"));
     }
     server.run(&stop);
     Ok(ExitStatus::Passed)

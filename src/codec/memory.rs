@@ -78,7 +78,7 @@ impl Budget {
         if least > bytes {
             let instead = if need.instead.is_empty() { String::new() } else { format!(", or {}", need.instead) };
             return Err(Error::Usage(format!(
-                "`memory` {self}: {} needs up to {} MB; allow that much{instead}",
+                "`memory` {self}: {} needs up to {} MB: increase it to that{instead}",
                 need.what,
                 whole.div_ceil(1_000_000)
             )));
@@ -160,7 +160,10 @@ mod tests {
         assert_eq!(budget.at_once(&need(0, 0), 5).unwrap(), 5);
         assert_eq!(budget.at_once(&need(70_000_000, 30_000_000), 9).unwrap(), 1);
         let refused = budget.at_once(&need(70_000_000, 30_000_001), 9).unwrap_err().to_string();
-        assert_eq!(refused, "`memory` 100M: the work needs up to 101 MB; allow that much, or a smaller `depth_tile`");
+        assert_eq!(
+            refused,
+            "`memory` 100M: the work needs up to 101 MB: increase it to that, or a smaller `depth_tile`"
+        );
         assert!(budget.at_once(&need(u64::MAX, 9), 9).is_err());
         assert_eq!(Budget::UNLIMITED.at_once(&need(u64::MAX, 1), 7).unwrap(), 7);
         let less = budget.less(40_000_000);

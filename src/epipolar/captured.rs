@@ -57,7 +57,7 @@ impl CapturedSources {
         let along = |camera: &Camera| (camera.eye() - cameras[0].eye()).dot(right);
         let by_place = |a: &&Camera, b: &&Camera| along(a).total_cmp(&along(b));
         let (Some(left), Some(last)) = (cameras.iter().min_by(by_place), cameras.iter().max_by(by_place)) else {
-            return Err(Error::invalid("probes without a place"));
+            return Err(Error::invalid("probes without a position"));
         };
         let (least, most) = (along(left), along(last));
         let middle = camera.eye() + 0.5 * (least + most) * right;
@@ -129,8 +129,8 @@ impl ProbeLine {
         let most = beside.into_iter().map(f64::abs).fold(0.0, f64::max);
         if most > BESIDE_LINE * self.length_m {
             return refuse(format!(
-                "it stands {most:.4} m off the line of the first probe's scanlines: choose probes side by side, and the face that \
-                 looks across their line"
+                "it is {most:.4} m off the line of the first probe's scanlines: choose probes side by side, and the \
+                face perpendicular to their line"
             ));
         }
         let ([found, wanted], [high, first_high]) = (
@@ -148,7 +148,7 @@ impl ProbeLine {
 }
 
 fn no_probes() -> Error {
-    Error::Usage("name the probes whose images are the source views".into())
+    Error::Usage("no probes for source views were given: set `probe`".into())
 }
 
 /// Returns the index of the image of a probe and face, in the given frame or in any frame.
@@ -185,7 +185,7 @@ fn source(reference: &mut Reference, (image, frame): (usize, u32), offset_m: f64
     let distances = reference.distance_m(image, frame)?.ok_or_else(|| {
         let named = &reference.images[image];
         Error::Usage(format!(
-            "probe {}, {}: there is no depth: interpolation needs colour and depth of each image",
+            "probe {}, {}: the image has no depth, which interpolation needs",
             named.probe,
             named.face.name()
         ))

@@ -52,7 +52,7 @@ impl OutputViews {
                 return Err(Error::Usage(format!("a `baseline` of {metres} m: 0 or more was expected")));
             }
             Spread::Cone(_) if !focus_m.is_finite() => {
-                return Err(Error::Usage("a view cone has its tip in the `focus`: name its distance".into()));
+                return Err(Error::Usage("a view cone needs a finite `focus`: set its distance".into()));
             }
             Spread::Cone(degrees) if (0.0..180.0).contains(&degrees) => {
                 Box::new(move |view| focus_m * (degrees.to_radians() * place(view)).tan())

@@ -60,7 +60,7 @@ impl CameraFile {
     pub fn as_probes(text: &[u8]) -> Result<CameraSet> {
         let (cameras, file) = (Self::parse(text)?, Self::entries(text)?);
         if file.cameras.iter().any(|entry| entry.frame.is_some()) {
-            return Err(Error::invalid("key poses (\"frame\") describe a moving camera, and a probe stands still"));
+            return Err(Error::invalid("key poses (\"frame\") describe a moving camera, but probes must be static"));
         }
         let probe = |(timed, entry): (&TimedCamera, &CameraEntry)| PlacedCamera {
             fov_y_deg: Some(entry.fov_y_deg),
@@ -75,7 +75,9 @@ impl CameraFile {
     fn entries(text: &[u8]) -> Result<CameraFile> {
         serde_json::from_slice(text).map_err(|error| {
             if CameraSet::from_json(text).is_ok() {
-                return Error::invalid("this file has probes to capture, not cameras with \"eye\" and \"look_at\"");
+                return Error::invalid(
+                    "this is a file of probes to capture, not of cameras with \"eye\" and \"look_at\"",
+                );
             }
             Error::invalid(format!("not a camera file: {error}"))
         })
@@ -147,7 +149,7 @@ impl CameraEntry {
             }
             (None, Some(orientation), None) => Camera::oriented(eye, orientation, lens)?,
             (None, Some(_), Some(_)) => {
-                return Err(Error::invalid("\"up\" goes with \"look_at\"; an \"orientation\" has its own"));
+                return Err(Error::invalid("\"up\" needs \"look_at\": leave it out beside \"orientation\""));
             }
             _ => return Err(Error::invalid("either \"look_at\" or \"orientation\" was expected")),
         };
@@ -208,7 +210,7 @@ mod tests {
         let cameras = CameraFile::parse(text.as_bytes()).unwrap();
         let seen = cameras.iter().map(|timed| (timed.frames.unwrap().first, timed.camera.eye().x));
         assert_eq!(seen.collect::<Vec<_>>(), [(3, 0.0), (4, 2.0), (5, 4.0)]);
-        assert!(CameraFile::as_probes(text.as_bytes()).unwrap_err().to_string().contains("stands still"));
+        assert!(CameraFile::as_probes(text.as_bytes()).unwrap_err().to_string().contains("must be static"));
         for (second, words) in
             [("", "all must have"), (r#", "frame": 3"#, "increase"), (r#", "frame": 5, "frames": [5, 5]"#, "none may")]
         {
@@ -249,9 +251,9 @@ mod tests {
             (camera(&format!(r#"{looking}, "fov": 3"#)), "`fov`"),
             (camera(""), "either"),
             (camera(&format!(r#"{looking}, "orientation": [0, 0, 0, 1]"#)), "either"),
-            (camera(r#", "orientation": [0, 0, 0, 1], "up": [0, 1, 0]"#), "\"up\" goes with"),
+            (camera(r#", "orientation": [0, 0, 0, 1], "up": [0, 1, 0]"#), "\"up\" needs"),
             (camera(r#", "orientation": [0, 0, 0, 2]"#), "camera 0: "),
-            (camera(r#", "look_at": [0, 0, 0]"#), "where its eye is"),
+            (camera(r#", "look_at": [0, 0, 0]"#), "same point or too far"),
             (camera(&format!(r#"{looking}, "aspect": 0"#)), "as wide"),
             (camera(&format!(r#"{looking}, "near_m": 2, "far_m": 1"#)), "near < far"),
             (camera(&format!(r#"{looking}, "frames": [3, 2]"#)), "[3, 2]"),

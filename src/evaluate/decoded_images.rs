@@ -104,5 +104,5 @@ impl DecodedImages {
 }
 
 fn wrong_kind() -> Error {
-    Error::invalid("a stream decodes to another kind of image than its header says")
+    Error::invalid("a stream decodes to another kind of image than its header states")
 }

@@ -31,7 +31,7 @@ pub fn write_ply(
         let about = about.ok_or_else(|| Error::Usage(format!("there is no image {image}")))?;
         let distance_m = reference.distance_m(image, frame)?.ok_or_else(|| {
             let (probe, face) = (&about.probe, about.face.name());
-            Error::invalid(format!("probe {probe}, face {face}: there is no depth, which points follow from"))
+            Error::invalid(format!("probe {probe}, face {face}: there is no depth, which a point cloud needs"))
         })?;
         let color = reference.truth(image, frame)?.color;
         let steps = CodeSteps::new(ToneMap::default());

@@ -150,9 +150,7 @@ impl Reference {
 
     fn of(files: Images, images: Vec<ReferenceImage>) -> Result<Reference> {
         if images.is_empty() {
-            return Err(Error::invalid(
-                "there are no images of colour, which pictures are compared with; capture or encode colour, too",
-            ));
+            return Err(Error::invalid("the reference has no colour images: capture or encode colour as well"));
         }
         Ok(Reference { files, images, color: None, depth: None, material: None, normal: None })
     }
@@ -254,7 +252,7 @@ fn camera(
 ) -> Result<Camera> {
     let named = |error: Error| error.context(format!("probe {}", probe.name));
     let turn = rotation(pose.orientation)
-        .ok_or_else(|| named(Error::invalid("its orientation is no quaternion of length 1")))?;
+        .ok_or_else(|| named(Error::invalid("its orientation is not a quaternion of length 1")))?;
     let (eye, axes) = (DVec3::from_array(pose.position), face.axes().map(|axis| turn * axis));
     if face != Face::View || projection == Projection::Cubemap {
         return Camera::with_axes(eye, axes, Lens::new(90.0)).map_err(named);

@@ -100,7 +100,7 @@ impl Similarity {
         let sizes = [(rendered.color.width(), rendered.color.height()), (truth.color.width(), truth.color.height())];
         if sizes[0] != sizes[1] {
             return Err(Error::invalid(format!(
-                "a picture of {:?} pixels cannot be compared with one of {:?}: render it in the size of the reference",
+                "a picture of {:?} pixels cannot be compared with one of {:?}: render it at the size of the reference",
                 sizes[0], sizes[1]
             )));
         }

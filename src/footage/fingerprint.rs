@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 const SOURCES: &str = "the sources of lightfold";
-const ANOTHER_VERSION: &str = "it was begun by another version of lightfold";
+const ANOTHER_VERSION: &str = "it was started by another version of lightfold";
 
 /// True if a value is a [`digest`], which messages do not show.
 fn is_digest(value: &str) -> bool {

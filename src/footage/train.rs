@@ -50,7 +50,7 @@ pub trait TrainedCodec: Model {
 }
 
 impl TrainedCodec for Transform {
-    const NOTHING_TO_COUNT: &'static str = "no colour in transform blocks: encode it with `color_codec` transform";
+    const NOTHING_TO_COUNT: &'static str = "no colour of the transform codec: encode it with `color_codec` transform";
 
     fn tables_of(stream: &StreamInfo) -> Option<&Tables<Transform>> {
         if let CodecHeader::Color(header) = &stream.header { header.tables() } else { None }
@@ -206,7 +206,7 @@ pub fn train<C: TrainedCodec>(
     let trainer = footage.count::<C>(at_once, monitor)?;
     let payloads = trainer.payloads().len();
     if payloads < sets {
-        return Err(Error::Usage(format!("`sets` {sets}: more than the inputs have payloads, {payloads}")));
+        return Err(Error::Usage(format!("`sets` {sets}: the inputs have only {payloads} payloads")));
     }
     let own = trainer.train(sets);
     let measure = |footage: Footage<'_>| {

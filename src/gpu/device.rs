@@ -118,13 +118,13 @@ pub fn choose(choice: DeviceChoice, pick: &Pick) -> Result<(Option<Gpu>, Option<
         DeviceChoice::Cpu => Ok((None, None)),
         DeviceChoice::Gpu => Gpu::open(pick).map(|gpu| (Some(gpu), None)),
         DeviceChoice::Auto => {
-            let refused = |why: &str| Ok((None, Some(format!("{why}; going on with the CPU"))));
+            let refused = |why: &str| Ok((None, Some(format!("{why}; using the CPU instead"))));
             let found = if *pick == Pick::Best { list() } else { Vec::new() };
             if *pick == Pick::Best && found.is_empty() {
                 return refused("no graphics device was found");
             }
             if *pick == Pick::Best && found.iter().all(DeviceInfo::is_software) {
-                return refused("the only graphics device is a software one; `device` gpu selects it");
+                return refused("the only graphics device is a software renderer; `device` gpu selects it");
             }
             Gpu::open(pick).map(|gpu| (Some(gpu), None)).or_else(|error| refused(&error.to_string()))
         }
@@ -216,7 +216,7 @@ impl Gpu {
     }
 
     pub fn failed(&self, what: &str, why: &str) -> Error {
-        Error::unsupported(format!("{}: {what}: {why}; the CPU does without it", self.info.name))
+        Error::unsupported(format!("{}: {what}: {why}; use the CPU instead", self.info.name))
     }
 
     fn check_lost(&self) -> Result<()> {

@@ -106,7 +106,7 @@ pub fn texture(
 ) -> Result<wgpu::Texture> {
     let most = gpu.device.limits().max_texture_dimension_2d;
     if width.max(height) > most {
-        return Err(gpu.failed(label, &format!("{width}x{height}, where {most} are the most for a side of a texture")));
+        return Err(gpu.failed(label, &format!("{width}x{height} exceeds the texture size limit of {most}")));
     }
     let usage = match format {
         LIGHT_FORMAT | COUNT_FORMAT => wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,

@@ -224,8 +224,8 @@ fn of_predictive(chunk: &PredictiveChunk, most_bytes: u64) -> Result<Prepared> {
         if 2 * codes.len() as u64 > most_bytes {
             let most = most_bytes >> 20;
             return Err(Error::unsupported(format!(
-                "codes of a chunk take more than {most} MiB on a device: choose the CPU, or encode with smaller tiles or fewer \
-                 frames between keyframes"
+                "the codes of a chunk need more than {most} MiB on a device: use the CPU, or encode with smaller \
+                tiles or fewer frames between keyframes"
             )));
         }
         let count = (boxes.len() - first) as u32;
@@ -410,7 +410,7 @@ mod tests {
         assert_eq!(prepared.stream.len(), 3 << 18);
         let said = of_predictive(&chunk, 2 << 20).unwrap_err().to_string();
         assert!(
-            said.contains("codes of a chunk take more than 2 MiB on a device: choose the CPU, or encode with"),
+            said.contains("codes of a chunk need more than 2 MiB on a device: use the CPU, or encode with"),
             "{said}"
         );
     }

@@ -52,7 +52,7 @@ impl<'a> GpuQuads<'a> {
         let texture = &scene.texture;
         let size = [texture.width, texture.height];
         if scene.light.is_some() {
-            return Err(gpu.failed("atlas", "half floats are drawn on the CPU alone"));
+            return Err(gpu.failed("atlas", "half floats are drawn on the CPU only"));
         }
         let atlas = drawing::texture(gpu, "atlas", size, wgpu::TextureFormat::Rgba8Uint)?;
         drawing::send(gpu, &atlas, &texture.pixels)?;

@@ -190,8 +190,8 @@ impl<'a> GpuRenderer<'a> {
         match alphas.iter().filter(|&&alpha| alpha == GIVEN_UP).count() {
             0 => Ok(rendered),
             missing => Err(Error::unsupported(format!(
-                "{}: it ended loops before they were done, and {missing} of {} pixels are missing; take fewer `samples` or \
-                 `steps`, or `device` cpu",
+                "{}: it aborted loops, and {missing} of {} pixels are missing: use fewer `samples` or `steps`, or \
+                `device` cpu",
                 self.gpu.info.name,
                 alphas.len()
             ))),

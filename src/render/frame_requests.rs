@@ -55,14 +55,14 @@ pub fn frame_requests(
         }
         _ => {
             return Err(Error::Usage(
-                "some cameras state \"frames\" or a \"frame\" and others do not (`eye` states none): let all of a path state theirs, \
-                 or none"
+                "some cameras have \"frames\" or a \"frame\" and others do not (`eye` has none): all cameras of a \
+                path must have them, or none"
                     .into(),
             ));
         }
     };
     if requests.is_empty() {
-        return Err(Error::Usage(format!("no camera looks in the frames {frames}")));
+        return Err(Error::Usage(format!("no camera is defined for frames {frames}")));
     }
     Ok(requests)
 }
@@ -83,7 +83,9 @@ fn check_covered(cameras: &[TimedCamera], asked: Option<FrameRange>, available: 
     if next > u64::from(needed.last) {
         return Ok(());
     }
-    Err(Error::Usage(format!("no camera looks in frame {next} of {asked}; ask for frames of the path, or lengthen it")))
+    Err(Error::Usage(format!(
+        "no camera is defined for frame {next} of {asked}: request frames of the path, or extend it"
+    )))
 }
 
 /// Returns the number of frames that cameras have and `frames` includes, but that are not `available`.
@@ -135,7 +137,7 @@ mod tests {
         assert_eq!(of(&own, None), [(5, 0), (6, 0), (6, 1), (3, 2), (4, 2)]);
         assert_eq!(of(&own, Some(range(6, 6))), [(6, 0), (6, 1)]);
         let error = frame_requests(&cameras(&own), Some(range(6, 20)), range(3, 9)).unwrap_err().to_string();
-        assert!(error.starts_with("no camera looks in frame 7 of 6-20"), "{error}");
+        assert!(error.starts_with("no camera is defined for frame 7 of 6-20"), "{error}");
     }
 
     #[test]

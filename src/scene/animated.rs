@@ -24,16 +24,16 @@ impl Scene {
         if let Some(kind) = built_in(text) {
             return match play {
                 Play::Named(name) => Err(Error::Usage(format!(
-                    "{text}: there is no animation “{name}”; a built-in scene has one, without a name"
+                    "{text}: there is no animation “{name}”: the animation of a built-in scene has no name"
                 ))),
                 _ => Ok((Scene::Procedural(DemoScene::new(kind)), Vec::new())),
             };
         }
         let path = Path::new(text);
         if path.is_dir() || (!path.exists() && !has_ending(text)) {
-            let what = if path.is_dir() { "a folder" } else { "no file" };
+            let what = if path.is_dir() { "a folder" } else { "no such file" };
             return Err(Error::Usage(format!(
-                "{text}: {what}, and no scene; name a file (.glb, .gltf, .obj) or a built-in scene: {}",
+                "{text}: {what}: a scene file (.glb, .gltf, .obj) or a built-in scene was expected: {}",
                 DemoKind::ALL.map(DemoKind::name).join(", ")
             )));
         }
@@ -45,9 +45,9 @@ impl Scene {
     pub fn subdivided(self, times: u32) -> Result<Scene> {
         match self {
             Scene::Model(model) => Ok(Scene::Model(Box::new(model.subdivided(times)?))),
-            Scene::Procedural(_) if times > 0 => {
-                Err(Error::Usage("`subdivide` divides triangles, and a built-in scene has none: name a file".into()))
-            }
+            Scene::Procedural(_) if times > 0 => Err(Error::Usage(
+                "`subdivide` does not apply to built-in scenes, which have no triangles: use a scene file".into(),
+            )),
             Scene::Procedural(_) => Ok(self),
         }
     }

@@ -70,7 +70,7 @@ impl Capture {
             return Err(Error::Usage(format!("there is no frame {frame}: a Seurat manifest has one")).in_file(path));
         }
         if capture.views.is_empty() {
-            return Err(Error::invalid("the manifest has no view: a capture has at least one").in_file(path));
+            return Err(Error::invalid("the manifest has no view; at least one was expected").in_file(path));
         }
         let image = |view: &SeuratView| CaptureImage {
             name: view.json_path(),
@@ -281,7 +281,7 @@ fn distances(reference: &mut Reference, image: usize, frame: u32) -> Result<(Cam
     let distances_m = reference.distance_m(image, frame)?.ok_or_else(|| {
         let named = &reference.images[image];
         Error::Usage(format!(
-            "probe {}, {}: there is no depth: simplification needs colour and depth of each image",
+            "probe {}, {}: the image has no depth, which simplification needs",
             named.probe,
             named.face.name()
         ))

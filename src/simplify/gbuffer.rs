@@ -40,7 +40,7 @@ pub struct TexturedTiles<'a> {
 pub fn check(capture: &mut Capture) -> Result<()> {
     match capture.surfaces(0)? {
         Surfaces { normal: None, material: None } => {
-            Err(Error::Usage("`gbuffer` needs normals or material, and the capture has neither".into()))
+            Err(Error::Usage("`gbuffer` needs a capture with normals or material, and this has neither".into()))
         }
         _ => Ok(()),
     }

@@ -280,15 +280,15 @@ fn solid_threshold(capture: &Capture, notes: &mut Vec<String>) -> f64 {
         Some(error) if error <= SOLID_THRESHOLD => SOLID_THRESHOLD,
         Some(error) => {
             notes.push(format!(
-                "depths of the container are wrong by up to {:.2}%: a tile within that distance of a sample counts as its surface, \
-                 instead of {:.0}%",
+                "the depth of the container has errors up to {:.2}%: a tile within that distance of a sample counts \
+                as its surface, instead of {:.0}%",
                 100.0 * error,
                 100.0 * SOLID_THRESHOLD
             ));
             error
         }
         None => {
-            notes.push("the depths of the container have no bound of their error".into());
+            notes.push("the depth of the container has no error bound".into());
             SOLID_THRESHOLD
         }
     }

@@ -32,13 +32,13 @@ pub fn read_glb(path: &Path) -> Result<QuadScene> {
 
 fn read(bytes: &[u8], folder: Folder) -> Result<QuadScene> {
     if !document::is_glb(bytes) {
-        return Err(foreign("it is no binary glTF (.glb)"));
+        return Err(foreign("it is not a binary glTF file (.glb)"));
     }
     let Parsed { document, blob } = document::parse(bytes)?;
     let root = document.as_json();
     let extras: Option<Value> = root.extras.as_ref().and_then(|extras| serde_json::from_str(extras.get()).ok());
     let Some(own) = extras.as_ref().and_then(|extras| extras.get("lightfold")).filter(|own| own.is_object()) else {
-        return Err(foreign("its extras do not name lightfold"));
+        return Err(foreign("its extras were not written by lightfold"));
     };
     let frame = own.get("frame").map_or(Some(0), |frame| frame.as_u64().and_then(|frame| u32::try_from(frame).ok()));
     let frame = frame.ok_or_else(|| Error::invalid("extras.lightfold.frame: the number of a frame was expected"))?;
@@ -57,7 +57,7 @@ fn read(bytes: &[u8], folder: Folder) -> Result<QuadScene> {
         let Some(paint) = paints.get(number) else { continue };
         let Material { base_texture: Some(own), unlit: true, .. } = &paint.material else {
             let notes: String = notes.iter().map(|note| format!("; {note}")).collect();
-            return Err(Error::invalid(format!("a primitive has no atlas that shows under any light{notes}")));
+            return Err(Error::invalid(format!("a primitive has no atlas as the texture of an unlit material{notes}")));
         };
         let atlas = texture.get_or_insert_with(|| own.clone());
         if !Arc::ptr_eq(atlas, own) {

@@ -150,8 +150,8 @@ impl SampleRules<'_> {
             let direction = ray.direction.as_vec3().as_dvec3();
             if before_sky <= 0.0 {
                 let error = Error::Usage(format!(
-                    "{}: its camera stands outside of the sky, a cube of 400 times the size of the viewing region; give a larger \
-                     `region`, or leave out the camera",
+                    "{}: the camera is outside the sky, a cube of 400 times the size of the viewing region: set a \
+                    larger `region`, or remove the camera",
                     capture.images[image].name
                 ));
                 return Err(capture.in_file(image, error));
@@ -168,8 +168,8 @@ impl SampleRules<'_> {
                 }
                 let ([column, row], metres) = (ray.pixel, ray.distance_m);
                 let error = Error::Usage(format!(
-                    "{}, pixel ({column}, {row}): a surface at {metres:.3} m lies in the viewing region; give a smaller \
-                     `region`, without surfaces in it, or set `inside` to drop",
+                    "{}, pixel ({column}, {row}): a surface at {metres:.3} m lies in the viewing region: set a \
+                    smaller `region` without surfaces, or set `inside` to drop",
                     capture.images[image].name
                 ));
                 return Err(capture.in_file(image, error));

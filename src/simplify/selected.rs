@@ -101,8 +101,8 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     })?;
     if samples == 0 {
         return Err(Error::Usage(match dropped_samples {
-            0 => "there is no sample: a capture has a pixel that shows a surface".to_owned(),
-            count => format!("all {count} samples lie in the viewing region: give a smaller `region`"),
+            0 => "there are no samples: the capture shows no surface".to_owned(),
+            count => format!("all {count} samples lie in the viewing region: set a smaller `region`"),
         }));
     }
     let points = merger.finish();
@@ -176,7 +176,7 @@ fn viewing_region(capture: &mut Capture, settings: &Settings, notes: &mut Vec<St
     if !region.has_extent() {
         region.grow(capture.nearest_m()?);
         let place =
-            if settings.region.is_some() { "the `region` has no extent" } else { "all cameras stand in one place" };
+            if settings.region.is_some() { "the `region` has no extent" } else { "all cameras have the same position" };
         notes.push(format!(
             "{place}: the viewing region is a cube of radius {:.4} m around it, a tenth of the distance of the nearest surface; see \
              `region`",
@@ -184,20 +184,21 @@ fn viewing_region(capture: &mut Capture, settings: &Settings, notes: &mut Vec<St
         ));
     }
     if !region.radius().is_finite() || region.radius() <= 0.0 {
-        return Err(Error::Usage("the viewing region has no extent and no surface is near: give a `region`".into()));
+        return Err(Error::Usage("the viewing region has no extent and no surface is near: set `region`".into()));
     }
     // Vertices are in single precision.
     let place = region.middle.abs().max_element();
     if !RADII_M.contains(&region.radius()) || place * f64::from(f32::EPSILON) > region.radius() {
         return Err(Error::Usage(format!(
-            "the viewing region has a radius of {:e} m and lies {place:e} m from the origin, which single precision cannot tell apart: \
-             scale the scene, or move it to the origin",
+            "the viewing region has a radius of {:e} m at {place:e} m from the origin, which single precision cannot \
+            represent: scale the scene, or move it to the origin",
             region.radius()
         )));
     }
     if !capture.images.iter().any(|image| region.admits(image.eye - region.middle)) {
         notes.push(
-            "no camera stands in the viewing region: what its eyes see and no camera saw is missing; see `region`"
+            "no camera is in the viewing region: surfaces that are visible from the region but not from a camera are \
+            missing; see `region`"
                 .into(),
         );
     }

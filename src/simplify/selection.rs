@@ -25,7 +25,7 @@ pub struct Budgets {
 }
 
 /// Start of the messages about budgets that cannot be kept.
-const INFEASIBLE: &str = "no selection of tiles keeps";
+const INFEASIBLE: &str = "no selection of tiles meets";
 
 /// Returns true if a message, of this process or of another one, reports that budgets cannot be kept.
 pub fn says_infeasible(message: &str) -> bool {
@@ -375,8 +375,10 @@ impl<'a> Problem<'a> {
             _ => ("peak overdraw", (least * 1e4).ceil() / 1e4),
         };
         Error::Usage(match ratio > 1.0 {
-            true => format!("{INFEASIBLE} the budget of {name}: the least that would do is {least}"),
-            false => format!("{INFEASIBLE} all budgets at once; alone, {name} needs {least}: raise it or another"),
+            true => format!("{INFEASIBLE} the budget of {name}: the minimum is {least}"),
+            false => {
+                format!("{INFEASIBLE} all budgets at once; {name} alone needs {least}: increase it or another budget")
+            }
         })
     }
 

@@ -69,10 +69,7 @@ pub fn layout(textures: &[TileTexture], most: u32, sizing: Sizing, monitor: &dyn
     let too_many = || {
         let least = (1u32..).find(|&blocks| (blocks as usize).pow(2) >= textures.len()).unwrap_or(u32::MAX);
         let least = least.saturating_mul(BLOCK as u32);
-        Error::Usage(format!(
-            "{} tiles {INFEASIBLE} {most} texels a side: the least that would do is {least}",
-            textures.len()
-        ))
+        Error::Usage(format!("{} tiles {INFEASIBLE} {most} texels a side: the minimum is {least}", textures.len()))
     };
     let sides_at: Box<dyn Fn(f64) -> Vec<usize>> = match sizing {
         Sizing::Adaptive => {

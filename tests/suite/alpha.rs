@@ -148,10 +148,10 @@ fn alpha_that_nobody_names_is_noted_and_what_is_none_is_refused() {
     footage(&path);
     write_manifest(&path, json!({ "color": "c.%04d.exr" }));
     let said = fine("encode in -o a.lfold", folder.path());
-    assert_says(&String::from_utf8(said.stderr).unwrap(), &["alpha is below 1 in ", "name it by files.alpha"]);
+    assert_says(&String::from_utf8(said.stderr).unwrap(), &["alpha is below 1 in ", "list it as files.alpha"]);
     std::fs::remove_file(path.join("lightfield.json")).unwrap();
     let said = String::from_utf8(fine("init in", folder.path()).stderr).unwrap();
-    assert!(!said.contains("the checks ended early"), "{said}");
+    assert!(!said.contains("the checks stopped early"), "{said}");
     fine("inspect in --check", folder.path());
     let proposed = Manifest::read(&path).unwrap().files;
     assert!(proposed.alpha.is_some() && proposed.alpha == proposed.color);
@@ -159,7 +159,7 @@ fn alpha_that_nobody_names_is_noted_and_what_is_none_is_refused() {
         exr::write_color(&path.join(format!("d.{frame:04}.exr")), &rgba(frame).map(|&[r, g, b, _]| [r, g, b])).unwrap();
     }
     write_manifest(&path, json!({ "color": "d.%04d.exr", "alpha": "d.%04d.exr" }));
-    assert_says(&refused("encode in -o b.lfold", folder.path()), &["there is no alpha beside the colour"]);
+    assert_says(&refused("encode in -o b.lfold", folder.path()), &["the colour layer has no alpha"]);
     let beyond = Plane::filled(SIDE, SIDE, f16::from_f32(1.5));
     exr::write_alpha(&path.join("e.0000.exr"), &beyond).unwrap();
     write_manifest(&path, json!({ "alpha": "e.%04d.exr" }));
@@ -323,7 +323,7 @@ fn what_a_manifest_cannot_describe_has_none() {
     footage(&folder.path().join("in"));
     fine("encode in -o a.lfold --exposure -1", folder.path());
     let said = String::from_utf8(fine("decode a.lfold -o png --format png", folder.path()).stderr).unwrap();
-    assert_says(&said, &["a manifest cannot describe what these PNG files hold"]);
+    assert_says(&said, &["a manifest cannot describe the content of these PNG files"]);
 }
 
 #[test]

@@ -127,7 +127,7 @@ fn shards_capture_the_files_of_one_run() {
     let said = refused(&format!("{line} --shard 1/37 -o parts"), place.path());
     assert!(said.contains("--shard 1/37: there can be at most 36 shards, one for each view"), "{said}");
     let said = refused(&format!("{} --shard 1/3 -o parts", line.replace("6-7", "6")), place.path());
-    assert!(said.contains("it holds another dataset"), "{said}");
+    assert!(said.contains("the folder has a different dataset"), "{said}");
     assert!(files(&place.path().join("parts")) == whole, "a refusal changed them");
 }
 
@@ -279,7 +279,7 @@ fn what_cannot_be_captured_is_refused_in_a_sentence() {
         (format!("{here} --projection perspective --fov 180"), "between 0 and 180"),
         (format!("{here} --fov 50"), "only for perspective"),
         (format!("{here} --samples 0"), "samples"),
-        (format!("{here} --aov none,depth"), "excludes other outputs"),
+        (format!("{here} --aov none,depth"), "cannot be combined with other outputs"),
         (format!("{here} --aov none --no-color"), "colour, depth or material"),
         (format!("{here} --far 0"), "metres above 0"),
         (format!("{here} --fps 0"), "frames per second"),
@@ -289,8 +289,8 @@ fn what_cannot_be_captured_is_refused_in_a_sentence() {
         ("capture courtyard --cameras empty.json -o out".into(), "JSON"),
         ("capture courtyard --cameras none.json -o out".into(), "at least one"),
         ("capture courtyard --cameras missing.json -o out".into(), "missing.json"),
-        ("capture courtyard --cameras late.json --frames 0-3 -o out".into(), "looks in the frames 5-9"),
-        ("capture courtyard --cameras eye.json --size 30x30 -o out".into(), "aspect of 2"),
+        ("capture courtyard --cameras late.json --frames 0-3 -o out".into(), "is defined for frames 5-9"),
+        ("capture courtyard --cameras eye.json --size 30x30 -o out".into(), "aspect ratio 2"),
         ("capture scene.txt --position 0,0,0 -o out".into(), "scene.txt"),
         ("capture castle --position 0,0,0 -o out".into(), "castle"),
         ("capture courtyard --position 0,1.5,0 --size 8 --frames 0 -o cameras.json".into(), "a folder was expected"),
@@ -462,7 +462,7 @@ mod stopped {
         assert!(Command::new("kill").args(["-STOP", &first.id().to_string()]).status().unwrap().success());
         let second = command(&place, &["--resume"]).output().unwrap();
         assert!(Command::new("kill").args(["-CONT", &first.id().to_string()]).status().unwrap().success());
-        assert!(said(&second).contains("another lightfold is writing it"), "{}", said(&second));
+        assert!(said(&second).contains("another lightfold process is writing it"), "{}", said(&second));
         let mut words = String::new();
         std::io::Read::read_to_string(first.stderr.as_mut().unwrap(), &mut words).unwrap();
         assert!(first.wait().unwrap().success(), "{words}");

@@ -174,7 +174,7 @@ fn folders_hide_no_built_in_scenes_and_what_is_no_scene_is_told_what_would_be() 
     // A file does hide a built-in scene.
     fs::write(folder.path().join("cornell"), "no scene").unwrap();
     assert!(refused(&format!("capture cornell {line} -o out"), folder.path()).contains("neither glTF"));
-    assert!(refused(&format!("capture courtyard {line} -o -"), folder.path()).contains("name a folder"));
+    assert!(refused(&format!("capture courtyard {line} -o -"), folder.path()).contains("specify a folder"));
 }
 
 #[test]
@@ -246,12 +246,12 @@ fn what_may_surprise_is_noted() {
         String::from_utf8(done.stderr).unwrap()
     };
     let moving = said("a.glb --position 0,0,1 --fps 4 --frames 2-5");
-    assert!(moving.contains("frames 0-3; after them its last pose stays"), "{moving}");
+    assert!(moving.contains("frames 0-3; after the last frame its last pose is held"), "{moving}");
     assert!(moving.contains("has no lights"), "{moving}");
     let still = said("b.obj --position 0,0,1 --frames 0-1 --aov depth,normal");
-    assert!(still.contains("all frames are equal") && still.contains("containers have no stream"), "{still}");
+    assert!(still.contains("all frames are equal") && still.contains("containers do not store them"), "{still}");
     let plain = said("courtyard --position 0,1.5,0 --frames 3");
     assert!(!plain.contains("animation") && !plain.contains("light:") && !plain.contains("alike"), "{plain}");
     let beyond = said("courtyard --position 0,1.5,0 --frames 96");
-    assert!(beyond.contains("0-95; after them it repeats"), "{beyond}");
+    assert!(beyond.contains("0-95; after the last frame it repeats"), "{beyond}");
 }

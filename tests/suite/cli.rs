@@ -86,7 +86,7 @@ fn inspect_takes_the_former_switch_for_rows_of_frames() {
     for alone in [["--frames", "2-3"], ["--range", "2-3"]] {
         let refused = rows(&alone);
         assert_eq!(refused.status.code(), Some(2));
-        assert!(stderr(&refused).contains("add --per-frame"), "{}", stderr(&refused));
+        assert!(stderr(&refused).contains("needs --per-frame"), "{}", stderr(&refused));
     }
 }
 

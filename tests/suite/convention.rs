@@ -434,7 +434,7 @@ fn the_command_answers_with_an_exit_code_and_json() {
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.starts_with("courtyard: 4 of 4 probes, 48 images\n"), "{text}");
-    assert!(text.contains("depth.kind ") && text.ends_with("Nothing is suspected.\n"), "{text}");
+    assert!(text.contains("depth.kind ") && text.ends_with("No check is suspect.\n"), "{text}");
     assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
     // Sentences are wrapped, and each line continues in the column where the sentence began.
     let began = text.lines().find_map(|line| line.find("Why")).unwrap();
@@ -454,11 +454,11 @@ fn the_command_answers_with_an_exit_code_and_json() {
     assert_eq!((json["probes"].as_u64(), json["images"].as_u64()), (Some(1), Some(12)));
     for (arguments, words) in [
         (&["film.lfold", "--check"][..], "needs a lightfield.json"),
-        (&[".", "--check", "--frame", "7"], "in the frame asked for"),
+        (&[".", "--check", "--frame", "7"], "in the requested frame"),
         (&[".", "--check", "--probe", "07"], "no probe \"07\""),
-        (&[".", "--check", "--face", "px"], "only --probe and --frame"),
+        (&[".", "--check", "--face", "px"], "with --probe and --frame only"),
         (&[".", "--check", "--verify"], "cannot be used with"),
-        (&[".", "--check", "--memory", "1G"], "--memory does not limit --check"),
+        (&[".", "--check", "--memory", "1G"], "--memory does not apply to --check"),
     ] {
         let output = run(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");

@@ -28,7 +28,7 @@ fn without_a_device_gpu_is_refused_and_auto_takes_the_cpu() {
 
     let (code, report, words) = without_drivers(&["decode", &input, "--null", "--device", "auto", "--json"]);
     assert_eq!(code, Some(0), "{words}");
-    assert!(words.contains("going on with the CPU"), "{words}");
+    assert!(words.contains("using the CPU instead"), "{words}");
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
     assert_eq!(report["device"], "cpu");
     assert_eq!(report["frames"], 9);

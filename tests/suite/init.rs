@@ -136,7 +136,7 @@ fn a_houdini_camera_that_moves_by_its_attributes() {
     assert_eq!((depth.kind, depth.scale, depth.background), (DepthKind::Planar, Some(-1.0), Background::Value(0.0)));
     let places: Vec<_> = found.probes[0].poses.iter().map(|pose| (pose.frame, pose.position)).collect();
     assert_eq!(places, [(1, [1.0, 1.5, 0.0]), (2, [2.0, 1.5, 0.0]), (3, [3.0, 1.5, 0.0])]);
-    assert_says(&said, &["negative depths", "background", "fov_y_deg"]);
+    assert_says(&said, &["negative depth", "background", "fov_y_deg"]);
     assert!(!said.contains("frame rate") && !said.contains("where"), "{said}");
     encodes(folder.path());
 }
@@ -187,7 +187,7 @@ fn panoramas_crosses_and_sensors_by_their_shape() {
     assert_eq!(found.files.color.as_deref(), Some("frame-%06d.color.png"));
     let depth = found.depth.unwrap();
     assert_eq!((depth.unit, depth.background, depth.kind), (Some(Unit::Mm), Background::Value(0.0), DepthKind::Planar));
-    assert_says(&said, &["millimetres", "sRGB", "depth 0.0 was taken"]);
+    assert_says(&said, &["millimetres", "sRGB", "depth 0.0 was assumed"]);
     encodes(folder.path());
 }
 
@@ -232,7 +232,7 @@ fn panoramas_of_two_eyes_by_their_halves() {
             ours::write_color(&set.join(format!("vr.{frame}.exr")), &image).unwrap();
         }
         let said = init(folder.path());
-        assert_says(&said, &["unsure:", "panoramas of two eyes", "both eyes have one position"]);
+        assert_says(&said, &["unsure:", "stereo panoramas", "both eyes have the same position"]);
         let found = manifest(&set);
         assert_eq!((found.stereo, found.projection), (Some(layout), Projection::Equirect));
         let eyes: Vec<_> = found.probes.iter().map(|probe| (probe.name.as_str(), probe.eye)).collect();
@@ -263,7 +263,7 @@ fn the_space_of_colour_by_its_chromaticities() {
     }
     let odd = Primaries { red: [0.7, 0.3], ..Primaries::REC709 };
     ours::write_color_of(&path, &image, odd).unwrap();
-    assert_says(&init(folder.path()), &["unsure: colour has the chromaticities", "0.7", "no space with a name"]);
+    assert_says(&init(folder.path()), &["unsure: colour has the chromaticities", "0.7", "no named colour space"]);
     assert_eq!(manifest(&set).color, None);
 }
 
@@ -324,7 +324,7 @@ fn cameras_of_a_file_beside_the_images() {
     // The file may list the frames in any order.
     write(&[3, 1, 2]);
     let said = init(folder.path());
-    assert_says(&said, &["unsure: the cameras are those of transforms.json"]);
+    assert_says(&said, &["unsure: cameras were read from transforms.json"]);
     assert!(!said.contains("no file states the lens") && !said.contains("stands"), "{said}");
     let found = &manifest(&set).probes[0];
     let places: Vec<_> = found.poses.iter().map(|pose| (pose.frame, pose.position)).collect();
@@ -332,7 +332,10 @@ fn cameras_of_a_file_beside_the_images() {
     assert_eq!((found.intrinsics, found.position), (Some([10.0, 10.0, 4.0, 3.0]), None));
     encodes(folder.path());
     write(&[1, 2]);
-    assert_says(&init(folder.path()), &["transforms.json was left out", "nor one for each frame", "the probe stands"]);
+    assert_says(
+        &init(folder.path()),
+        &["transforms.json was ignored", "nor are they one for each frame", "the probe stands"],
+    );
     std::fs::write(set.join("transforms.json"), "{").unwrap();
     assert_says(&init(folder.path()), &["transforms.json was left out:"]);
     std::fs::remove_file(set.join("transforms.json")).unwrap();
@@ -352,7 +355,7 @@ fn manifests_go_elsewhere_and_bad_folders_are_refused() {
     let folder = TempDir::new().unwrap();
     let set = folder.path().join("in");
     std::fs::create_dir_all(&set).unwrap();
-    assert_says(&refused("init in", folder.path()), &["in", "no .exr or .png file with a frame number"]);
+    assert_says(&refused("init in", folder.path()), &["in", "no .exr or .png files with frame numbers"]);
     assert_says(&refused("init nowhere", folder.path()), &["nowhere", "there is no such file or folder"]);
     ours::write_color(&set.join("x.1.exr"), &gray(8, 6, |x, _| x as f32)).unwrap();
     let printed = fine("init in -o -", folder.path()).stdout;

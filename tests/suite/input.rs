@@ -249,7 +249,7 @@ fn integers_need_a_scale() {
         let options = SourceOptions { depth_scale, ..SourceOptions::default() };
         set.depth(&options).map(|planes| planes[0].get(0, 0))
     };
-    let words = ["z.0.png", "holds integers", "`depth_scale`", "0.001 for millimetres", "depth.scale"];
+    let words = ["z.0.png", "has integer depth", "`depth_scale`", "0.001 for millimetres", "depth.scale"];
     assert_says(&message(with("", None)), &words);
     assert_says(&message(with(r#""depth": {"kind": "distance"},"#, None)), &words);
     for (depth, scale, metres) in [

@@ -580,7 +580,7 @@ fn a_file_that_claims_millions_of_frames_costs_nothing_and_gets_no_rows() {
     let inspection = inspected(&decoder, LIST_ALL).unwrap();
     let stats = inspection.streams[0];
     assert_eq!((stats.keyframes, stats.static_units, stats.updated_pixels), (1, 1, u64::from(SIZE * SIZE)));
-    assert_says(&message(inspected(&decoder, ALL_ROWS)), &["67108864 rows", "choose fewer"]);
+    assert_says(&message(inspected(&decoder, ALL_ROWS)), &["67108864 rows", "select fewer"]);
 }
 
 #[test]

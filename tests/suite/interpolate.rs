@@ -356,7 +356,7 @@ fn what_cannot_be_done_is_refused_and_leaves_nothing() {
         assert!(said.contains(words), "{more}: {said}");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "{more}");
     };
-    says("--views 4 --baseline 0.3 --view-range 2-4 --null", "views 0 to 3");
+    says("--views 4 --baseline 0.3 --view-range 2-4 --null", "the views are 0 to 3");
     says("--views 4 --baseline 0.3 --view-range 1-2 -o q.png", "lightfold quilt");
     says("--views 4 --baseline 0.3 --quilt 1x2 -o q.png", "4 views");
     says("--views 4 --baseline 0.3 -o q_qs3x3a0.75.png --quilt 2x2", "3x3");

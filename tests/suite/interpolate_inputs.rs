@@ -248,7 +248,7 @@ fn a_stopped_run_is_resumed_to_the_same_files() {
     std::fs::write(&kept, vec![0; bytes(&kept).len()]).unwrap();
     let resumed = fine(&format!("{line} -o v/%V.%d.png --resume --json"), at);
     let said = String::from_utf8(resumed.stderr).unwrap();
-    assert!(said.contains("resuming with 2 of 6 images; 1 damaged image is made again"), "{said}");
+    assert!(said.contains("resuming with 2 of 6 images; 1 damaged image is rewritten"), "{said}");
     // Only views of this run are counted.
     assert_eq!(serde_json::from_slice::<Value>(&resumed.stdout).unwrap()["views"], 4);
     for name in ["0000.0.png", "0002.0.png", "0000.1.png", "0002.1.png"] {

@@ -240,8 +240,8 @@ fn two_encodes_of_one_output_refuse_each_other() {
     for more in [&[][..], &["--resume"]] {
         let second = place.run(more);
         assert_eq!(second.status.code(), Some(75));
-        let expected = "lightfold: out/a.lfold: another lightfold is writing it, in out/.a.lfold.partial; wait for it, or name \
-                        another file\n";
+        let expected = "lightfold: out/a.lfold: another lightfold process is writing it, in out/.a.lfold.partial: \
+                        wait for it, or use another file\n";
         assert_eq!(said(&second), expected);
     }
     // Another command cannot write the file either.
@@ -249,7 +249,7 @@ fn two_encodes_of_one_output_refuse_each_other() {
     fs::write(place.folder.path().join("whole.lfold"), &whole).unwrap();
     let pack =
         pack.current_dir(place.folder.path()).args(["pack", "whole.lfold", "-o", "out/a.lfold"]).output().unwrap();
-    assert!(said(&pack).contains("another lightfold is writing it"), "{}", said(&pack));
+    assert!(said(&pack).contains("another lightfold process is writing it"), "{}", said(&pack));
     signal(&child, "-KILL");
     end(child);
     place.finishes(&whole);
@@ -275,14 +275,14 @@ fn an_old_state_is_replaced_where_nobody_asks_for_it() {
     assert!(fs::read(place.out().join("a.lfold")).unwrap() == whole, "other bytes");
     // A finished file has no state to resume, so it is encoded again.
     let again = place.finishes(&whole);
-    assert!(again.contains("nothing to resume; starting anew"), "{again}");
+    assert!(again.contains("nothing to resume; starting from the beginning"), "{again}");
     // The state of an encode with other settings is neither resumed nor removed.
     killed(&["--color-cell", "16"]);
     let before: Vec<_> = STATE.map(|name| fs::read(place.out().join(name)).unwrap()).into();
     let refused = place.run(&["--resume"]);
     assert_eq!(refused.status.code(), Some(2));
-    let expected = "lightfold: out/a.lfold: the unfinished encode cannot go on: --color-cell was 16 and is 64 now; repeat its \
-                    settings, or leave out --resume to start anew\n";
+    let expected = "lightfold: out/a.lfold: cannot resume the unfinished encode: --color-cell was 16 and is 64 now: use its \
+                    settings, or leave out --resume to start over\n";
     assert_eq!(said(&refused), expected);
     let after: Vec<_> = STATE.map(|name| fs::read(place.out().join(name)).unwrap()).into();
     let sound = |bytes: &[u8], of: &[u8]| of.starts_with(bytes) && !bytes.is_empty();

@@ -123,7 +123,7 @@ fn check_budgets(line: &str, output: Option<&str>, folder: &Path) {
         }
         let ran = run(&format!("{line} --memory {budget}MiB --threads 4"), folder);
         if ran.code == 2 {
-            assert!(ran.said.contains("--memory") && ran.said.contains("allow that much"), "{line}: {}", ran.said);
+            assert!(ran.said.contains("--memory") && ran.said.contains("increase it to that"), "{line}: {}", ran.said);
             assert_eq!(ran.said.lines().filter(|line| line.starts_with("lightfold: ")).count(), 1, "{}", ran.said);
             assert!(output.is_none_or(|name| result(name).is_none()), "{line}: something was written");
             assert_eq!(kept, 0, "{line}: {budget} MiB are refused, and less was not");

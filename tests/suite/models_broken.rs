@@ -66,7 +66,7 @@ fn each_broken_document_has_its_sentence() {
         ("XX_unheard_of", |root| root["extensionsRequired"] = json!(["XX_unheard_of"])),
         ("version", |root| root["asset"]["version"] = json!("1.0")),
         ("mesh 0, primitive 0: 4 normals for 3 positions", |root| root["accessors"][0]["count"] = json!(3)),
-        ("mesh 0, primitive 0: a triangle has corner 3", |root| {
+        ("mesh 0, primitive 0: a triangle refers to vertex 3", |root| {
             root["accessors"][0]["count"] = json!(3);
             root["meshes"][0]["primitives"][0]["attributes"] = json!({ "POSITION": 0 });
         }),
@@ -85,29 +85,31 @@ fn each_broken_document_has_its_sentence() {
         ("bytes apart", |root| root["bufferViews"][1]["byteStride"] = json!(4)),
         ("byteStride", |root| root["bufferViews"][1]["byteStride"] = json!(0)),
         ("bufferViews[1].buffer", |root| root["bufferViews"][1]["buffer"] = json!(7)),
-        ("positions in an accessor", |root| root["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(99)),
+        ("an accessor for positions", |root| root["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(99)),
         ("POSITION", |root| root["meshes"][0]["primitives"][0]["attributes"] = json!({})),
-        ("index of something", |root| root["meshes"][0]["primitives"][0]["indices"] = json!(99)),
-        ("index of something", |root| root["meshes"][0]["primitives"][0]["material"] = json!(99)),
+        ("is an invalid index", |root| root["meshes"][0]["primitives"][0]["indices"] = json!(99)),
+        ("is an invalid index", |root| root["meshes"][0]["primitives"][0]["material"] = json!(99)),
         ("3 normals for 4", |root| root["accessors"][1]["count"] = json!(3)),
         ("not allowed", |root| root["meshes"][0]["primitives"][0]["mode"] = json!(9)),
         ("its own ancestor", |root| root["nodes"][1]["children"] = json!([2])),
         ("its own ancestor", |root| root["nodes"].as_array_mut().unwrap().push(json!({ "children": [5] }))),
         ("child of node", |root| root["nodes"][0]["children"] = json!([1])),
         ("a root of the scene", |root| root["scenes"][0]["nodes"] = json!([0, 1])),
-        ("index of something", |root| root["nodes"][0]["mesh"] = json!(99)),
-        ("index of something", |root| root["scenes"][0]["nodes"] = json!([99])),
-        ("index of something", |root| root["skins"][0]["joints"] = json!([99])),
+        ("is an invalid index", |root| root["nodes"][0]["mesh"] = json!(99)),
+        ("is an invalid index", |root| root["scenes"][0]["nodes"] = json!([99])),
+        ("is an invalid index", |root| root["skins"][0]["joints"] = json!([99])),
         ("matrices for", |root| root["skins"][0]["joints"] = json!([0, 1, 2])),
-        ("hangs on joint 1", |root| root["skins"][0]["joints"] = json!([2])),
-        ("moves node 99", |root| root["animations"][0]["channels"][0]["target"]["node"] = json!(99)),
-        ("moves what is not known", |root| root["animations"][0]["channels"][0]["target"]["path"] = json!("color")),
-        ("index of something", |root| root["animations"][0]["channels"][0]["sampler"] = json!(99)),
+        ("refers to joint 1", |root| root["skins"][0]["joints"] = json!([2])),
+        ("animates node 99", |root| root["animations"][0]["channels"][0]["target"]["node"] = json!(99)),
+        ("animates an unknown property", |root| {
+            root["animations"][0]["channels"][0]["target"]["path"] = json!("color")
+        }),
+        ("is an invalid index", |root| root["animations"][0]["channels"][0]["sampler"] = json!(99)),
         ("not allowed", |root| root["animations"][0]["samplers"][0]["interpolation"] = json!("MAGIC")),
         ("expected", |root| root["animations"][0]["channels"][0]["target"]["path"] = json!("scale")),
         ("numbers for 2 keys", |root| root["animations"][0]["samplers"][0]["interpolation"] = json!("CUBICSPLINE")),
-        ("index of something", |root| root["textures"][0]["source"] = json!(99)),
-        ("index of something", |root| root["nodes"][4]["extensions"]["KHR_lights_punctual"]["light"] = json!(99)),
+        ("is an invalid index", |root| root["textures"][0]["source"] = json!(99)),
+        ("is an invalid index", |root| root["nodes"][4]["extensions"]["KHR_lights_punctual"]["light"] = json!(99)),
         ("below 0", |root| root["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = json!(-1.0)),
     ];
     let wrong: Vec<String> = cases
@@ -137,7 +139,7 @@ fn each_broken_file_has_its_sentence() {
     refused(open("a.obj", b"v 1 2 3\n"), "no triangles");
     refused(open("a.obj", b"v 1 2 x\nf 1 1 1\n"), "damaged");
     refused(open("a.obj", b"v 1 2 3\nf 1 2 3\n"), "damaged");
-    refused(open("a.obj", b"v 1 2 3\nf -9 1 1\n"), "line 2: “-9” is no corner");
+    refused(open("a.obj", b"v 1 2 3\nf -9 1 1\n"), "line 2: “-9” is not a face vertex");
     refused(open("a.obj", b"v 1 2 3\nvt 0 0\nf 1/-9 1 1\n"), "line 3");
     refused(open("a.obj", b"v 1 2 3\nvt 0 0\n\nf 1/9223372036854775807 1 1\n"), "line 4");
     refused(open("a.obj", &[0xff; 3000]), "no triangles");

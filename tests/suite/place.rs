@@ -155,7 +155,7 @@ fn what_makes_no_sense_is_said_in_a_sentence() {
     assert!(said(&format!("{region} --cameras 0")).contains("--start"));
     assert!(said(&format!("{region} --uniform 2 --cameras 2")).contains("--cameras"));
     assert!(said(&format!("{region} --compare-k 1,2")).contains("--plot"));
-    assert!(said(&format!("{region} --until 1")).contains("adds coverage"));
+    assert!(said(&format!("{region} --until 1")).contains("no camera was placed"));
     assert!(said(&format!("{region} --start missing.json")).contains("missing.json"));
     assert!(said(&format!("{region} --k=-1")).contains("0 or more"));
     assert!(said("--region=-0.3,1.3,-0.3,0.3,1.7,0.3 --json -o -").contains("standard output"));

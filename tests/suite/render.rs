@@ -84,8 +84,8 @@ fn shards_render_the_pictures_of_one_run() {
     }
     for (more, words) in [
         ("--shard 1/4 -o v/%04d.png", "--shard 1/4: there can be at most 3 shards, one for each frame"),
-        ("--shard 1/3 -o v.png", "one file, and --shard writes some of many"),
-        ("--shard 1/3 -o -", "--shard renders a part of the pictures"),
+        ("--shard 1/3 -o v.png", "--shard cannot write to a single file"),
+        ("--shard 1/3 -o -", "--shard needs a pattern"),
     ] {
         let said = refused(&format!("{line} {more}"), at);
         assert!(said.contains(words), "{said}");
@@ -243,7 +243,7 @@ fn a_probe_that_is_left_out_is_rendered_from_the_others() {
     assert_eq!(files(&at.join("maps"))[0], "04_nx.0001.png");
     let faces = "render a.lfold --reference captured --reference-probe 04 --frames 1 -o faces.%04d.png";
     let said = refused(faces, at);
-    assert!(said.contains("6 pictures are asked for, and their frames tell 1 of them apart"), "{said}");
+    assert!(said.contains("6 pictures have only 1 different frame numbers"), "{said}");
 }
 
 #[test]
@@ -293,7 +293,7 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence() {
     let at = folder.path();
     encoded("courtyard", at);
     for (options, words) in [
-        ("--frames 0-2 -o a.png", "3 pictures are asked for"),
+        ("--frames 0-2 -o a.png", "one file for 3 pictures"),
         ("--frames 7 -o a.png", "0-2"),
         ("-o a.jpg", ".png or .exr"),
         ("-o a.%V.png", "--stereo"),
@@ -338,7 +338,7 @@ fn frames_that_are_passed_over_are_told() {
     let words = noted("--camera path.json --size 16 --null");
     assert!(words.contains("skipping 45 frames of the cameras; the container has 0-2"), "{words}");
     let words = refused("render a.lfold --camera path.json --frames 0-2 --null", at);
-    assert!(words.contains("no camera looks in frame 0 of 0-2"), "{words}");
+    assert!(words.contains("no camera is defined for frame 0 of 0-2"), "{words}");
     assert!(noted("--reference captured --frames 2-9 --reference-probe 04").contains("of frames 2-9"));
 }
 

@@ -445,10 +445,10 @@ fn an_encode_of_other_sources_is_refused() {
         changed
     };
     let said = refused(&with_head(hash + 1, if head[hash + 1] == b'0' { b'1' } else { b'0' }), &footage);
-    assert!(said.contains("begun by another version of lightfold"), "{said}");
+    assert!(said.contains("started by another version of lightfold"), "{said}");
     // A head that is not JSON, as in journals of earlier versions.
     let said = refused(&with_head(0, 0), &footage);
-    assert!(said.contains("begun by another version of lightfold"), "{said}");
+    assert!(said.contains("started by another version of lightfold"), "{said}");
 }
 
 #[test]

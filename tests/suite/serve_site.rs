@@ -58,21 +58,21 @@ fn folders_of_something_else_are_left_alone() {
             fs::write(at.join(name).join(file), "{\"url\": \"other\"}").unwrap();
         }
         let said = refused(&format!("view a.lfold --export {name}"), at);
-        assert!(said.contains("holds files of something else"), "{said}");
+        assert!(said.contains("the folder has other files"), "{said}");
         assert_eq!(names(&at.join(name)), files.iter().map(|file| (*file).to_owned()).collect(), "{name}");
     }
     fine("view a.lfold --export mixed", at);
     let before = names(&at.join("mixed"));
     for name in ["film.png", "notes.txt"] {
         fs::write(at.join("mixed").join(name), "mine").unwrap();
-        assert!(refused("view a.lfold --export mixed", at).contains(&format!("something else ({name})")));
+        assert!(refused("view a.lfold --export mixed", at).contains(&format!("other files ({name})")));
         fs::remove_file(at.join("mixed").join(name)).unwrap();
     }
     fs::write(at.join("mixed/film.json"), "{\"url\": \"film.lfold\", \"x\": 1}").unwrap();
-    assert!(refused("view a.lfold --export mixed", at).contains("something else"));
+    assert!(refused("view a.lfold --export mixed", at).contains("other files"));
     assert_eq!(names(&at.join("mixed")), before);
     assert!(refused("view a.lfold --export a.lfold", at).contains("a file, where a folder was expected"));
-    assert!(refused("view a.lfold --export .", at).contains("holds files of something else"));
+    assert!(refused("view a.lfold --export .", at).contains("the folder has other files"));
     fs::create_dir(at.join("empty")).unwrap();
     fine("view a.lfold --export empty", at);
     assert!(at.join("empty/index.html").is_file());

@@ -108,7 +108,7 @@ fn shards_of_chosen_probes_kinds_and_frames_join_to_one_encode() {
     // All four shard numbers are present, but not all frames.
     let less = shard(3, &["a"], &others, Some([19, 20])).unwrap();
     let message = refused(&[files[0].clone(), files[1].clone(), less, files[3].clone()]);
-    assert!(message.contains("give one of them what is missing: frame 16 of depth of probe a"), "{message}");
+    assert!(message.contains("encode the missing content in one of them: frame 16 of depth of probe a"), "{message}");
     for more in [[10, 12], [13, 18]] {
         let message = refused(&[&files[..], &[shard(3, &["a"], &others, Some(more)).unwrap()]].concat());
         assert!(message.contains("shards must not overlap"), "{message}");
@@ -120,7 +120,7 @@ fn shards_of_chosen_probes_kinds_and_frames_join_to_one_encode() {
             Some([10, 16]),
             "`shard_frames` 10-16: depth of probe a can end at frame 15 or 18, not at 16",
         ),
-        (&[], &others, Some([12, 20]), "depth of probe a begins anew at frame 10 or 13, not at 12"),
+        (&[], &others, Some([12, 20]), "depth of probe a can begin at frame 10 or 13, not at 12"),
         (&[], &[], Some([10, 15]), "color of probe a can end at frame 20, not at 15"),
         (&["c"], &[], None, "`shard_probe` c: the probes are a, b"),
         (&["b"], &[], Some([10, 12]), "no stream has the probes, kinds and frames"),
@@ -140,7 +140,7 @@ fn what_is_missing_or_does_not_belong_is_named() {
     assert!(message.contains("shard 1 of 4 is missing") && message.contains("probe a"), "{message}");
     let whole = joined(&files).unwrap();
     let message = refused(&[files[0].clone(), whole]);
-    assert!(message.contains("a whole container among shards"), "{message}");
+    assert!(message.contains("a complete container among shards"), "{message}");
     let other_cut = shards(&footage, 4, ShardBy::Probe);
     assert!(other_cut.is_none(), "two probes cannot make four shards");
     let message = refused(&[&shards(&footage, 2, ShardBy::Time).unwrap()[..1], &files[..1]].concat());

@@ -17,7 +17,7 @@ fn a_farm_writes_the_bytes_of_one_machine() {
     let message = refused("encode . --clip --scan scan-2.json -o no.lfold", folder);
     assert!(message.contains("scan-2.json") && message.contains("merge them"), "{message}");
     let message = refused("scan --merge scan-1.json scan-3.json -o scan.json", folder);
-    assert!(message.contains("none of these scans has frames 1") && message.contains("of probe "), "{message}");
+    assert!(message.contains("no scan has frames 1") && message.contains("of probe "), "{message}");
     assert!(!folder.join("scan.json").exists());
     fine("scan --merge scan-3.json scan-1.json scan-2.json scan-1.json -o scan.json", folder);
     fine("scan . -o all.json", folder);
@@ -42,7 +42,7 @@ fn a_farm_writes_the_bytes_of_one_machine() {
     let message = refused("encode . --clip --shard 1/99 --shard-by stream -o no.lfold", folder);
     assert!(message.contains("at most 12 shards") && message.contains("--shard-by"), "{message}");
     let message = refused("encode . --clip --shard 4/3 -o no.lfold", folder);
-    assert!(message.contains("write I/N with I from 1 to N"), "{message}");
+    assert!(message.contains("a shard I/N with I from 1 to N was expected"), "{message}");
     assert!(!folder.join("no.lfold").exists());
 }
 
@@ -60,10 +60,10 @@ fn scans_that_have_not_ended_may_be_merged_later() {
     let early = lightfold(&["scan", "--merge", "part.json", "-o", "merged.json"], folder);
     let said = String::from_utf8(early.stderr).unwrap();
     assert_eq!(early.status.code(), Some(75), "{said}");
-    assert!(said.contains("part.json: this scan has not ended, and none has frames 13-19 of "), "{said}");
+    assert!(said.contains("part.json: this scan is unfinished, and no scan has frames 13-19 of "), "{said}");
     assert!(said.contains(" of probe b, face "), "{said}");
     assert!(!folder.join("merged.json").exists());
-    for (words, is_said) in [("nothing was left to scan", false), ("nothing was left to scan", true)] {
+    for (words, is_said) in [("nothing to scan", false), ("nothing to scan", true)] {
         let said = String::from_utf8(fine("scan . -o part.json --resume", folder).stderr).unwrap();
         assert_eq!(said.contains(words), is_said, "{said}");
         assert!(fs::read(folder.join("part.json")).unwrap() == whole, "other bytes");
@@ -100,7 +100,7 @@ fn a_shard_that_is_complete_is_not_encoded_again() {
     assert!(!is_complete);
     assert_eq!(run(line), (true, report.clone()));
     let said = String::from_utf8(fine(&line.replace(" --json", ""), folder).stderr).unwrap();
-    assert!(said.contains("a.lfold: this shard is complete; nothing was left to encode"), "{said}");
+    assert!(said.contains("a.lfold: this shard is complete; nothing to encode"), "{said}");
     assert_eq!(fs::metadata(&file).unwrap().modified().unwrap(), written, "it was written again");
     // The shard is encoded again if its file is truncated, if images are newer than the shard, or without --resume.
     fs::write(&file, &bytes[..bytes.len() - 1]).unwrap();

@@ -321,16 +321,16 @@ fn a_shard_that_changed_footage_stopped_is_resumed_after_another_scan() {
         fine(&shard(number, "-o b.lfold"), at);
         assert!(fs::read(at.join("a.lfold")).unwrap() == fs::read(at.join("b.lfold")).unwrap(), "other bytes");
     };
-    assert!(said.contains("safe in") && said.contains("after a new scan, --resume starts this shard anew"), "{said}");
+    assert!(said.contains("safe in") && said.contains("after a new scan, --resume starts this shard again"), "{said}");
     scan();
-    resumed("files have changed since the unfinished encode; starting anew");
+    resumed("input files have changed since the unfinished encode; starting over");
     // Other options prevent resuming, as for any encode.
     fs::remove_file(at.join("a.lfold")).unwrap();
     let before = fs::read(file(at, "color", last)).unwrap();
     render_again(at, "color", last, &mut random);
     refused(&shard(number, "-o a.lfold"), at);
     let said = refused(&shard(number, "--resume --psnr 30 -o a.lfold"), at);
-    assert!(said.contains("cannot go on") && said.contains("psnr"), "{said}");
+    assert!(said.contains("cannot resume") && said.contains("psnr"), "{said}");
     // With the file as it was scanned, the shard is resumed.
     fs::write(file(at, "color", last), before).unwrap();
     resumed("resuming after");

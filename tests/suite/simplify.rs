@@ -83,7 +83,7 @@ fn the_bytes_do_not_depend_on_the_number_of_threads() {
 fn what_cannot_be_kept_or_simplified_is_refused_and_nothing_is_written() {
     let folder = room();
     let cases = [
-        ("--triangles 4", "triangles: the least that would do is 12"),
+        ("--triangles 4", "triangles: the minimum is 12"),
         ("--area 0.5", "the budget of area"),
         ("--peak-overdraw 0.2", "peak overdraw"),
         ("--atlas 4", "an atlas of 4 texels a side"),
@@ -104,7 +104,7 @@ fn what_cannot_be_kept_or_simplified_is_refused_and_nothing_is_written() {
     manifest["files"].as_object_mut().unwrap().remove("color");
     fs::write(folder.path().join("room/depth.json"), manifest.to_string()).unwrap();
     let said = refused("simplify room/depth.json -o out.glb", folder.path());
-    assert!(said.contains("depth.json: there are no images of colour"), "{said}");
+    assert!(said.contains("depth.json: the reference has no colour images"), "{said}");
 }
 
 #[test]
@@ -220,15 +220,15 @@ fn what_a_scene_cannot_be_rendered_with_is_refused() {
     let at = folder.path();
     let eye = "--eye 0.1,1.55,0.1 --look-at 2,1.4,0.3 --fov 70 --size 8 --null";
     for (options, words) in [
-        ("--steps 1024", "--steps is about light fields"),
+        ("--steps 1024", "--steps applies to light fields"),
         ("--probe 00", "--probe"),
         ("--exclude-probe 00", "--exclude-probe"),
         ("--views 3", "--views"),
         ("--trace a.jsonl", "--trace"),
         ("--holes blank", "--holes"),
         ("--decode all", "--decode"),
-        ("--method march", "painter and z-buffer draw it"),
-        ("--method reproject", "painter and z-buffer draw it"),
+        ("--method march", "use painter or z-buffer"),
+        ("--method reproject", "use painter or z-buffer"),
         ("--memory 1k", "smaller"),
     ] {
         let said = refused(&format!("render quads.glb {eye} {options}"), at);
@@ -258,7 +258,7 @@ fn a_run_that_stops_keeps_its_tiles_and_resumes_to_the_same_bytes() {
     let other = refused(&format!("{line} --area 2 --resume"), folder.path());
     assert!(other.contains("cannot resume") && other.contains("options"), "{other}");
     let resumed = fine(&format!("{line} --resume"), folder.path());
-    assert!(String::from_utf8_lossy(&resumed.stderr).contains("resuming with the tiles"));
+    assert!(String::from_utf8_lossy(&resumed.stderr).contains("resuming with the selected tiles"));
     let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(names.len(), 2, "{names:?}");
     let bytes = fs::read(folder.path().join("quads.glb")).unwrap();

@@ -208,7 +208,7 @@ fn normals_and_material_have_the_texture_coordinates_of_light() {
 
     let other = room();
     let said = refused("simplify room --effort fast --gbuffer -o a.glb", other.path());
-    assert!(said.contains("--gbuffer needs normals or material"), "{said}");
+    assert!(said.contains("--gbuffer needs a capture with normals or material"), "{said}");
 }
 
 #[test]
@@ -244,8 +244,8 @@ fn names_that_do_not_tell_what_to_write_are_refused_before_work() {
     let folder = room();
     let cases = [
         ("-o a.ply", "a.ply: a name that ends in .glb or .obj"),
-        ("-o a.glb --ktx2 a.glb", "a.glb: a file name of its own"),
-        ("-o - --hdr", "give -o a name"),
+        ("-o a.glb --ktx2 a.glb", "a.glb: --ktx2 needs a different file name"),
+        ("-o - --hdr", "specify an output file instead of -"),
         ("-o a.glb --ktx2 nowhere/a.ktx2", "--ktx2 nowhere/a.ktx2: there is no folder nowhere"),
     ];
     for (options, words) in cases {

@@ -114,7 +114,10 @@ fn what_is_of_something_else_is_refused_or_replaced() {
     // An option that applies to all points makes them points of another sweep.
     let sweep = "scene --sweep max-error=0,90 --repeats 1 -o other";
     let said = refused(&format!("{sweep} -- --near 0.01"));
-    assert!(said.contains("2 points are of other footage, options, machine or program; name another folder"), "{said}");
+    assert!(
+        said.contains("2 points are of other footage, options, machine or version of lightfold: use another folder"),
+        "{said}"
+    );
     assert!(said.contains("--overwrite"), "{said}");
     assert_eq!(std::fs::read(folder.join(FILE_NAME)).unwrap(), csv);
     assert!(folder.join("color-psnr.png").is_file());
@@ -135,7 +138,7 @@ fn a_folder_is_for_one_at_a_time() {
     let lock = std::fs::File::create(folder.join(".tradeoff.lock")).unwrap();
     lock.lock().unwrap();
     let said = refused("scene --sweep color-cell=8 --repeats 1 -o locked");
-    assert!(said.contains("another tradeoff measures into it"), "{said}");
+    assert!(said.contains("another tradeoff process writes to it"), "{said}");
     drop(lock);
     json("scene --sweep color-cell=8 --repeats 1 --json -o locked");
     let hidden = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name());
@@ -169,7 +172,7 @@ fn settings_that_a_knob_brings_along_are_told() {
         said
     };
     let told = said("scene --sweep max-aabbs=1,2 --repeats 1 -o implied");
-    assert_eq!(told, "depth is measured with --depth-codec aabb, which max-aabbs is of\n");
+    assert_eq!(told, "depth is measured with --depth-codec aabb, because max-aabbs needs it\n");
     assert_eq!(said("scene --sweep max-aabbs=1,2 --repeats 1 -q -o implied"), "");
     assert_eq!(said("scene --sweep max-aabbs=1,2 --repeats 1 -o given -- --depth-codec aabb"), "");
 }
@@ -195,30 +198,30 @@ fn tiles_are_modelled_as_the_options_say() {
 #[test]
 fn what_makes_no_sense_is_refused_in_a_sentence_before_anything_runs() {
     for (line, said) in [
-        ("scene --sweep cells=8 -o no", "'cells' is none of the knobs"),
+        ("scene --sweep cells=8 -o no", "'cells' is not a knob"),
         ("scene --sweep color-cell=0 -o no", "'0' for '--color-cell"),
         ("scene --sweep color-cell=8,8 -o no", "value 8 twice"),
         ("scene --sweep psnr=30,loud -o no", "'loud' for '--psnr"),
         ("scene --sweep psnr=300 -o no", "color with psnr=300: --psnr 300: 0 to 200 dB"),
         (
             "scene --sweep depth-codec=aabb --sweep max-error=0 -o no",
-            "depth with depth-codec=aabb max-error=0: --max-error bounds",
+            "depth with depth-codec=aabb max-error=0: --max-error does not apply",
         ),
         ("scene --sweep psnr --stream depth -o no", "about color streams"),
         ("scene --sweep psnr --stream material -o no", "--stream material: scene has no such streams"),
         ("scene --sweep psnr -o no -- --psnr 40", "--psnr: study color-psnr sweeps it"),
-        ("scene --sweep psnr -o no -- --stream color", "tradeoff gives it"),
+        ("scene --sweep psnr -o no -- --stream color", "tradeoff sets this option"),
         ("scene --sweep psnr -o no -- --pnsr 40", "unexpected argument '--pnsr'"),
         ("scene -o no", "nothing to measure"),
         ("nowhere --sweep psnr -o no", "--stream depth or --stream color"),
         ("scene/lightfield.json --sweep psnr -o scene/lightfield.json", "scene/lightfield.json"),
         ("-o no", "MANIFEST"),
-        ("--recommend -o no", "say what is asked"),
-        ("--recommend --max-error 3 -o no -- --hdr", "name the footage"),
-        ("--recommend --max-error 3 --budget-seconds 3 -o no", "name the footage"),
+        ("--recommend -o no", "--recommend needs a limit"),
+        ("--recommend --max-error 3 -o no -- --hdr", "need footage to measure"),
+        ("--recommend --max-error 3 --budget-seconds 3 -o no", "need footage to measure"),
         ("scene --sweep psnr --weights 1e308,1e308 -o no", "two numbers"),
         ("scene --sweep psnr -o no -- --help", "before --"),
-        ("--recommend --max-error 3 -o no", "no point has been measured"),
+        ("--recommend --max-error 3 -o no", "no points have been measured"),
         ("scene --sweep psnr --max-error 3 -o no", "--recommend"),
         ("scene --sweep psnr --weights 0,0 -o no", "not both 0"),
         ("scene --sweep psnr --budget-seconds 0 -o no", "more than 0"),
@@ -272,7 +275,7 @@ fn a_lone_sequence_is_measured_and_recommended_from() {
     let none = tradeoff("--recommend --max-error 60 --max-bytes 10 -o alone");
     assert_eq!(none.status.code(), Some(1));
     let said = String::from_utf8(none.stdout).unwrap();
-    assert!(said.contains("no point meets what is asked") && said.contains("misses --max-bytes 10: it has "), "{said}");
+    assert!(said.contains("no point meets all limits") && said.contains("misses --max-bytes 10: it has "), "{said}");
 }
 
 #[test]
@@ -306,7 +309,7 @@ fn an_interrupted_sweep_goes_on_where_it_was() {
     let stopped = child.wait_with_output().unwrap();
     let said = String::from_utf8(stopped.stderr).unwrap();
     assert_eq!(stopped.status.code(), Some(130), "{said}");
-    assert!(said.contains("; the same command goes on from there"), "{said}");
+    assert!(said.contains("; the same command continues from there"), "{said}");
     let kept = rows(&folder);
     assert!((2..=4).contains(&kept.len()));
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1, "only the CSV is left");
@@ -361,7 +364,7 @@ fn budgets_of_simplify_are_swept_and_what_is_infeasible_is_no_failure() {
     let failed = report["failed"].as_array().unwrap();
     assert!(failed.len() == 2 && failed.iter().all(|point| point["is_infeasible"] == true), "{report}");
     let said = failed[0]["error"].as_str().unwrap();
-    assert!(said.contains("the least that would do is 12"), "{said}");
+    assert!(said.contains("the minimum is 12"), "{said}");
     let findings = report["findings"].as_array().unwrap();
     let verdict = |name: &str| findings.iter().find(|finding| finding["name"] == name).unwrap()["verdict"].clone();
     assert_ne!(verdict("triangles_close_cracks"), "not measured");
@@ -373,7 +376,7 @@ fn budgets_of_simplify_are_swept_and_what_is_infeasible_is_no_failure() {
     let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
     assert!(page.contains("triangles=4 atlas=96 effort=fast sizing=adaptive is infeasible"), "{page}");
     let all = refused("room --sweep triangles=2,4 --repeats 1 -o none -- --effort fast");
-    assert!(all.contains("the least that would do is 12"), "{all}");
+    assert!(all.contains("the minimum is 12"), "{all}");
 }
 
 /// A rendering sweep writes all files that its report names, including the page; a different kind of sweep into the same folder

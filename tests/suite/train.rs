@@ -145,8 +145,8 @@ fn commands_train_and_use_tables() {
         ),
         (format!("{encode} -o x.lfold --color-tables missing.txt"), "missing.txt: there is no such file or folder"),
         (format!("{with_tables} -o x.lfold --color-codec cells"), "--color-tables needs --color-codec transform"),
-        ("train-color cells.lfold -o x.txt".into(), "cells.lfold: no colour in transform blocks"),
-        ("train-color plain.lfold cells.lfold -o x.txt".into(), "cells.lfold: no colour in transform blocks"),
+        ("train-color cells.lfold -o x.txt".into(), "cells.lfold: no colour of the transform codec"),
+        ("train-color plain.lfold cells.lfold -o x.txt".into(), "cells.lfold: no colour of the transform codec"),
         ("train-color tables.txt -o x.txt".into(), "tables.txt"),
         ("train-color plain.lfold -o plain.lfold".into(), "an input file would be overwritten"),
         ("train-color plain.lfold -o x.txt --memory 10k".into(), "--memory 10000: training needs up to"),
@@ -166,7 +166,7 @@ fn more_sets_than_payloads_are_refused() {
     let inputs = [decoder(&encoded(&source, &one_cell))];
     let settings = TrainSettings { sets: 2, memory: Budget::UNLIMITED };
     let error = train::<Transform>(footage(&inputs), None, settings, &Silent).unwrap_err().to_string();
-    assert_eq!(error, "`sets` 2: more than the inputs have payloads, 1");
+    assert_eq!(error, "`sets` 2: the inputs have only 1 payloads");
 }
 
 /// Returns noise on a slope, with the same statistics in all frames.
@@ -206,8 +206,11 @@ fn commands_train_and_use_tables_of_depth() {
     let bytes = |name: &str| fs::read(place.join(name)).unwrap().len() as u64;
     assert!(bytes("own.lfold") < bytes("plain.lfold") + of("table_bytes"), "payloads are no smaller");
     for (command, words) in [
-        ("train-color plain.lfold -o x.txt", "plain.lfold: no colour in transform blocks"),
-        ("train-depth plain.lfold -o x.txt --held-out plain.lfold", "--held-out plain.lfold: it is trained on"),
+        ("train-color plain.lfold -o x.txt", "plain.lfold: no colour of the transform codec"),
+        (
+            "train-depth plain.lfold -o x.txt --held-out plain.lfold",
+            "--held-out plain.lfold: this container is also used for training",
+        ),
         (&format!("{encode} --depth-codec quadtree --depth-tables tables.txt -o x.lfold"), "--depth-tables is of"),
         (
             &format!("{encode} --depth-tables plain.lfold -o x.lfold"),

@@ -167,7 +167,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let (_, chunks) = samples::take_apart(&record);
     let second = u32::from_le_bytes(chunks[16..20].try_into().unwrap()) as usize;
     assert_eq!(chunks[second], 2, "a record of boxes");
-    let sides = "no multiples of 4 pixels";
+    let sides = "not multiples of 4 pixels";
     let grid = "cuts blocks of 4x4 pixels";
     vec![
         ("bc5-unit-width", unit(0, 22, 4), sides),

@@ -53,8 +53,8 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     all.push(("file-cut-after-head", good[..20].to_vec(), "the container ends after its head"));
     all.push(("file-cut-in-chunks", good[..100].to_vec(), "the container has no foot"));
     all.push(("file-cut-in-foot", good[..size - 1].to_vec(), "the container has no foot"));
-    all.push(("file-longer-by-one", [&good[..16], &[0], &good[16..]].concat(), "the foot speaks of a file of"));
-    all.push(("head-magic", byte(1, b'l'), "its first 8 bytes are other"));
+    all.push(("file-longer-by-one", [&good[..16], &[0], &good[16..]].concat(), "the foot states a file size of"));
+    all.push(("head-magic", byte(1, b'l'), "its signature is wrong"));
     all.push(("head-major-version", byte(8, 2), "the container has format version 2"));
     all.push(("head-reserved", byte(15, 1), "a reserved byte is not zero"));
     all.push(("foot-magic", byte(size - 1, b'X'), "the container has no foot"));
@@ -67,7 +67,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     all.push(("foot-reserved", foot(|foot| foot[20] = 1), "projection 4 is unknown"));
     all.push(("foot-reserved-of-compact", foot(|foot| foot[21] = 1), "a reserved byte is not zero"));
     all.push(("foot-index-form", foot(|foot| foot[20] = 3), "the index has form 3, which is unknown"));
-    all.push(("foot-file-size", foot(|foot| foot[26] = 1), "the foot speaks of a file of"));
+    all.push(("foot-file-size", foot(|foot| foot[26] = 1), "the foot states a file size of"));
     all.push(("foot-index-elsewhere", foot(|foot| foot[0] -= 1), "the index does not lie between the chunks"));
     all.push(("foot-index-in-head", foot(|foot| foot[..8].fill(0)), "the index does not lie between the chunks"));
     all.push(("foot-index-wraps", foot(|foot| foot[..16].fill(0xff)), "the index does not lie between the chunks"));
@@ -146,7 +146,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     all.push(("chunk-in-head", edited(|i| i.chunks[0].offset = 15), outside));
     all.push(("chunk-in-index", edited(|i| i.chunks[5].stored_bytes += 1), outside));
     all.push(("chunk-offset-wraps", edited(|i| i.chunks[0].offset = u64::MAX), outside));
-    let sizes = "cannot mean";
+    let sizes = "cannot decompress to";
     all.push(("chunk-raw-sizes-differ", edited(|i| i.chunks[0].raw_bytes += 1), sizes));
     let bomb: fn(&mut Index) = |i| {
         i.chunks[0].storage = Storage::Lzma2;
@@ -174,8 +174,8 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         }
         samples::assemble(&index, stored, |_| ())
     };
-    all.push(("lzma2-too-long", lzma2(&smooth, 2999), "does not mean the 2999 bytes"));
-    all.push(("lzma2-too-short", lzma2(&smooth, 3001), "does not mean the 3001 bytes"));
+    all.push(("lzma2-too-long", lzma2(&smooth, 2999), "does not decompress to the 2999 bytes"));
+    all.push(("lzma2-too-short", lzma2(&smooth, 3001), "does not decompress to the 3001 bytes"));
     all.push(("lzma2-no-end", lzma2(&smooth[..smooth.len() - 1], 3000), "the chunk's LZMA2 stream is damaged"));
     smooth.push(0);
     all.push(("lzma2-trailing-byte", lzma2(&smooth, 3000), "1 bytes follow the end of the chunk's LZMA2 stream"));
@@ -266,8 +266,8 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     all.push(("color-first-keyframe-late", payload(2, 8, &[1]), "keyframe 0 at frame 1"));
     all.push(("color-keyframe-order", payload(2, 12, &[0]), "keyframe 1 at frame 0"));
     all.push(("color-keyframe-beyond", payload(2, 12, &[4]), "keyframe 1 at frame 4"));
-    all.push(("color-keyframe-with-weight", payload(2, 16, &[1]), "a weight stands where no two keyframes"));
-    all.push(("color-weight-not-closed", payload(2, 2, &[0]), "a weight stands where no two keyframes"));
+    all.push(("color-keyframe-with-weight", payload(2, 16, &[1]), "a weight is not between two keyframes"));
+    all.push(("color-weight-not-closed", payload(2, 2, &[0]), "a weight is not between two keyframes"));
     all.push(("color-samples-missing", payload(2, 4, &[3]), "keyframes of 12 bytes expected, 13 there"));
     all.push((
         "color-last-leads-nowhere",

@@ -213,7 +213,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     ));
     all.push(("nodes-number-shifted", number(0x3c, &[0x80, 0x40]), "does not fit 32 bits"));
     all.push(("nodes-number-shifted-just", number(0x3c, &[0x80, 0x20]), "does not fit 32 bits"));
-    all.push(("nodes-platelet-line", number(1, &[0, 0, 255, 255, 255, 255]), "a platelet whose line is no line"));
+    all.push(("nodes-platelet-line", number(1, &[0, 0, 255, 255, 255, 255]), "a platelet with an invalid line"));
     let raw = |head: u8, rest: &[u8]| record(4, &[&[0, head], rest].concat());
     all.push(("nodes-raw-bits", raw(0x11, &[0; 36]), "a raw node with head 0x11"));
     all.push(("nodes-raw-head", raw(0x40, &[0; 2]), "a raw node with head 0x40"));

@@ -207,9 +207,9 @@ fn cameras_that_make_no_sense_are_refused() {
     let folder = TempDir::new().unwrap();
     container(folder.path(), "--max-error 0");
     let said = |options: &str| refused(&format!("decode a.lfold --null {options}"), folder.path());
-    assert!(said("--eye 0,1,2 --look-at 0,1,2 --fov 60").contains("where its eye is"));
-    assert!(said("--eye 0,1,2 --look-at 0,5,2 --fov 60").contains("name another up"));
-    assert!(said("--eye 0,1,2 --look-at 0,5,3 --up 0,-4,-1 --fov 60").contains("name another up"));
+    assert!(said("--eye 0,1,2 --look-at 0,1,2 --fov 60").contains("same point or too far"));
+    assert!(said("--eye 0,1,2 --look-at 0,5,2 --fov 60").contains("use another up"));
+    assert!(said("--eye 0,1,2 --look-at 0,5,3 --up 0,-4,-1 --fov 60").contains("use another up"));
     assert!(said("--eye 0,1,2 --look-at 0,1,3 --fov 180").contains("between 0 and 180"));
     assert!(said("--eye 0,1,2 --look-at 0,1,3 --fov NaN").contains("between 0 and 180"));
     assert!(said("--eye 0,1 --look-at 0,1,3 --fov 60").contains("three finite numbers"));

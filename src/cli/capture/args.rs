@@ -21,39 +21,41 @@ use scene::Pass;
     lightfold capture scene.glb --position 0,1,3 --look-at 0,1,0 --fov 50 -o view\n  \
     lightfold capture scene.glb --cameras cameras.json --resume -o cap --json\n  \
     lightfold capture scene.glb --cameras cameras.json --shard 3/8 -o cap\n\n\
-    SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell, fence. Files that a scene names \
-    (buffers, materials, textures) are read from its folder and below, nowhere else; a symbolic link counts as the file that it \
-    leads to.\n\n\
-    --cameras takes what `place` and `interpolate --cameras-out` write: {\"lightfold_cameras\": 1, \"cameras\": [{\"position\": [0, 1.5, 0]}]}, where a \
-    camera may have a \"name\", an \"orientation\" (a quaternion x, y, z, w), \"fov_y_deg\", \"aspect\" (width over height), \"shift\" (the \
-    middle of the image beside the viewing axis, in widths and heights) and \"frames\" ([first, last]); the probes of a lightfield.json; or cameras as for `decode --camera`, which capture perspective images: the \
-    ground truth for renderings of a light field.\n\n\
+    SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell, fence. Files that a \
+    scene refers to (buffers, materials, textures) are only read from its folder and the folders below it; symbolic \
+    links are resolved first.\n\n\
+    --cameras reads the files that `place` and `interpolate --cameras-out` write: {\"lightfold_cameras\": 1, \
+    \"cameras\": [{\"position\": [0, 1.5, 0]}]}, in which a camera may have a \"name\", an \"orientation\" (a \
+    quaternion x, y, z, w), \"fov_y_deg\", \"aspect\" (width over height), \"shift\" (offset of the image centre from \
+    the viewing axis, in widths and heights) and \"frames\" ([first, last]). It also reads the probes of a \
+    lightfield.json, and camera files of `decode --camera`, which capture perspective images, such as ground truth \
+    for rendered views.\n\n\
     A scene without lights gets a sun at an elevation of 51 degrees towards (0.5, 0.78, 0.38), radiance 1.75, 1.6, 1.35 (of a \
     white surface facing it), and ambient light of 0.3, 0.36, 0.46. Scenes from files have a sky of 0.5, 0.66, 0.86 at the \
     horizon and 0.16, 0.32, 0.68 at the zenith.\n\n\
-    Colour is the mean of a pixel's samples. All else is sampled by one ray through the pixel centre, unfiltered. The \
-    result does not depend on the number of threads.\n\n\
-    A capture that stops early keeps its images beside DIR. The same command with --resume continues and writes the same \
-    bytes. A dataset in DIR is replaced only by one that has all of its images.\n\n\
-    With --shard I/N machines capture a share of the images each, by probe, then by frame, into one new folder. Images of a \
-    shard appear in DIR when all of them are captured, with the manifest of all images, which every shard writes with the same \
-    bytes. When all N shards have run, in any order, DIR has the files of one run; before that, commands that \
-    need a missing image end with exit code 75."
+    Colour is the mean of a pixel's samples. Other outputs are sampled by one ray through the pixel centre, \
+    unfiltered. The result does not depend on the number of threads.\n\n\
+    An interrupted capture keeps its images beside DIR. The same command with --resume continues it and writes the \
+    same bytes. An existing dataset in DIR is replaced only once the new one is complete.\n\n\
+    With --shard I/N, each of N machines captures a share of the images, divided by probe, then by frame, into one \
+    new folder. The images of a shard appear in DIR once all of them are captured, together with the manifest of all \
+    images, which is the same in every shard. When all N shards have run, in any order, DIR has the same files as \
+    after a single run. Until then, commands that need a missing image end with exit code 75."
 )]
 pub struct Args {
-    /// A file (glTF, GLB, OBJ) or a built-in scene
+    /// Scene file (glTF, GLB, OBJ) or built-in scene
     #[arg(value_name = "SCENE")]
     pub scene: String,
-    /// Folder to write the dataset into
+    /// Output folder of the dataset
     #[arg(long, short, value_name = "DIR")]
     pub output: PathBuf,
-    /// Cameras: a file, a lightfield.json, or - for standard input
+    /// Camera file or lightfield.json, - for standard input
     #[arg(long, value_name = "FILE")]
     pub cameras: Option<PathBuf>,
     /// Position of a camera in metres; repeatable
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     pub position: Vec<DVec3>,
-    /// Capture perspective images from each --position towards this point in metres, with +Y up; see --fov
+    /// Capture a perspective image from each --position towards this point in metres, with +Y up; see --fov
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "position")]
     pub look_at: Option<DVec3>,
     /// Name of the animation to play [default: the first]
@@ -61,17 +63,17 @@ pub struct Args {
     pub animation: Option<String>,
     #[command(flatten)]
     pub frames: FrameArgs,
-    /// Capture one shard of the images, such as 3/8, into the folder of all shards
+    /// Capture one shard of the images, such as 3/8, into a folder that all shards share
     #[arg(long, value_name = "I/N", value_parser = parse_shard)]
     pub shard: Option<Shard>,
     /// Frames per second
     #[arg(long, value_name = "FPS", default_value = "24", value_parser = parse_fps)]
     pub fps: f64,
-    /// Pixels: the side of a cube face, the width of a panorama, the height of a perspective image; or both sides
-    /// [default: 512, for panoramas 2048]
+    /// Image size in pixels: side of a cube face, width of a panorama or height of a perspective image; or width and
+    /// height [default: 512, for panoramas 2048]
     #[arg(long, value_name = "N|WxH", value_parser = parse_size)]
     pub size: Option<(u32, Option<u32>)>,
-    /// Projection [default: cube; perspective for viewers and with --look-at]
+    /// Projection [default: cube; perspective with --look-at or a camera file of decode]
     #[arg(long, value_parser = one_of(PROJECTIONS))]
     pub projection: Option<Projection>,
     /// Vertical field of view in degrees, for perspective cameras without one
@@ -84,7 +86,7 @@ pub struct Args {
     /// Outputs besides colour: depth, normal, material, or none
     #[arg(long, value_parser = one_of(AOVS), value_name = "KIND", value_delimiter = ',', default_value = "depth")]
     pub aov: Vec<OutputPass>,
-    /// Leave colour out
+    /// Do not capture colour
     #[arg(long)]
     pub no_color: bool,
     /// Kind of depth
@@ -93,7 +95,7 @@ pub struct Args {
     /// Distance in metres beyond which surfaces are background, except in colour [default: unlimited]
     #[arg(long, value_name = "M", value_parser = parse_metres)]
     pub far: Option<f64>,
-    /// Resume a stopped capture into this folder, with the same options; start anew if there is none
+    /// Resume an interrupted capture into this folder with the same options; start a new one if there is none
     #[arg(long)]
     pub resume: bool,
     /// Report as JSON
@@ -103,18 +105,22 @@ pub struct Args {
 
 const PROJECTIONS: &Choices<Projection> = &[
     ("cube", Projection::Cubemap, "Six faces of an OpenGL cube map"),
-    ("equirect", Projection::Equirect, "Longitude across, latitude down"),
-    ("perspective", Projection::Perspective, "A pinhole camera along -Z with +Y up, rotated by its orientation"),
+    ("equirect", Projection::Equirect, "Panorama: longitude across, latitude down"),
+    (
+        "perspective",
+        Projection::Perspective,
+        "Pinhole camera that looks along -Z with +Y up, rotated by its orientation",
+    ),
 ];
 
 /// An output besides colour, or none. An alias, because clap treats an `Option` as an option that may be absent.
 type OutputPass = Option<Pass>;
 
 const AOVS: &Choices<OutputPass> = &[
-    ("depth", Some(Pass::Depth), "Metres to the surface"),
+    ("depth", Some(Pass::Depth), "Distance or planar depth in metres; see --depth"),
     ("normal", Some(Pass::Normal), "Shading normals in world axes"),
     ("material", Some(Pass::Material), "Weights of reflection and refraction, index of refraction"),
-    ("none", None, "Nothing: colour alone"),
+    ("none", None, "Colour only"),
 ];
 
 const DEPTHS: &Choices<DepthKind> = &[
@@ -132,11 +138,13 @@ pub fn parse_size(text: &str) -> Result<(u32, Option<u32>), String> {
 }
 
 pub fn parse_fps(text: &str) -> Result<f64, String> {
-    parse_frame_rate(text).ok_or_else(|| format!("'{text}' is no number of frames per second above 0, nor a ratio"))
+    parse_frame_rate(text).ok_or_else(|| {
+        format!("'{text}': frames per second above 0 were expected, a number or a ratio such as 24000/1001")
+    })
 }
 
 pub fn parse_metres(text: &str) -> Result<f64, String> {
-    options::parse_positive(text).map_err(|_| format!("'{text}' is no number of metres above 0"))
+    options::parse_positive(text).map_err(|_| format!("'{text}': a number of metres above 0 was expected"))
 }
 
 #[cfg(test)]

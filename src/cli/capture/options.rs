@@ -64,12 +64,12 @@ impl Args {
         {
             let then = match scene {
                 Scene::Procedural(_) => "it repeats",
-                Scene::Model(_) => "its last pose stays",
+                Scene::Model(_) => "its last pose is held",
             };
-            notes.push(format!("the animation has frames {}-{}; after them {then}", all.first, all.last));
+            notes.push(format!("the animation has frames {}-{}; after the last frame {then}", all.first, all.last));
         }
         if plan.passes.contains(&Pass::Normal) {
-            notes.push("encode ignores normals: containers have no stream for them".to_owned());
+            notes.push("encode ignores normals: containers do not store them".to_owned());
         }
         notes
     }
@@ -113,7 +113,7 @@ impl Args {
 
     fn passes(&self) -> Result<Vec<Pass>> {
         if self.aov.contains(&None) && self.aov.len() > 1 {
-            return refuse("--aov none excludes other outputs");
+            return refuse("--aov none cannot be combined with other outputs");
         }
         let wants = |pass: &Pass| match pass {
             Pass::Color => !self.no_color,
@@ -140,7 +140,7 @@ impl Args {
         match aspect {
             // Rounding may change the width by one pixel.
             Some(aspect) if (width - height * aspect).abs() > 1.0 => refuse(format!(
-                "--size {width}x{height}: the cameras have an aspect of {aspect}; --size {height} alone applies it"
+                "--size {width}x{height}: the cameras have the aspect ratio {aspect}: use --size {height} to apply it"
             )),
             _ => Ok(size),
         }

@@ -44,7 +44,7 @@ pub fn run(args: &Args, input: &Path, output: &Path, global: &GlobalArgs) -> Res
         ("--eye", args.cameras.eye.is_some()),
     ];
     if let Some((option, _)) = others.iter().find(|(_, is_given)| *is_given) {
-        return refuse(format!("{}: {option} has no meaning for a point cloud: leave it out", output.display()));
+        return refuse(format!("{}: {option} does not apply to point clouds: leave it out", output.display()));
     }
     check_report(output, args.json)?;
     let start = Instant::now();
@@ -57,7 +57,7 @@ pub fn run(args: &Args, input: &Path, output: &Path, global: &GlobalArgs) -> Res
     let pattern = Pattern::parse(&name).map_err(|error| error.in_file(output))?;
     if !pattern.has_field() && frames.count() != 1 {
         return refuse(format!(
-            "{}: one file for {} frames; choose one with --frames, or name a pattern such as frame.%04d.ply",
+            "{}: one file for {} frames: select one frame with --frames, or use a pattern such as frame.%04d.ply",
             output.display(),
             frames.count()
         ));

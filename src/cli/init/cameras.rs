@@ -24,12 +24,13 @@ pub fn place(folder: &Path, proposal: &mut Proposal) {
         Ok(Some(probes)) => {
             proposal.manifest.probes = probes;
             proposal.unsure_of_cameras =
-                vec![format!("the cameras are those of {name}, with the lens of the first frame")];
+                vec![format!("cameras were read from {name}; the lens is that of the first frame")];
         }
         Ok(None) => proposal.unsure_of_cameras.push(format!(
-            "{name} was left out: its cameras have neither the names of the probes, nor one for each frame of one probe"
+            "{name} was ignored: its cameras neither have the names of the probes, nor are they one for each frame of \
+            a single probe"
         )),
-        Err(error) => proposal.unsure_of_cameras.push(format!("{name} was left out: {error}")),
+        Err(error) => proposal.unsure_of_cameras.push(format!("{name} was ignored: {error}")),
     }
 }
 

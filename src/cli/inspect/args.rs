@@ -12,15 +12,17 @@ use footage::inspect::Inspection;
 #[derive(Debug, clap::Args)]
 #[command(
     group = clap::ArgGroup::new("looks").args(["plot", "check"]),
-    after_help = "Raw sizes count 32-bit depth and 24-bit colour. Temporal: after temporal coding, before compression of chunks.\n\
-    Keys: keyframes of all cells or tiles. AABBs: boxes of all frames. Upd. %: pixels written when all frames are decoded \
-    in order.\nUnits: the tiles of depth and material, the cells of colour. In cells: chunks of the transform codec that are \
-    coded as keyframes, where that is smaller. Palettes: blocks of a few colours, of any size.\nStatic: cells or tiles that never change. Empty: tiles of one value in every frame.\n\n\
+    after_help = "Raw: size as 32-bit depth and 24-bit colour. Temporal: size after temporal coding, before \
+        compression of chunks.\n\
+    Keys: number of keyframes of all cells or tiles. AABBs: number of boxes of all frames. Upd. %: pixels written \
+    when all frames are decoded in order.\nUnits: tiles of depth and material, cells of colour. In cells: chunks of \
+    the transform codec coded as keyframes because that is smaller. Palettes: blocks coded as palettes, of any \
+    size.\nStatic: cells or tiles that never change. Empty: tiles of one value in every frame.\n\n\
     For a scene (glTF, GLB, OBJ, or built in): bounds in metres, triangles, materials and lights at time 0, and animations.\n\n\
     For a Seurat manifest: view groups, views, image sizes, depth types, and the box around the cameras in metres.\n\n\
-    --check reads one frame of up to 16 probes. For face order and orientation, planar depth or distance, scale, positions, \
-    orientations, near, far, background and colour it reports fine, SUSPECT or cannot tell. The exit code is 1 if a check \
-    is suspect.\n\n\
+    --check reads one frame of up to 16 probes. It checks face order and orientation, planar depth or distance, \
+    scale, positions, orientations, near, far, background and colour, and reports fine, SUSPECT or cannot tell for \
+    each. The exit code is 1 if any check is suspect.\n\n\
     Examples:\n  lightfold inspect film.lfold\n  lightfold inspect film.lfold --stream depth --streams\n  \
     lightfold inspect film.lfold --per-frame --frames 10-19 --csv > frames.csv\n  \
     lightfold inspect film.lfold --verify --json\n  \
@@ -28,16 +30,16 @@ use footage::inspect::Inspection;
     lightfold inspect scene.glb\n  lightfold inspect manifest.json --json\n  lightfold inspect lightfield.json --check\n  lightfold inspect lightfield.json --check --depth-kind planar --json"
 )]
 pub struct Args {
-    /// A container, - for standard input; a scene as for capture; a Seurat manifest; with --check a lightfield.json or its
+    /// Container, - for standard input; scene, as for capture; Seurat manifest; with --check a lightfield.json or its
     /// folder
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     #[command(flatten)]
     pub selection: SelectionArgs,
-    /// One row for every stream [default: many streams are summed by probe and kind]
+    /// Print one row per stream [default: if there are many, one per probe and kind]
     #[arg(long)]
     pub streams: bool,
-    /// One row for every frame of every stream; the bytes of a chunk are counted at its first frame
+    /// Print one row per frame of every stream; the bytes of a chunk are counted at its first frame
     #[arg(long)]
     pub per_frame: bool,
     // Without a value it is the older form of --per-frame.
@@ -47,28 +49,28 @@ pub struct Args {
     /// The older form of --frames A-B.
     #[arg(long, value_name = "A-B", hide = true, conflicts_with = "per_frame")]
     pub range: Option<FrameRange>,
-    /// Check every chunk: CRC-32, decompression by two decoders, structure; list damaged chunks
+    /// Verify all chunks (CRC-32, decompression by two decoders, structure), and list damaged ones
     #[arg(long)]
     pub verify: bool,
-    /// Compare a manifest with its files, and report suspected errors
+    /// Check a manifest against its files, and report suspected errors
     #[arg(long, conflicts_with_all = ["streams", "per_frame", "frames", "verify", "csv", "source"])]
     pub check: bool,
     /// Report as JSON
     #[arg(long, conflicts_with = "csv")]
     pub json: bool,
-    /// Report as CSV: a row for each stream, or with --per-frame for each frame
+    /// Report as CSV: one row per stream, or with --per-frame per frame
     #[arg(long)]
     pub csv: bool,
-    /// Write coding maps of each stream into this folder, as PNG
+    /// Write coding maps of each stream into this folder as PNG
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// Frame of --plot [default: the one that changes most, of depth and material also the first] or --check [default: the
-    /// first]
+    /// Frame for --plot [default: the frame with most changes, for depth and material also the first] or --check
+    /// [default: the first]
     #[arg(long, value_name = "N", requires = "looks")]
     pub frame: Option<u32>,
-    /// Source of the container, for error maps with --plot: a lightfield.json or its folder, or an image sequence
+    /// Source footage of the container, for error maps of --plot: a lightfield.json or its folder, or an image sequence
     #[arg(long, value_name = "SOURCE", requires = "plot")]
     pub source: Option<String>,
     #[command(flatten)]
@@ -87,7 +89,7 @@ impl Args {
         let is_selective = !selection.probe.is_empty() || !selection.face.is_empty() || !selection.stream.is_empty();
         let is_per_frame = self.per_frame || self.frames.is_some();
         if is_selective || is_per_frame || self.streams || self.verify || self.csv || self.plot.is_some() {
-            return refuse(format!("{what} is reported as a table or with --json; leave out the other options"));
+            return refuse(format!("{what} is reported as a table or with --json only: leave out the other options"));
         }
         Ok(())
     }

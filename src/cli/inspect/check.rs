@@ -35,12 +35,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         return refuse(format!("{}: --check needs a lightfield.json or its folder", args.input.display()));
     }
     if !args.selection.face.is_empty() || !args.selection.stream.is_empty() {
-        return refuse("--check uses all faces and kinds: only --probe and --frame select");
+        return refuse("--check uses all faces and kinds: select with --probe and --frame only");
     }
     if args.memory.memory.is_some() {
         return refuse(
-            "--memory does not limit --check, which keeps one image per thread and up to 65,536 samples of each \
-             face: leave it out, or select fewer probes with --probe",
+            "--memory does not apply to --check, which keeps one image per thread and up to 65,536 samples of each \
+            face: leave it out; fewer probes (--probe) need less memory",
         );
     }
     let start = Instant::now();
@@ -86,9 +86,9 @@ fn text(name: &str, report: &Report, strays: &[ProbePrecision]) -> String {
     }
     let suspects = report.findings.iter().filter(|finding| finding.verdict == Verdict::Suspect).count();
     let _ = match suspects {
-        0 => writeln!(out, "{table}\nNothing is suspected."),
-        1 => writeln!(out, "{table}\nOne check suspects that the manifest or the files are wrong."),
-        count => writeln!(out, "{table}\n{count} checks suspect that the manifest or the files are wrong."),
+        0 => writeln!(out, "{table}\nNo check is suspect."),
+        1 => writeln!(out, "{table}\nOne check is suspect: the manifest or the files may be wrong."),
+        count => writeln!(out, "{table}\n{count} checks are suspect: the manifest or the files may be wrong."),
     };
     for probe in strays {
         let _ = probe.strays.iter().try_for_each(|strays| writeln!(out, "\nwarning: {}", stray_words(probe, strays)));

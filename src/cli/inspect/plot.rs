@@ -34,7 +34,7 @@ pub fn check(args: &Args) -> Result<()> {
         return refuse("options for reading files need --source");
     }
     if args.source.is_some() && args.input == Path::new("-") {
-        return refuse("--source reads the container twice: name a file instead of -");
+        return refuse("--source reads the container twice: use a file instead of standard input");
     }
     Ok(())
 }

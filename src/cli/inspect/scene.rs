@@ -56,7 +56,7 @@ fn text(name: &str, summary: &SceneSummary) -> String {
         out.push_str("\nNo lights: capture adds a sun and a sky\n");
     }
     if summary.animations.is_empty() {
-        out.push_str("\nNothing moves\n");
+        out.push_str("\nNo animations\n");
         return out;
     }
     let mut table = Table::new("Animation|>Seconds");

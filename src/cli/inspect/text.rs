@@ -85,7 +85,7 @@ fn heading(report: &Report<'_>) -> String {
     }
     out += &footage(report);
     if reader.minor_version > VERSION_MINOR {
-        let _ = writeln!(out, "format {VERSION_MAJOR}.{}, later than this program knows", reader.minor_version);
+        let _ = writeln!(out, "format {VERSION_MAJOR}.{}, newer than this version of lightfold", reader.minor_version);
     }
     out
 }
@@ -102,8 +102,7 @@ fn footage(report: &Report<'_>) -> String {
         };
     }
     if let Some(count) = footage.clipped_pixels {
-        let _ =
-            writeln!(out, "{} did not fit 8 bits and were clipped when it was encoded", counted(count, "colour pixel"));
+        let _ = writeln!(out, "{} were clipped to 8 bits by the encoder", counted(count, "colour pixel"));
     }
     // One line for each stream and replacement of its missing frames.
     let same = |one: &MissingFrame, next: &MissingFrame| {
@@ -114,7 +113,7 @@ fn footage(report: &Report<'_>) -> String {
         let numbers: Vec<String> = frames.iter().map(|missing| missing.frame.to_string()).collect();
         let held = held.map_or_else(|| "black".to_owned(), |frame| format!("frame {frame}"));
         let (kind, face, frames) = (kind.name(), face.name(), numbers.join(", "));
-        let _ = writeln!(out, "missing in {kind} {probe}/{face}: {frames}; {held} stands in their place");
+        let _ = writeln!(out, "missing in {kind} {probe}/{face}: {frames}; {held} is shown instead");
     }
     out
 }

@@ -52,33 +52,36 @@ const DEFAULT_SIZE: u32 = 512;
     --null --compare --json\n  \
     lightfold interpolate a.glb --eye 0,1,3 --look-at 0,1,0 --views 500 --baseline 0.5 \\\n      \
     --device gpu -o v/%04d.png\n\n\
-    Output views stand side by side, view 0 at the left, and look in one direction. Pixels of few source views, with the surfaces \
-    behind them, are moved to all others. Surfaces at the distance of --focus stay where they are from view to view; without it, those \
-    at infinity do. --rows stacks such lines. `render --views` counts probes, `interpolate --views` output views.\n\n\
-    Mirrors and glass of a scene are ray cast in every view; so are holes, unless --holes says otherwise. The source views of a container \
-    are rendered from it. --device moves pixels, with the same bits as the CPU, and adds highlights, in single precision; with --rasterize it \
-    draws triangles. Light of source views and all that is ray cast are the CPU's.\n\n\
-    Views of a line are written when all their scanlines are interpolated; --resume keeps what was written.\n\n\
-    --json has the `seconds` of all stages, those for reading the scene in load_seconds, and those for writing pictures in write_seconds. \
-    Stages are acquire; mask, which hidden surfaces a view may see; filter, pixels into lines; interpolate; light, with highlights; and \
-    fill. What runs on the same threads (mask in acquire; filter and light in interpolate) shares the time that passed as the threads \
-    spent theirs; on a device, light is that of highlights, and other light is in interpolate. After --resume, figures are those of the \
-    views that this run made."
+    Output views stand side by side, from view 0 at the left, and look in the same direction. Pixels of a few source \
+    views, which include hidden surfaces, are reprojected to all output views. Surfaces at the distance of --focus \
+    have zero disparity; without --focus, those at infinity. --rows stacks several such lines. `render --views` is a \
+    number of probes, `interpolate --views` a number of output views.\n\n\
+    Mirrors and glass of a scene are ray cast in every view, and so are holes with --holes trace. The source views of \
+    a container are rendered from it. --device reprojects pixels, with the same bits as the CPU, and computes \
+    highlights in single precision; with --rasterize it also draws triangles. Shading of source views and ray casting \
+    run on the CPU.\n\n\
+    The views of a line are written when all scanlines are interpolated; --resume keeps written views.\n\n\
+    --json reports `seconds` of all stages together, load_seconds for reading the scene, and write_seconds for \
+    writing pictures. Stages: acquire; mask, visibility of hidden surfaces; filter, conversion of pixels to lines; \
+    interpolate; light, shading with highlights; and fill. Elapsed time of stages that share threads (mask with \
+    acquire; filter and light with interpolate) is divided in proportion to their CPU time; on a device, light is the \
+    time of highlights, and other shading is part of interpolate. After --resume, figures cover only the views of \
+    this run."
 )]
 pub struct Args {
-    /// A scene: a file (glTF, GLB, OBJ) or a built-in one; a container; with --probe a dataset or a container
+    /// Scene file (glTF, GLB, OBJ), built-in scene, or container; with --probe a dataset or container
     #[arg(value_name = "INPUT")]
     pub input: String,
-    /// Middle of the line of cameras, in metres
+    /// Centre of the line of cameras, in metres
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "look_at")]
     pub eye: Option<DVec3>,
-    /// Point that the camera in the middle looks at, in metres
+    /// Point that the central camera looks at, in metres
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "eye")]
     pub look_at: Option<DVec3>,
-    /// Probes side by side whose images are the source views, such as 01,02
+    /// Use images of these probes, which stand side by side, as source views, such as 01,02
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub probe: Vec<String>,
-    /// Face of the probes that looks across their line: px nx py ny pz nz, or view
+    /// Face of the probes perpendicular to their line: px nx py ny pz nz, or view
     #[arg(long, value_name = "FACE", value_parser = parse_face, default_value = "view", requires = "probe")]
     pub face: Face,
     /// Up direction [default: 0,1,0]
@@ -90,32 +93,33 @@ pub struct Args {
     /// Number of output views
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_VIEWS)))]
     pub views: u32,
-    /// Metres from the first view to the last, in even steps [default: the distance of the probes]
+    /// Distance from the first to the last view in metres; views are evenly spaced [default: distance of the probes]
     #[arg(long, value_name = "M", value_parser = parse_not_negative)]
     pub baseline: Option<f64>,
-    /// Degrees from the first view to the last, in even angles around the focus
+    /// Angle from the first to the last view around the focus, in degrees; views have even angles
     #[arg(long, value_name = "DEGREES", value_parser = parse_not_negative, requires = "focus")]
     pub view_cone: Option<f64>,
-    /// Rows of views; views are numbered row by row, from the lowest
+    /// Number of rows of views, numbered row by row from the lowest
     #[arg(long, value_name = "N", default_value_t = 1, requires = "baseline_y", value_parser = clap::value_parser!(u32).range(1..=64))]
     pub rows: u32,
-    /// How rows between the lowest and the highest are made
+    /// Method for rows between the lowest and the highest
     #[arg(long, value_parser = one_of(GRID_ORDERS), default_value = "columns")]
     pub grid: GridOrder,
-    /// Metres from the lowest row to the highest, in even steps
+    /// Distance from the lowest to the highest row in metres; rows are evenly spaced
     #[arg(long, value_name = "M", requires = "rows", value_parser = parse_not_negative)]
     pub baseline_y: Option<f64>,
-    /// Distance in metres of the plane that does not move from view to view [default: of probes that of their images, else infinity]
+    /// Distance in metres of the plane with zero disparity [default: that of the probes' images, else infinity]
     #[arg(long, value_name = "M", value_parser = parse_positive)]
     pub focus: Option<f64>,
-    /// Width and height of a view in pixels, or one side of a square one [default: that of the quilt's device, else 512]
+    /// Width and height of a view in pixels, or the side of a square view [default: that of the quilt's device, else
+    /// 512]
     #[arg(long, value_name = "N|WxH", value_parser = parse_size, conflicts_with = "probe")]
     pub size: Option<(u32, Option<u32>)>,
-    /// Columns and rows of a quilt such as 8x6, or a device: portrait, go, 16, 16-portrait, 16-gen2, 32, 32-portrait, 32-gen2, 65
-    /// [default: the device that the views fit, or a nearly square picture]
+    /// Columns and rows of a quilt such as 8x6, or a device: portrait, go, 16, 16-portrait, 16-gen2, 32, 32-portrait,
+    /// 32-gen2, 65 [default: the device that matches the views, else a nearly square picture]
     #[arg(long, value_name = "DEVICE|CxR")]
     pub quilt: Option<QuiltLayout>,
-    /// Colour samples per pixel: on a grid if a square number, else Hammersley points; of containers a square number
+    /// Colour samples per pixel: on a grid if a square number, else Hammersley points; for containers a square number
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
     pub samples: u32,
     #[command(flatten)]
@@ -123,94 +127,98 @@ pub struct Args {
     /// Frames per second of a scene
     #[arg(long, value_name = "FPS", default_value = "24", value_parser = parse_positive)]
     pub fps: f64,
-    /// Places of source views
+    /// Placement of source views
     #[arg(long, value_parser = one_of(ACQUISITIONS), default_value = "dual")]
     pub acquire: Acquisition,
-    /// Most layers of a source view
+    /// Maximum number of layers per source view
     #[arg(long, value_name = "N", default_value_t = MAX_LAYERS as u32, value_parser = clap::value_parser!(u32).range(1..=MAX_LAYERS as i64))]
     pub layers: u32,
-    /// Surfaces that are left out of source views, as no output view sees them
+    /// Culling of source-view surfaces that no output view shows
     #[arg(long, value_parser = one_of(CULLINGS), default_value = "full")]
     pub culling: Culling,
-    /// Missing pixels in percent above which a hierarchical acquisition adds a source
+    /// Percentage of missing pixels above which hierarchical acquisition adds a source view
     #[arg(long, value_name = "PERCENT", default_value_t = 0.5, value_parser = parse_not_negative)]
     pub hole_threshold: f64,
-    /// What a hierarchical acquisition judges missing pixels by
+    /// Estimate of missing pixels for hierarchical acquisition
     #[arg(long, value_parser = one_of(STOPS), default_value = "holes")]
     pub stop: StoppingRule,
-    /// Where a hierarchical acquisition places the next source between two
+    /// Position of a new source view between two others in hierarchical acquisition
     #[arg(long, value_parser = one_of(PLACEMENTS), default_value = "midpoint")]
     pub source_placement: SourcePlacement,
-    /// Time limit in milliseconds for adding sources to a hierarchical acquisition: results depend on the clock
+    /// Time limit in milliseconds for adding source views in hierarchical acquisition; makes results depend on speed
     #[arg(long, value_name = "MS", value_parser = parse_not_negative)]
     pub source_ms: Option<f64>,
-    /// Most sources of a hierarchical acquisition
+    /// Maximum number of source views in hierarchical acquisition
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_VIEWS)))]
     pub max_sources: u32,
-    /// Largest disparity difference, in pixels over the baseline, within a coalesced run, which is drawn as one primitive; 0 for none
+    /// Draw runs of pixels as one primitive if their disparities over the baseline differ by at most this many pixels;
+    /// 0 disables coalescing
     #[arg(long, value_name = "PX", default_value_t = 0.0, value_parser = parse_not_negative)]
     pub coalesce: f64,
-    /// Largest distance difference, in metres, within a coalesced run; its error in pixels has no bound
+    /// Coalesce runs whose distances differ by at most this many metres; the error in pixels is unbounded
     #[arg(long, value_name = "M", value_parser = parse_not_negative, conflicts_with = "coalesce")]
     pub coalesce_depth: Option<f64>,
-    /// Remove the last layer for the next frame if it covers less than LEAST percent of output pixels; add one if more than MOST
+    /// Remove the last layer from the next frame if it covers less than LEAST percent of output pixels, and add a layer
+    /// if more than MOST
     #[arg(long, value_name = "LEAST,MOST", value_parser = parse_reduction)]
     pub reduce_layers: Option<LayerReduction>,
-    /// Rays of ambient occlusion from each shaded point; 0 for none
+    /// Number of ambient occlusion rays per shaded point; 0 disables ambient occlusion
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=4096))]
     pub ao_rays: u32,
-    /// Whether suns and lamps cast shadows
+    /// Shadows of suns and lamps
     #[arg(long, value_parser = one_of(SHADOWS), default_value = "rays", action = clap::ArgAction::Set)]
     pub shadows: bool,
-    /// How often each triangle of a scene is divided in four
+    /// Number of times each triangle of a scene is divided into four
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=8))]
     pub subdivide: u32,
-    /// Most places between the first view and the last where highlights are computed
+    /// Maximum number of positions between the first and last view at which highlights are computed
     #[arg(long, value_name = "N", default_value_t = DEFAULT_SPLITS as u32, value_parser = clap::value_parser!(u32).range(0..=4096))]
     pub splits: u32,
-    /// What fills pixels that no source shows [default: of scenes trace, else nearest]
+    /// Fill of pixels that no source view shows [default: trace for scenes, else nearest]
     #[arg(long, value_parser = one_of(HOLES))]
     pub holes: Option<HoleFilling>,
-    /// Only these views, such as 24-47
+    /// Only output views in this range, such as 24-47
     #[arg(long, value_name = "A-B", value_parser = parse_range)]
     pub view_range: Option<(u32, u32)>,
-    /// Ray cast every view, or draw it with --rasterize: the truth, and what interpolation saves
+    /// Ray cast every view (or draw it, with --rasterize) instead of interpolating, as ground truth
     #[arg(long, conflicts_with_all = ["compare", "probe"])]
     pub brute_force: bool,
-    /// Ray cast every view, too, or draw it with --rasterize, and compare the pictures
+    /// Also ray cast every view (or draw it, with --rasterize), and compare the pictures
     #[arg(long, conflicts_with = "probe")]
     pub compare: bool,
-    /// Table of the figures of each view, as CSV
+    /// Write the comparison of each view to this CSV file
     #[arg(long, value_name = "FILE.csv", requires = "compare")]
     pub csv: Option<PathBuf>,
-    /// Folder for error maps of all views
+    /// Write error maps of all views into this folder
     #[arg(long, value_name = "DIR", requires = "compare")]
     pub error_map: Option<PathBuf>,
-    /// Cameras of all views, for `render --camera`, `cameras`, and `capture --projection perspective --cameras`
+    /// Write the cameras of all views, for `render --camera`, `cameras`, and `capture --projection perspective
+    /// --cameras`
     #[arg(long, value_name = "FILE.json")]
     pub cameras_out: Option<PathBuf>,
-    /// Pictures: a pattern such as views/%04d.png or views/%04d.exr, or one file: a quilt, whose name gets columns, rows and aspect.
-    /// With --frames the number is the frame: %V/v.%04d.png for views, q.%04d.png for quilts
+    /// Output: a pattern such as views/%04d.png or views/%04d.exr for views, or one file for a quilt; columns, rows and
+    /// aspect are appended to its name. With --frames, %04d is the frame: %V/v.%04d.png for views, q.%04d.png for
+    /// quilts
     #[arg(long, short, value_name = "OUT")]
     pub output: Option<PathBuf>,
-    /// Render without writing
+    /// Render without writing output
     #[arg(long)]
     pub null: bool,
-    /// Resume a stopped run into the same files, with the same options; start anew if there is none
+    /// Resume an interrupted run into the same files with the same options; start over if there is none
     #[arg(long, conflicts_with_all = ["compare", "reduce_layers", "source_ms"])]
     pub resume: bool,
-    /// Interpolating device; only highlights depend on it, by rounding, and edges with --rasterize [default: cpu]
+    /// Device that interpolates; highlights may differ by rounding, and edges with --rasterize [default: cpu]
     #[arg(long, value_parser = one_of(DEVICES))]
     pub device: Option<DeviceChoice>,
     #[command(flatten)]
     pub gpu: GpuIndex,
-    /// Draw the triangles of source views, or of all views with --brute-force, on the device instead of casting rays: edges may
-    /// move by a part of a pixel
+    /// Rasterize source views (all views with --brute-force) on the device instead of casting rays; edges may shift by
+    /// a fraction of a pixel
     #[arg(long)]
     pub rasterize: bool,
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// Print durations and counts of all stages
+    /// Print durations and counters of all stages
     #[arg(long)]
     pub stats: bool,
     /// Report as JSON
@@ -222,12 +230,12 @@ pub struct Args {
 const SAME_FOCUS: f64 = 1e-3;
 
 const ACQUISITIONS: &Choices<Acquisition> = &[
-    ("center", Acquisition::Center, "One in the middle, with a wider window"),
+    ("center", Acquisition::Center, "One at the centre, with a wider window"),
     ("dual", Acquisition::Dual, "One at each end"),
     (
         "hierarchical",
         Acquisition::Hierarchical,
-        "At both ends, and between them where pixels are missing; nearest surfaces only",
+        "At both ends, and between them where pixels are missing; first layer only",
     ),
 ];
 
@@ -239,38 +247,38 @@ pub enum GridOrder {
 }
 
 const GRID_ORDERS: &Choices<GridOrder> = &[
-    ("columns", GridOrder::Columns, "Of scenes, between the outer two, column by column"),
-    ("rows", GridOrder::Rows, "From sources of their own"),
+    ("columns", GridOrder::Columns, "Interpolate between the outer two rows, column by column (scenes only)"),
+    ("rows", GridOrder::Rows, "From source views of each row"),
 ];
 
 const STOPS: &Choices<StoppingRule> = &[
-    ("holes", StoppingRule::Holes, "Pixels that nothing covers in a view between two sources"),
-    ("erosion", StoppingRule::Erosion, "Edges of the sources, without interpolation"),
+    ("holes", StoppingRule::Holes, "Pixels that remain empty in a view between two source views"),
+    ("erosion", StoppingRule::Erosion, "Depth edges of the source views, without interpolation"),
 ];
 
 const PLACEMENTS: &Choices<SourcePlacement> = &[
-    ("midpoint", SourcePlacement::Midpoint, "In the middle"),
-    ("clusters", SourcePlacement::Clusters, "Where most pixels are missing"),
+    ("midpoint", SourcePlacement::Midpoint, "Halfway between them"),
+    ("clusters", SourcePlacement::Clusters, "At the largest cluster of missing pixels"),
 ];
 
-const SHADOWS: &Choices<bool> = &[("rays", true, "By rays"), ("none", false, "No")];
+const SHADOWS: &Choices<bool> = &[("rays", true, "Ray-cast shadows"), ("none", false, "No shadows")];
 
 const CULLINGS: &Choices<Culling> = &[
-    ("full", Culling::Full, "Those close behind others, and those behind pixels that hide them from all views"),
-    ("offset", Culling::DepthOffset, "Those close behind others"),
-    ("off", Culling::Off, "None"),
+    ("full", Culling::Full, "Surfaces close behind others, and those hidden from all output views"),
+    ("offset", Culling::DepthOffset, "Surfaces close behind others"),
+    ("off", Culling::Off, "No culling"),
 ];
 
 const HOLES: &Choices<HoleFilling> = &[
-    ("trace", HoleFilling::Trace, "Ray casting"),
-    ("nearest", HoleFilling::Nearest, "The nearest pixel of the scanline"),
-    ("blank", HoleFilling::Blank, "Nothing: alpha is 0"),
+    ("trace", HoleFilling::Trace, "Cast rays"),
+    ("nearest", HoleFilling::Nearest, "Copy the nearest pixel of the scanline"),
+    ("blank", HoleFilling::Blank, "Leave empty, with alpha 0"),
 ];
 
 fn parse_range(text: &str) -> std::result::Result<(u32, u32), String> {
     let ends = text.split_once('-').unwrap_or((text, text));
     let range = ends.0.parse().ok().zip(ends.1.parse().ok()).filter(|(first, last): &(u32, u32)| first <= last);
-    range.ok_or_else(|| format!("'{text}' is no range of views such as 24-47"))
+    range.ok_or_else(|| format!("'{text}': a range of views such as 24-47 was expected"))
 }
 
 fn parse_reduction(text: &str) -> std::result::Result<LayerReduction, String> {
@@ -329,15 +337,15 @@ impl Args {
         let total = u64::from(self.views) * u64::from(self.rows);
         if total > u64::from(MAX_VIEWS) {
             return refuse(format!(
-                "--views {} and --rows {}: {total} views, where {MAX_VIEWS} are the most",
+                "--views {} and --rows {}: {total} views, at most {MAX_VIEWS} are possible",
                 self.views, self.rows
             ));
         }
         if self.resume && self.output.is_none() {
-            return refuse("--resume continues files that --output names");
+            return refuse("--resume needs --output");
         }
         if !self.probe.is_empty() && self.rows > 1 {
-            return refuse("--rows is for scenes and containers: images of probes on a line show one row");
+            return refuse("--rows needs a scene or container: images of probes on a line make one row");
         }
         Ok(())
     }
@@ -379,9 +387,11 @@ impl Args {
 
     /// Returns the output views of a scene or a container.
     pub(super) fn views_from_eye(&self) -> Result<OutputViews> {
-        let (Some(eye), Some(look_at)) = (self.eye, self.look_at) else { return refuse("name --eye and --look-at") };
+        let (Some(eye), Some(look_at)) = (self.eye, self.look_at) else {
+            return refuse("--eye and --look-at are required");
+        };
         let Some(spread) = self.spread() else {
-            return refuse("name the --baseline, the metres from the first view to the last, or a --view-cone");
+            return refuse("--baseline or --view-cone is required");
         };
         let camera = Camera::look_at(eye, look_at, self.up.unwrap_or(DVec3::Y), Lens::new(self.fov))?;
         let size = match self.size {
@@ -405,7 +415,9 @@ impl Args {
         let focus_m = captured.focus_m;
         if let Some(wanted_m) = self.focus.filter(|wanted_m| (wanted_m / focus_m - 1.0).abs() > SAME_FOCUS) {
             let found = if focus_m.is_finite() { format!("is {focus_m:.4} m") } else { "is infinity".to_owned() };
-            return refuse(format!("--focus {wanted_m}: the focus of these images {found}: leave out --focus"));
+            return refuse(format!(
+                "--focus {wanted_m}: the focus of these images {found} and cannot be changed: leave out --focus"
+            ));
         }
         OutputViews::new(captured.camera, captured.size, self.views, spread, focus_m)
     }
@@ -420,7 +432,7 @@ impl Args {
         match self.view_range {
             None => Ok(0..all as usize),
             Some((first, last)) if last < all => Ok(first as usize..last as usize + 1),
-            Some((first, last)) => refuse(format!("--view-range {first}-{last}: there are views 0 to {}", all - 1)),
+            Some((first, last)) => refuse(format!("--view-range {first}-{last}: the views are 0 to {}", all - 1)),
         }
     }
 
@@ -428,15 +440,15 @@ impl Args {
     pub(super) fn check_device(&self) -> Result<()> {
         if !self.gpu.is_on_device(self.device) {
             if self.rasterize {
-                return refuse("--rasterize draws on a graphics device: add --device gpu or --device auto");
+                return refuse("--rasterize needs a graphics device: add --device gpu or --device auto");
             }
             return Ok(());
         }
         if self.brute_force && !self.rasterize {
-            return refuse("--brute-force casts rays on the CPU: leave out --device, or add --rasterize to draw on it");
+            return refuse("--brute-force casts rays on the CPU: leave out --device, or add --rasterize");
         }
         if self.reduce_layers.is_some() {
-            return refuse("--reduce-layers counts pixels on the CPU: leave out --device");
+            return refuse("--reduce-layers runs on the CPU only: leave out --device");
         }
         if self.memory.memory.is_some() {
             return refuse("--memory limits the CPU only, not graphics devices: leave out one of them");
@@ -465,7 +477,7 @@ impl Args {
         let usual = if has_scene { HoleFilling::Trace } else { HoleFilling::Nearest };
         let holes = self.holes.unwrap_or(usual);
         if holes == HoleFilling::Trace && !has_scene {
-            return refuse("--holes trace: images cannot be ray cast; choose nearest or blank");
+            return refuse("--holes trace needs a scene: use nearest or blank for images");
         }
         let Plan { at_once, storage, .. } = plan;
         Ok(Settings { acquire, interpolate, holes, at_once, storage, keeps_unfilled: self.compare })

@@ -80,7 +80,7 @@ impl TriangleDrawing for Drawing<'_> {
         }
         match self.triangles.draw(from, window, place, most_layers) {
             Err(error @ Error::Unsupported { .. }) if self.choice == Some(DeviceChoice::Auto) => {
-                self.global.note(format_args!("{error}; going on with rays"));
+                self.global.note(format_args!("{error}; casting rays instead"));
                 self.has_failed.store(true, Ordering::Relaxed);
                 Ok(None)
             }

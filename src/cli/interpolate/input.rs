@@ -58,8 +58,8 @@ impl Input {
         }
         if is_dataset(path) {
             return refuse(format!(
-                "{}: --eye looks at scenes and containers; choose probes of a dataset by --probe, or encode it first: \
-                 lightfold encode {0} -o film.lfold",
+                "{}: --eye needs a scene or container: select probes of a dataset with --probe, or encode it first: \
+                lightfold encode {0} -o film.lfold",
                 path.display()
             ));
         }
@@ -194,7 +194,7 @@ fn field<'a>(args: &Args, decoder: &'a Decoder, frame: u32) -> Result<LightField
     let side = args.samples.isqrt();
     if side * side != args.samples {
         return refuse(format!(
-            "--samples {}: pixels of containers have as many rays across as down: choose {} or {}",
+            "--samples {}: containers need a square number of samples: use {} or {}",
             args.samples,
             side * side,
             (side + 1) * (side + 1)

@@ -61,7 +61,8 @@ impl Outputs {
         let coding = PictureCoding { tone: ToneMap::default(), holes: HoleFill::Blank };
         if args.frame_count() > 1 && !pattern.has_field() {
             return refuse(format!(
-                "{}: one name, and several frames; name a pattern such as q.%04d.png for quilts, or %V/v.%04d.png for views",
+                "{}: one file name for several frames: use a pattern such as q.%04d.png for quilts, or %V/v.%04d.png \
+                for views",
                 path.display()
             ));
         }
@@ -69,7 +70,7 @@ impl Outputs {
         if is_sequence {
             if args.quilt.is_some() {
                 return refuse(format!(
-                    "{}: a quilt has all views in one file; leave out the field of views, or --quilt",
+                    "{}: a quilt has all views in one file: leave out the view field, or --quilt",
                     path.display()
                 ));
             }
@@ -78,8 +79,8 @@ impl Outputs {
         }
         if args.view_range.is_some() {
             return refuse(format!(
-                "{}: a quilt has all views, and --view-range selects some; name a pattern such as views/%04d.png, and join \
-                 the files with lightfold quilt",
+                "{}: a quilt needs all views, and --view-range selects some: use a pattern such as views/%04d.png, \
+                and join the files with lightfold quilt",
                 path.display()
             ));
         }

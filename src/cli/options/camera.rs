@@ -18,7 +18,7 @@ pub fn parse_point(text: &str) -> Result<DVec3, String> {
         text.split(',').map(|number| number.trim().parse().ok().filter(|value: &f64| value.is_finite())).collect();
     match numbers.as_deref() {
         Some(&[x, y, z]) => Ok(DVec3::new(x, y, z)),
-        _ => Err(format!("'{text}' is not x,y,z: three finite numbers such as -0.5,1.75,2")),
+        _ => Err(format!("'{text}': x,y,z was expected, three finite numbers such as -0.5,1.75,2")),
     }
 }
 
@@ -30,15 +30,15 @@ pub fn parse_aspect(text: &str) -> Result<f64, String> {
     };
     ratio
         .filter(|ratio| ratio.is_finite() && *ratio > 0.0)
-        .ok_or_else(|| format!("'{text}' is neither a ratio such as 16/9 nor a number above 0"))
+        .ok_or_else(|| format!("'{text}': a ratio such as 16/9 or a number above 0 was expected"))
 }
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "View")]
 pub struct CameraArgs {
-    /// File of cameras, - for standard input; repeatable. Also what place and interpolate --cameras-out write, the probes of a container or
-    /// dataset, transforms.json of nerfstudio, glTF, USD in text (.usda), or a folder with cameras.txt and images.txt of COLMAP; see
-    /// lightfold cameras
+    /// Camera file, - for standard input; repeatable. Formats: lightfold, files of place and interpolate --cameras-out,
+    /// probes of a container or dataset, nerfstudio transforms.json, glTF, USD text (.usda), or a COLMAP folder with
+    /// cameras.txt and images.txt; see lightfold cameras
     #[arg(long, value_name = "FILE")]
     pub camera: Vec<PathBuf>,
     /// Position of a camera in metres
@@ -87,7 +87,7 @@ impl CameraArgs {
             None => CameraUnitCounts { units, visible_units: units, ..Default::default() },
         };
         if let (Some(_), 0) = (&seen, counts.visible_units) {
-            output::note("no camera sees anything of the selected frames and streams");
+            output::note("nothing in the selected frames and streams is visible to any camera");
         }
         let bytes_total = if self.stats { decode::stored_bytes(decoder, chosen) } else { 0 };
         Ok(View { seen, counts, bytes_total, stats: self.stats })

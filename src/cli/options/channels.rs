@@ -10,16 +10,16 @@ use footage::dataset::SourceOptions;
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Channels")]
 pub struct ChannelArgs {
-    /// Depth channel or layer of EXR files [default: from the manifest, or by usual names]
+    /// Depth channel or layer of EXR files [default: from the manifest, else common names]
     #[arg(long, value_name = "NAME")]
     pub depth_channel: Option<String>,
-    /// Colour layer of EXR files, or three channels R,G,B [default: from the manifest, or by usual names]
+    /// Colour layer of EXR files, or three channels R,G,B [default: from the manifest, else common names]
     #[arg(long, value_name = "NAME")]
     pub color_channel: Option<String>,
-    /// Three material channels of EXR files, as reflect,refract,ior [default: from the manifest]
+    /// Three material channels of EXR files: reflect,refract,ior [default: from the manifest]
     #[arg(long, value_name = "A,B,C")]
     pub material_channel: Option<String>,
-    /// Alpha channel of EXR files [default: from the manifest, or that of the colour layer]
+    /// Alpha channel of EXR files [default: from the manifest, else that of the colour layer]
     #[arg(long, value_name = "NAME")]
     pub alpha_channel: Option<String>,
 }
@@ -46,7 +46,9 @@ impl ChannelArgs {
             (StreamKind::Alpha, &self.alpha_channel),
         ];
         match given.into_iter().find(|(other, name)| *other != kind && name.is_some()) {
-            Some((other, _)) => refuse(format!("--{}-channel: this is a sequence of {}", other.name(), kind.name())),
+            Some((other, _)) => {
+                refuse(format!("--{}-channel does not apply to a sequence of {}", other.name(), kind.name()))
+            }
             None => Ok(()),
         }
     }

@@ -30,15 +30,15 @@ const COLOR_BLOCKS: &Choices<KeyframeBlocks> = &[
 ];
 
 pub const COLOR_CODECS: &Choices<ColorCodec> = &[
-    ("transform", ColorCodec::Transform, "A transform in space and time"),
-    ("cells", ColorCodec::Cells, "Keyframes and weights"),
+    ("transform", ColorCodec::Transform, "Transform coding in space and time"),
+    ("cells", ColorCodec::Cells, "Keyframes and blending weights"),
 ];
 
-const TRANSFERS: &Choices<Transfer> = &[("srgb", Transfer::Srgb, "sRGB curve"), ("linear", Transfer::Linear, "Linear")];
+const TRANSFERS: &Choices<Transfer> = &[("srgb", Transfer::Srgb, "sRGB"), ("linear", Transfer::Linear, "Linear")];
 
 pub const INVALID_COLORS: &Choices<InvalidColor> = &[
-    ("refuse", InvalidColor::Refuse, "Fail with file and pixel"),
-    ("black", InvalidColor::Black, "Replace by black; clamp alpha"),
+    ("refuse", InvalidColor::Refuse, "Fail, and report file and pixel"),
+    ("black", InvalidColor::Black, "Replace NaN by black; clamp alpha"),
 ];
 
 #[derive(Debug, Clone, Args)]
@@ -51,59 +51,61 @@ pub struct ColorArgs {
     /// Colour codec [default: transform, or cells with --color-block]
     #[arg(long, value_name = "CODEC", value_parser = one_of(COLOR_CODECS))]
     pub color_codec: Option<ColorCodec>,
-    /// Frames of a chunk of the transform codec: more compress better, fewer take less memory, and less time to seek
+    /// Number of frames per chunk of the transform codec: more compress better, fewer need less memory and seek faster
     /// [default: 24]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)))]
     pub color_chunk: Option<u32>,
-    /// Entropy tables of lightfold train-color: stored once, used by each cell that they make smaller
+    /// File of entropy tables from lightfold train-color, stored once and used for each cell that they make smaller
     #[arg(long, value_name = "TABLES")]
     pub color_tables: Option<PathBuf>,
-    /// Least quality to the eye of each frame of each cell of the transform codec, 0 to 100, on the scale of SSIMULACRA2: the worst
-    /// places look like those of x265 with crf 22 at 65, with crf 18 at 73, with crf 14 at 80 [default: 79]
+    /// Minimum perceptual quality of every frame of every cell, 0 to 100 on the scale of SSIMULACRA2, for the transform
+    /// codec; 65, 73 and 80 look like x265 at crf 22, 18 and 14 in the worst regions [default: 79]
     #[arg(long, value_name = "Q", conflicts_with_all = ["psnr", "color_block", "color_qp"])]
     pub quality: Option<f64>,
-    /// Least PSNR of each frame of each cell instead of --quality, in dB, 0 to 200 (every bit); with --color-block, of temporal coding
-    /// alone [default: none; of cells 50, or --psnr-final with --color-block]
+    /// Minimum PSNR in dB of every frame of every cell, instead of --quality, 0 to 200 (lossless); with --color-block,
+    /// before block compression [default: none; for cells 50, or --psnr-final with --color-block]
     #[arg(long, value_name = "DB")]
     pub psnr: Option<f64>,
-    /// Step of the transform codec for all cells instead of --quality, 0 (finest) to 240; 16 more double it. Nothing is promised
+    /// Quantisation step of the transform codec for all cells, instead of --quality, without a bound on quality: 0
+    /// (finest) to 240; +16 doubles the step
     #[arg(long, value_name = "N", conflicts_with_all = ["psnr", "color_block"],
         value_parser = clap::value_parser!(u8).range(0..=240))]
     pub color_qp: Option<u8>,
-    /// Store keyframes of cells in blocks of a texture format: bc1 or bc7 for 8 bits, bc6h for --hdr; --psnr-final bounds the
-    /// loss. Implies --color-codec cells [default: none]
+    /// Store keyframes of cells as texture blocks, with the loss bounded by --psnr-final: bc1 or bc7 for 8 bits, bc6h
+    /// for --hdr. Implies --color-codec cells [default: none]
     #[arg(long, value_name = "FORMAT", ignore_case = true, value_parser = one_of(COLOR_BLOCKS))]
     pub color_block: Option<KeyframeBlocks>,
-    /// Least PSNR of each frame of each cell with keyframes in blocks, in dB, at most --psnr [default: 30 for bc1, 40 for
-    /// bc7 and bc6h]
+    /// Minimum PSNR in dB of every frame of every cell with keyframes in blocks, at most --psnr [default: 30 for bc1,
+    /// 40 for bc7 and bc6h]
     #[arg(long, value_name = "DB")]
     pub psnr_final: Option<f64>,
-    /// Transfer function to 8-bit codes, which then may clip light [default: srgb]
+    /// Transfer function to 8-bit codes; implies --clip [default: srgb]
     #[arg(long, value_parser = one_of(TRANSFERS), conflicts_with = "hdr")]
     pub transfer: Option<Transfer>,
-    /// Exposure in stops before conversion to 8 bits, -8 to 8, which then may clip light [default: 0]
+    /// Exposure in stops before conversion to 8 bits, -8 to 8; implies --clip [default: 0]
     #[arg(long, value_name = "EV", allow_negative_numbers = true, conflicts_with = "hdr")]
     pub exposure: Option<f32>,
-    /// Accept that 8 bits clip light. Without it, --hdr, --transfer and --exposure, footage whose first frames have such light is refused
+    /// Clip values above 1 to 8 bits. Without --clip, --hdr, --transfer or --exposure, footage whose first frames have
+    /// such values is refused
     #[arg(long)]
     pub clip: bool,
-    /// Half floats instead of 8 bits, which clip light above 1 of EXR files. PSNR is then that of the PU21 encoding, with its peak
-    /// at 100 cd/m². Infinite light becomes 65504
+    /// Encode colour as half floats instead of 8 bits, without clipping values above 1. PSNR is then computed on PU21
+    /// codes, with the peak at 100 cd/m². Infinite values become 65504
     ///
-    /// Samples below 0.005 or above 10000 cd/m² keep a bound of their own (color.md 5): bright ones are within 14% at the default, and
-    /// with --psnr within 16% at 40 dB, 5% at 50 dB.
+    /// Samples below 0.005 or above 10000 cd/m² have a separate bound (color.md 5): bright ones are within 14% at the
+    /// default, and with --psnr within 16% at 40 dB, 5% at 50 dB.
     #[arg(long)]
     pub hdr: bool,
     /// Luminance of the value 1.0 for --hdr, in cd/m²
     #[arg(long, value_name = "CD_M2", default_value_t = DEFAULT_WHITE_CD_M2, requires = "hdr")]
     pub white: f64,
-    /// Keyframe lookahead: distinct frames between two keyframes of a cell, limited to 768 MiB for all faces of an image.
-    /// More compress better and take more memory and time. Of --color-codec cells; the transform codec uses it only in chunks
-    /// that are smaller as keyframes
+    /// Keyframe lookahead: maximum number of distinct frames between two keyframes of a cell, limited to 768 MiB for
+    /// all faces of an image. More compress better, with more memory and time. For --color-codec cells; the transform
+    /// codec uses it only in chunks that are smaller as keyframes
     #[arg(long, alias = "keyframe-reach", value_name = "N", default_value_t = SearchSettings::default().lookahead,
         value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub lookahead: u32,
-    /// Handling of colour that is NaN, and of alpha beyond 0 to 1
+    /// Handling of NaN in colour, and of alpha outside 0 to 1
     #[arg(long, value_name = "WHAT", value_parser = one_of(INVALID_COLORS), default_value = "refuse")]
     pub invalid_color: InvalidColor,
 }
@@ -114,7 +116,7 @@ impl ColorArgs {
         let codec = match (self.color_codec, blocks) {
             (Some(ColorCodec::Transform), Some(_)) => {
                 return refuse(
-                    "--color-block is of --color-codec cells: leave out one of --color-block and --color-codec transform",
+                    "--color-block needs --color-codec cells: leave out --color-block or --color-codec transform",
                 );
             }
             (Some(codec), _) => codec,

@@ -14,14 +14,15 @@ use footage::image_files::ColorSpace;
 
 #[derive(Debug, Clone, Args)]
 pub struct DatasetArgs {
-    /// Size of the cube faces that an equirectangular image is resampled to [default: a quarter of its width]
+    /// Size of cube faces resampled from equirectangular images [default: a quarter of the image width]
     #[arg(long, value_name = "PIXELS")]
     pub face_size: Option<u32>,
     #[command(flatten)]
     pub missing: MissingArgs,
     #[command(flatten)]
     pub frames: FrameArgs,
-    /// Encoding of the colour values [default: from the manifest, else linear light of the files' chromaticities for EXR, sRGB for PNG]
+    /// Colour space of the input [default: from the manifest, else linear light with the chromaticities of the file for
+    /// EXR, sRGB for PNG]
     #[arg(long, value_parser = one_of(COLOR_SPACES), help_heading = "Colour")]
     pub color_space: Option<ColorSpace>,
     // Groups with headings come last: a heading continues until the next one.
@@ -45,8 +46,8 @@ impl DatasetArgs {
         }
         if !manifest::is_dataset(input) {
             return refuse(format!(
-                "{}: neither a lightfield.json nor a folder that holds one: let lightfold init propose one for a folder of \
-                 images, or encode a sequence with encode-depth or encode-color",
+                "{}: neither a lightfield.json nor a folder with one: create one with lightfold init, or encode a \
+                sequence with encode-depth or encode-color",
                 input.display()
             ));
         }
@@ -55,7 +56,7 @@ impl DatasetArgs {
         if let (Some(asked), Some(there)) = (asked, there)
             && (asked.first < there.first || asked.last > there.last)
         {
-            return refuse(format!("--frames {asked}: the frames of the dataset are {there}"));
+            return refuse(format!("--frames {asked}: the dataset has frames {there}"));
         }
         Ok(source)
     }

@@ -18,9 +18,9 @@ use footage::encode::{DepthCodec, EncodeSettings, ErrorBound, TileSize};
 use footage::train::read_tables;
 
 pub fn parse_background(text: &str) -> std::result::Result<f32, String> {
-    let value: f32 = text.parse().map_err(|_| format!("'{text}' is no number"))?;
+    let value: f32 = text.parse().map_err(|_| format!("'{text}' is not a number"))?;
     if value == f32::INFINITY && !text.contains("inf") || value == f32::NEG_INFINITY || value.is_nan() {
-        return Err(format!("'{text}' is neither a finite 32-bit float nor inf"));
+        return Err(format!("'{text}': a finite 32-bit float or inf was expected"));
     }
     Ok(value)
 }
@@ -29,40 +29,40 @@ const DEPTH_CODECS: &Choices<DepthCodec> = &[
     (
         "predictive",
         DepthCodec::Predictive,
-        "Predicted codes with residuals, within --max-error of the source at every pixel, in the fewest bytes",
+        "Prediction and residuals; every pixel within --max-error of the source; smallest files",
     ),
     (
         "quadtree",
         DepthCodec::Quadtree,
-        "Modelling functions in a quadtree, within --max-error of the source at every pixel",
+        "Modelling functions in a quadtree; every pixel within --max-error of the source",
     ),
     ("aabb", DepthCodec::Boxes, "Raw codes in boxes around changed pixels"),
-    ("bc4w", DepthCodec::Blocks, "32 bytes for 8x8 pixels, without an error bound"),
+    ("bc4w", DepthCodec::Blocks, "BC4w blocks: 32 bytes per 8x8 pixels, without an error bound"),
 ];
 
-const DEPTH_BLOCKS: &Choices<InBlocks> = &[("none", false, "Raw codes"), ("bc5", true, "16 bytes for 4x4 pixels")];
+const DEPTH_BLOCKS: &Choices<InBlocks> = &[("none", false, "Raw codes"), ("bc5", true, "16 bytes per 4x4 pixels")];
 
 const DEPTH_DOMAINS: &Choices<DomainKind> = &[
     ("log", DomainKind::Log, "Log codes"),
     ("linear", DomainKind::Linear, "Metres"),
-    ("inverse", DomainKind::Inverse, "Inverse metres, in which planes are exact"),
+    ("inverse", DomainKind::Inverse, "Inverse metres, in which planes are modelled exactly"),
 ];
 
 const OPTIMIZE_GOALS: &Choices<Decide> = &[
-    ("quality", Decide::Mse, "The least squared error"),
+    ("quality", Decide::Mse, "Smallest squared error"),
     ("mse", Decide::Mse, ""),
-    ("size", Decide::Size, "The fewest bytes"),
+    ("size", Decide::Size, "Smallest size"),
 ];
 
 const INVALID_DEPTHS: &Choices<InvalidDepth> = &[
-    ("refuse", InvalidDepth::Refuse, "Fail with file and pixel"),
+    ("refuse", InvalidDepth::Refuse, "Fail, and report file and pixel"),
     ("far", InvalidDepth::Far, "Replace by background"),
-    ("near", InvalidDepth::Near, "Replace by the nearest distance; beyond --far by that"),
+    ("near", InvalidDepth::Near, "Replace by the nearest distance; beyond --far, by --far"),
 ];
 
 const DEPTH_KINDS: &Choices<DepthKind> = &[
-    ("distance", DepthKind::Distance, "Distance from the probe"),
-    ("planar", DepthKind::Planar, "Along the viewing axis"),
+    ("distance", DepthKind::Distance, "Distance from the probe along the ray"),
+    ("planar", DepthKind::Planar, "Depth along the viewing axis (Z)"),
 ];
 
 #[derive(Debug, Clone, Args)]
@@ -71,20 +71,20 @@ pub struct DepthArgs {
     /// Depth codec
     #[arg(long, value_name = "CODEC", value_parser = one_of(DEPTH_CODECS), default_value = "predictive")]
     pub depth_codec: DepthCodec,
-    /// Store depth in blocks of a texture format that stay within --update-threshold, for aabb; the threshold then
-    /// defaults to 100
+    /// Store depth as texture blocks with errors up to --update-threshold, for aabb; the threshold then defaults to 100
     #[arg(long, value_name = "FORMAT", ignore_case = true, value_parser = one_of(DEPTH_BLOCKS), default_value = "none")]
     pub depth_block: InBlocks,
-    /// Largest error of a decoded depth, for quadtree and predictive: in percent of the distance, such as 0.4%, which becomes
-    /// the most codes that keep it in the range of each probe; or in 16-bit log codes, of which 0 is lossless [default: 100]
+    /// Maximum error of decoded depth, for quadtree and predictive: in percent of the distance, such as 0.4%, or in
+    /// 16-bit log codes, where 0 is lossless. A percentage becomes the largest number of codes that satisfies it for
+    /// each probe [default: 100]
     #[arg(long, alias = "error", value_name = "SHARE%|CODES", conflicts_with = "max_error_relative",
         value_parser = parse_bound)]
     pub max_error: Option<ErrorBound>,
     /// The older form of --max-error SHARE%.
     #[arg(long, alias = "error-relative", value_name = "SHARE", hide = true, value_parser = parse_share)]
     pub max_error_relative: Option<f64>,
-    /// Entropy tables of lightfold train-depth, for predictive: stored once in each stream, used by each chunk that they make
-    /// smaller
+    /// File of entropy tables from lightfold train-depth, for predictive, stored once per stream and used for each
+    /// chunk that they make smaller
     #[arg(long, value_name = "TABLES")]
     pub depth_tables: Option<PathBuf>,
     #[command(flatten)]
@@ -93,7 +93,7 @@ pub struct DepthArgs {
     pub model: ModelArgs,
     #[command(flatten)]
     pub steps: DepthStepArgs,
-    /// Most boxes per frame and tile, for aabb and material
+    /// Maximum number of boxes per frame and tile, for aabb and material
     #[arg(long, value_name = "N", default_value_t = TemporalSettings::default().max_aabbs,
         value_parser = clap::value_parser!(u16).range(1..=256))]
     pub max_aabbs: u16,
@@ -104,7 +104,7 @@ pub struct DepthArgs {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DomainArgs {
-    /// Domain of the modelling functions, for quadtree; log if near and far are too close for another
+    /// Domain of the modelling functions, for quadtree; always log if near and far are too close to each other
     #[arg(long, value_name = "DOMAIN", value_parser = one_of(DEPTH_DOMAINS), default_value = "log")]
     pub depth_domain: DomainKind,
 }
@@ -112,10 +112,10 @@ pub struct DomainArgs {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct ModelArgs {
-    /// What to optimize when several ways to code pixels are within the bound
+    /// Goal when several ways to code pixels are within the bound
     #[arg(long, alias = "decide", value_name = "GOAL", value_parser = one_of(OPTIMIZE_GOALS), default_value = "quality")]
     pub optimize: Decide,
-    /// Changed children of a node that make the encoder try one function for the whole node, for quadtree
+    /// Minimum number of changed children at which the encoder tries one function for the whole node, for quadtree
     #[arg(long, value_name = "N", default_value_t = NodeSettings::default().min_children,
         value_parser = clap::value_parser!(u8).range(1..=4))]
     pub min_children: u8,
@@ -124,13 +124,13 @@ pub struct ModelArgs {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DepthStepArgs {
-    /// W: pixels are updated if they differ from any of the W frames before, so that decoders may skip up to W − 1 frames,
-    /// for quadtree, aabb and material
+    /// Depth window W: decoders may skip up to W − 1 frames, because pixels are updated if they differ from any of the
+    /// W previous frames; for quadtree, aabb and material
     #[arg(long, value_name = "W", default_value_t = TemporalSettings::default().window,
         value_parser = clap::value_parser!(u8).range(1..))]
     pub depth_window: u8,
-    /// Update a pixel when its depth changed by more than this, in 16-bit log codes; adds to --max-error. With aabb it
-    /// is the largest error, and 0 is lossless [default: 0]
+    /// Update a pixel only if its depth changed by more than this, in 16-bit log codes; adds to --max-error. With aabb
+    /// this is the maximum error, and 0 is lossless [default: 0]
     #[arg(long, alias = "epsilon", value_name = "CODES")]
     pub update_threshold: Option<u16>,
 }
@@ -138,7 +138,7 @@ pub struct DepthStepArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DepthUnitArgs {
-    /// Frames from one keyframe to the next
+    /// Number of frames from one keyframe to the next
     #[arg(long, value_name = "FRAMES", default_value_t = TemporalSettings::default().keyframe_interval,
         value_parser = clap::value_parser!(u32).range(1..))]
     pub keyframe_interval: u32,
@@ -149,11 +149,11 @@ pub struct DepthUnitArgs {
     #[arg(long, value_name = "N", hide = true, conflicts_with = "depth_tile",
         value_parser = clap::value_parser!(u32).range(1..=256))]
     pub tiles: Option<u32>,
-    /// Nearest surface in metres; nearer ones are invalid (--invalid-depth). With --far, images are not read beforehand, and
-    /// predictive depth has no levels [default: measured per probe]
+    /// Distance of the nearest surface in metres; nearer ones are invalid (--invalid-depth). With both --near and
+    /// --far, images are not read in advance, and predictive depth has no levels [default: measured per probe]
     #[arg(long, value_name = "M")]
     pub near: Option<f32>,
-    /// Farthest surface in metres; farther ones are invalid [default: measured per probe]
+    /// Distance of the farthest surface in metres; farther ones are invalid [default: measured per probe]
     #[arg(long, value_name = "M")]
     pub far: Option<f32>,
     #[command(flatten)]
@@ -163,8 +163,8 @@ pub struct DepthUnitArgs {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct BoundArgs {
-    /// Pack quadtrees in the intermediate form with this largest error: in percent of the distance, such as 0.4%, or in 16-bit
-    /// log codes, of which 0 is lossless
+    /// Pack quadtrees of the intermediate form with this maximum error: in percent of the distance, such as 0.4%, or in
+    /// 16-bit log codes, where 0 is lossless
     #[arg(long, alias = "error", value_name = "SHARE%|CODES", group = "bound", value_parser = parse_bound)]
     pub max_error: Option<ErrorBound>,
     /// The older form of --max-error SHARE%.
@@ -190,7 +190,7 @@ pub fn parse_bound(text: &str) -> std::result::Result<ErrorBound, String> {
 
 pub fn parse_share(text: &str) -> std::result::Result<f64, String> {
     let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
-    let share: f64 = number.trim().parse().map_err(|_| format!("'{text}' is no number"))?;
+    let share: f64 = number.trim().parse().map_err(|_| format!("'{text}' is not a number"))?;
     let share = share * unit;
     if !(0.0..=1.0).contains(&share) {
         return Err(format!("'{text}' is not between 0 and 100%"));
@@ -204,13 +204,13 @@ pub struct DepthReadingArgs {
     /// Handling of NaN, negative and zero depths, and of surfaces outside a given near and far
     #[arg(long, value_name = "WHAT", value_parser = one_of(INVALID_DEPTHS), default_value = "refuse")]
     pub invalid_depth: InvalidDepth,
-    /// Metres per unit of depth, for integer images; below 0 where depth is negative, as Houdini's Pz
+    /// Metres per unit of depth, for integer images; negative if depth is negative, such as Pz of Houdini
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub depth_scale: Option<f64>,
     /// Background value in the files, in addition to +inf
     #[arg(long, value_name = "VALUE", allow_negative_numbers = true, value_parser = parse_background)]
     pub background: Option<f32>,
-    /// Kind of depth values [default: from the manifest, or distance]
+    /// Kind of depth values [default: from the manifest, else distance]
     #[arg(long, value_name = "KIND", value_parser = one_of(DEPTH_KINDS))]
     pub depth_kind: Option<DepthKind>,
 }
@@ -225,9 +225,7 @@ impl DepthArgs {
         if self.max_error.is_some() || self.max_error_relative.is_some() {
             match self.depth_codec {
                 DepthCodec::Boxes => {
-                    return refuse(
-                        "--max-error bounds the functions of a quadtree: with --depth-codec aabb use --update-threshold",
-                    );
+                    return refuse("--max-error does not apply to --depth-codec aabb: use --update-threshold");
                 }
                 DepthCodec::Blocks => {
                     return refuse("--depth-codec bc4w has no error bound: leave out --max-error, or use quadtree");

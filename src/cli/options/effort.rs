@@ -7,14 +7,15 @@ use codec::effort::Effort;
 use footage::encode::EncodeSettings;
 
 pub const EFFORTS: &Choices<Effort> = &[
-    ("fast", Effort::Fast, "Faster, with a small loss"),
-    ("normal", Effort::Normal, "Close to the result of exhaustive"),
+    ("fast", Effort::Fast, "Faster, slightly worse result"),
+    ("normal", Effort::Normal, "Result close to exhaustive"),
     ("exhaustive", Effort::Exhaustive, "Full search: the reference"),
 ];
 
 #[derive(Debug, Clone, Copy, Args)]
 pub struct EffortArgs {
-    /// Search effort: for partitions and steps of colour, its farthest keyframe, and for blocks of all kinds [default: normal]
+    /// Search effort for colour partitions, quantisation steps and keyframes, and for blocks of all kinds [default:
+    /// normal]
     #[arg(long, value_parser = one_of(EFFORTS))]
     pub effort: Option<Effort>,
 }

@@ -8,15 +8,15 @@ use footage::encode::{EncodeSettings, MaterialSettings};
 /// Default error of material in blocks, in 8-bit steps.
 const USUAL_ERROR_IN_BLOCKS: u16 = 8;
 
-const MATERIAL_BLOCKS: &Choices<InBlocks> = &[("none", false, "Raw values"), ("bc1", true, "8 bytes for 4x4 pixels")];
+const MATERIAL_BLOCKS: &Choices<InBlocks> = &[("none", false, "Raw values"), ("bc1", true, "8 bytes per 4x4 pixels")];
 
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Material")]
 pub struct MaterialArgs {
-    /// Store material in blocks of a texture format that stay within --material-error
+    /// Store material as texture blocks with errors up to --material-error
     #[arg(long, value_name = "FORMAT", value_parser = one_of(MATERIAL_BLOCKS), default_value = "none")]
     pub material_block: InBlocks,
-    /// Largest error of a decoded material in steps of 8 bits; 0 is lossless [default: 0, with blocks 8]
+    /// Maximum error of decoded material in 8-bit steps; 0 is lossless [default: 0, with blocks 8]
     #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u16).range(..=255))]
     pub material_error: Option<u16>,
 }

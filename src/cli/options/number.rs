@@ -2,7 +2,7 @@
 
 pub fn parse_number(text: &str) -> Result<f64, String> {
     let value: Option<f64> = text.trim().parse().ok().filter(|value: &f64| value.is_finite());
-    value.ok_or_else(|| format!("'{text}' is no number"))
+    value.ok_or_else(|| format!("'{text}' is not a number"))
 }
 
 /// Parses a finite number within a range. `expected` describes the range.
@@ -31,7 +31,7 @@ mod tests {
         );
         for text in ["", "inf", "nan", "1,5", "2m"] {
             let said = parse_number(text).unwrap_err();
-            assert!(said.contains("is no number"), "{said}");
+            assert!(said.contains("is not a number"), "{said}");
             assert!(parse_positive(text).is_err() && parse_not_negative(text).is_err());
         }
         assert!(parse_positive("0").unwrap_err().contains("more than 0"));

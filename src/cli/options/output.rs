@@ -14,7 +14,7 @@ use footage::files::DiskFile;
 
 #[derive(Debug, Clone, Args)]
 pub struct OutputArgs {
-    /// The container to write, - for standard output
+    /// Output container, - for standard output
     #[arg(long = "output", short = 'o', value_name = "OUT.lfold", value_parser = parse_container_path)]
     pub path: PathBuf,
     #[command(flatten)]
@@ -23,12 +23,12 @@ pub struct OutputArgs {
 
 #[derive(Debug, Clone, Args)]
 pub struct StoreArgs {
-    /// Compress chunks with LZMA2, level 0 (fast) to 9 (small); colour of the transform codec is entropy-coded already and gains
-    /// next to nothing [default level: 6]
+    /// Compress chunks with LZMA2, level 0 (fast) to 9 (small); colour of the transform codec is already entropy-coded
+    /// and hardly shrinks [default level: 6]
     #[arg(long, value_name = "LEVEL", num_args = 0..=1, require_equals = true, default_missing_value = "6",
         value_parser = clap::value_parser!(u32).range(0..=9))]
     pub lzma2: Option<u32>,
-    /// Compress chunks with Zstandard, level 1 (fast) to 19 (small), as encoders do by default [default level: 9]
+    /// Compress chunks with Zstandard, level 1 (fast) to 19 (small); default of encoders [default level: 9]
     #[arg(long, value_name = "LEVEL", num_args = 0..=1, require_equals = true, default_missing_value = "9",
         value_parser = clap::value_parser!(u32).range(1..=19), conflicts_with = "lzma2")]
     pub zstd: Option<u32>,
@@ -44,8 +44,8 @@ pub struct StoreArgs {
 
 #[derive(Debug, Clone, Copy, Args)]
 pub struct MemoryArgs {
-    /// Memory limit of the whole process, such as 512M, 2G or 1.5GiB. The result does not depend on it; work that needs more
-    /// is refused [default: built-in limits]
+    /// Memory limit of the process, such as 512M, 2G or 1.5GiB. It does not change the result; commands that need more
+    /// fail [default: built-in limits]
     #[arg(long, value_name = "SIZE")]
     pub memory: Option<Budget>,
 }
@@ -66,8 +66,8 @@ impl MemoryArgs {
 pub struct EncodeOutputArgs {
     #[command(flatten)]
     pub container: OutputArgs,
-    /// Resume a stopped encode of this output behind its last complete chunk, with the same options; start anew if there is
-    /// none
+    /// Resume an interrupted encode of this output after its last complete chunk with the same options; start over if
+    /// there is none
     #[arg(long)]
     pub resume: bool,
 }
@@ -98,7 +98,7 @@ fn parse_container_path(text: &str) -> std::result::Result<PathBuf, String> {
     let path = PathBuf::from(text);
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     match IMAGES.contains(&ending.as_str()) {
-        true => Err("a container is written, not an image: name a file that ends in .lfold".to_owned()),
+        true => Err("the output is a container, not an image: use a file name ending in .lfold".to_owned()),
         false => Ok(path),
     }
 }
@@ -107,8 +107,8 @@ fn parse_container_path(text: &str) -> std::result::Result<PathBuf, String> {
 pub fn check_stdout(path: &Path, has_report: bool) -> Result<()> {
     check_report(path, has_report)?;
     match is_terminal(path) {
-        true if path == Path::new("-") => refuse("standard output is a terminal: name a file, or redirect it"),
-        true => refuse(format!("{}: a terminal, where a file was expected", path.display())),
+        true if path == Path::new("-") => refuse("standard output is a terminal: specify a file, or redirect it"),
+        true => refuse(format!("{}: this is a terminal; a file was expected", path.display())),
         false => Ok(()),
     }
 }
@@ -139,7 +139,7 @@ fn is_pipe(meta: &std::fs::Metadata) -> bool {
 /// Fails if both a report and a result would go to standard output.
 pub fn check_report(path: &Path, has_report: bool) -> Result<()> {
     match has_report && path == Path::new("-") {
-        true => refuse("--json and -o - would both write to standard output; name a file"),
+        true => refuse("--json and -o - would both write to standard output: specify an output file"),
         false => Ok(()),
     }
 }

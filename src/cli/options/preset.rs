@@ -35,20 +35,20 @@ const PRESETS: &Choices<Preset> = &[
             lzma2: Some(9),
             ..NONE
         },
-        "Fewest bytes: --quality 65 --max-error 400 --effort exhaustive --lzma2=9",
+        "Smallest files: --quality 65 --max-error 400 --effort exhaustive --lzma2=9",
     ),
     ("balanced", NONE, "The defaults: --quality 79 --max-error 100 --effort normal"),
-    ("fast", Preset { effort: Some(Effort::Fast), ..NONE }, "Fewest seconds: --effort fast"),
+    ("fast", Preset { effort: Some(Effort::Fast), ..NONE }, "Fastest: --effort fast"),
     (
         "exact",
         Preset { target: Some(Target::Psnr(200.0)), max_error: Some(0), hdr: true, ..NONE },
-        "Colour is exact in every bit of its half floats, depth in every code: --hdr --psnr 200 --max-error 0",
+        "Lossless half-float colour and 16-bit depth codes: --hdr --psnr 200 --max-error 0",
     ),
 ];
 
 #[derive(Debug, Clone, Copy, Args)]
 pub struct PresetArgs {
-    /// Settings under one name; other options override them
+    /// Preset; other options override its settings
     #[arg(long, value_name = "NAME", value_parser = one_of(PRESETS), default_value = "balanced")]
     pub preset: Preset,
 }

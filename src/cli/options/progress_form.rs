@@ -13,11 +13,11 @@ pub enum ProgressForm {
 
 pub const PROGRESS_FORMS: &Choices<ProgressForm> = &[
     ("auto", ProgressForm::Auto, "A bar on a terminal, nothing in a pipe"),
-    ("json", ProgressForm::Json, "JSON on standard error, one object a line, at most two a second"),
+    ("json", ProgressForm::Json, "JSON on standard error: one object per line, at most two per second"),
     (
         "openjd",
         ProgressForm::OpenJd,
-        "Lines of Open Job Description, on standard output, or on standard error where that carries the result",
+        "Open Job Description messages on standard output, or on standard error if the result goes to standard output",
     ),
-    ("none", ProgressForm::None, "Nothing"),
+    ("none", ProgressForm::None, "No progress"),
 ];

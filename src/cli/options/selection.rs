@@ -10,11 +10,11 @@ use codec::image::sequence::FrameRange;
 use footage::dataset::Missing;
 
 pub fn parse_kind(text: &str) -> Result<StreamKind, String> {
-    StreamKind::from_name(text).ok_or_else(|| format!("'{text}' is none of color, depth, material, alpha"))
+    StreamKind::from_name(text).ok_or_else(|| format!("'{text}': color, depth, material or alpha was expected"))
 }
 
 pub fn parse_face(text: &str) -> Result<Face, String> {
-    Face::from_name(text).ok_or_else(|| format!("'{text}' is none of px, nx, py, ny, pz, nz, view"))
+    Face::from_name(text).ok_or_else(|| format!("'{text}': px, nx, py, ny, pz, nz or view was expected"))
 }
 
 #[derive(Debug, Clone, Args)]
@@ -25,15 +25,15 @@ pub struct FrameArgs {
 }
 
 const MISSING: &Choices<Missing> = &[
-    ("error", Missing::Error, "Fail with the file"),
-    ("hold", Missing::Hold, "Repeat the last frame that is there"),
-    ("skip", Missing::Skip, "Leave them out at the start and end of a stream; fail within it"),
-    ("black", Missing::Black, "Black, and background in depth"),
+    ("error", Missing::Error, "Fail, and report the file"),
+    ("hold", Missing::Hold, "Repeat the last existing frame"),
+    ("skip", Missing::Skip, "Skip them at the start and end of a stream; fail elsewhere"),
+    ("black", Missing::Black, "Encode black colour and background depth"),
 ];
 
 #[derive(Debug, Clone, Copy, Args)]
 pub struct MissingArgs {
-    /// Handling of frames whose file is missing; the container remembers which [default: from the manifest, or error]
+    /// Handling of frames whose file is missing; the container records them [default: from the manifest, else error]
     #[arg(long, value_name = "WHAT", value_parser = one_of(MISSING))]
     pub missing: Option<Missing>,
 }

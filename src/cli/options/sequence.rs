@@ -26,7 +26,7 @@ pub const LIGHT_SPACES: &Choices<ColorSpace> = &[REC709, ACESCG, ACES, REC2020, 
 
 /// Values of `--layout`. Single images may show another face.
 const LAYOUTS: &Choices<Arrangement> = &[
-    ("single", Arrangement::Single(Face::View), "One face, or a perspective image"),
+    ("single", Arrangement::Single(Face::View), "One face or a perspective image"),
     ("cross", Arrangement::Cross, "Six faces unfolded, 4:3 or 3:4"),
     ("strip", Arrangement::Strip, "Six faces in a row or a column, px nx py ny pz nz"),
     ("equirect", Arrangement::Equirect, "Longitude and latitude, resampled to six faces"),
@@ -34,7 +34,7 @@ const LAYOUTS: &Choices<Arrangement> = &[
 
 #[derive(Debug, Clone, Args)]
 pub struct SequenceInputArgs {
-    /// The sequence: a pattern such as name.%04d.exr or name.####.exr, a folder, or one file
+    /// Image sequence: a pattern such as name.%04d.exr or name.####.exr, a folder, or one file
     #[arg(value_name = "SEQ")]
     pub input: String,
     /// Files that a shell made of a pattern.
@@ -47,7 +47,7 @@ pub struct SequenceInputArgs {
     /// Name of the probe
     #[arg(long, value_name = "NAME", default_value = "00", help_heading = "Sequence")]
     pub probe: String,
-    /// Face of single images: px, nx, py, ny, pz, nz, or view for a perspective image
+    /// Face that the images show: px, nx, py, ny, pz, nz, or view for perspective images
     #[arg(long, value_name = "FACE", default_value = "view", value_parser = parse_face, help_heading = "Sequence")]
     pub face: Face,
     #[command(flatten)]
@@ -63,10 +63,10 @@ pub struct ImageArgs {
     /// Layout of the images
     #[arg(long, value_parser = one_of(LAYOUTS), default_value = "single")]
     pub layout: Arrangement,
-    /// fx,fy,cx,cy of a perspective image in pixels, to convert planar depth to distance
+    /// Intrinsics fx,fy,cx,cy of perspective images in pixels, to convert planar depth to distance
     #[arg(long, value_name = "FX,FY,CX,CY", value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
     pub intrinsics: Option<Vec<f64>>,
-    /// Size of the cube faces that an equirectangular image is resampled to [default: a quarter of its width]
+    /// Size of cube faces resampled from equirectangular images [default: a quarter of the image width]
     #[arg(long, value_name = "PIXELS")]
     pub face_size: Option<u32>,
     /// Channel or layer of the sequence's kind: the older form of the options below
@@ -89,7 +89,7 @@ impl SequenceInputArgs {
     pub fn open(&self, kind: StreamKind, options: &SourceOptions) -> Result<Source> {
         if !self.more.is_empty() {
             return refuse(format!(
-                "{} and {} more inputs: one sequence was expected; write it as a pattern such as color.%04d.exr",
+                "{} and {} more inputs: one sequence was expected: use a pattern such as color.%04d.exr",
                 self.input,
                 self.more.len()
             ));
@@ -117,7 +117,7 @@ impl ImageArgs {
             None => None,
             Some(&[fx, fy, cx, cy]) => Some([fx, fy, cx, cy]),
             Some(other) => {
-                return refuse(format!("--intrinsics: four numbers were expected, {} given", other.len()));
+                return refuse(format!("--intrinsics: four numbers were expected, not {}", other.len()));
             }
         };
         Ok(SequenceLayout { arrangement: self.layout, intrinsics, ..SequenceLayout::default() })

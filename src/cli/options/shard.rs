@@ -11,10 +11,10 @@ use codec::image::{FrameRange, StreamKind};
 use footage::encode::{EncodeSettings, FrameSource, Part, Shard, ShardBy, ShardChoice};
 
 const SHARD_BYS: &Choices<ShardBy> = &[
-    ("auto", ShardBy::Segment, "Streams and segments of these in time: the most even shards"),
-    ("probe", ShardBy::Probe, "Probes"),
-    ("stream", ShardBy::Stream, "Streams, each with all its frames"),
-    ("time", ShardBy::Time, "Frames of all streams"),
+    ("auto", ShardBy::Segment, "By stream and time segment: the most even shards"),
+    ("probe", ShardBy::Probe, "By probe"),
+    ("stream", ShardBy::Stream, "By stream, with all frames"),
+    ("time", ShardBy::Time, "By time, with all streams"),
 ];
 
 /// Parses a shard such as `3/8`.
@@ -22,30 +22,30 @@ pub fn parse_shard(text: &str) -> Result<Shard, String> {
     let numbers = text.split_once('/').and_then(|(number, count)| Some((number.parse().ok()?, count.parse().ok()?)));
     match numbers {
         Some((number, count)) if (1..=count).contains(&number) => Ok(Shard { number, count }),
-        _ => Err(format!("'{text}' is no shard: write I/N with I from 1 to N, such as 3/8")),
+        _ => Err(format!("'{text}': a shard I/N with I from 1 to N was expected, such as 3/8")),
     }
 }
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Shards")]
 pub struct ShardArgs {
-    /// Encode one shard, such as 3/8; pack joins all of them to the bytes of one encode
+    /// Encode one shard, such as 3/8; pack joins all shards to the same bytes as a single encode
     #[arg(long, value_name = "I/N", value_parser = parse_shard)]
     pub shard: Option<Shard>,
-    /// What shards are cut along
+    /// Division of the footage into shards
     #[arg(long, value_name = "WHAT", value_parser = one_of(SHARD_BYS), default_value = "auto", requires = "shard")]
     pub shard_by: ShardBy,
-    /// Give this shard these probes, in place of an even share
+    /// Encode these probes in this shard, instead of an even share
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "shard", conflicts_with = "shard_by")]
     pub shard_probe: Vec<String>,
-    /// Give this shard streams of these kinds: color, depth, material, alpha
+    /// Encode streams of these kinds in this shard: color, depth, material, alpha
     #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = parse_kind, requires = "shard",
         conflicts_with = "shard_by")]
     pub shard_stream: Vec<StreamKind>,
-    /// Give this shard these frames, which begin and end where all its streams can be cut
+    /// Encode these frames in this shard; they must begin and end where all its streams can be cut
     #[arg(long, value_name = "A-B", requires = "shard", conflicts_with = "shard_by")]
     pub shard_frames: Option<FrameRange>,
-    /// Depth ranges and digests of all images, made by scan; without them each shard reads all images itself
+    /// Scan file with depth ranges and digests of all images; without it, each shard reads all images
     #[arg(long, value_name = "FILE")]
     pub scan: Option<PathBuf>,
 }

@@ -16,10 +16,10 @@ use footage::image_files::ColorSpace;
 
 #[derive(Debug, Clone, Args)]
 pub struct SideArgs {
-    /// Encoding of colour values [default: linear light for EXR, sRGB for PNG]
+    /// Colour space of the input [default: linear light for EXR, sRGB for PNG]
     #[arg(long, value_parser = one_of(COLOR_SPACES), help_heading = "Colour")]
     pub color_space: Option<ColorSpace>,
-    /// Handling of colour that is NaN, and of alpha beyond 0 to 1
+    /// Handling of NaN in colour, and of alpha outside 0 to 1
     #[arg(long, value_name = "WHAT", value_parser = one_of(INVALID_COLORS), default_value = "refuse",
         help_heading = "Colour")]
     pub invalid_color: InvalidColor,

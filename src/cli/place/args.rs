@@ -21,53 +21,57 @@ use scene::placement::{CandidateKind, Lighting, Settings, Stop};
     lightfold place dragon.glb --region sphere:0,0,0,2 --plot charts --csv rows.csv -o cameras.json\n  \
     lightfold place room.glb --region=-4,1,-1,4,2,1 --start cameras.json --cameras 4 -o more.json\n  \
     lightfold place room.glb --region=-4,1,-1,4,2,1 --uniform 16 -o even.json\n\n\
-    Greedy search: each camera is placed where it increases coverage most. The viewer distance of a surface is its distance \
-    from the region, at least --min-distance. Up to that distance a camera has the full suitability for the surface; beyond \
-    it the suitability decays by exp(-K) per metre. Candidates lie in the region, outside of solids.\n\n\
-    Coverage: of diffuse surfaces the fraction of area that is visible; of specular surfaces the fraction of directions above \
-    them that are within --theta degrees of a camera. Reachable: coverage of all candidates. Within: area visible from within \
+    Greedy search: each camera is placed at the candidate that increases coverage most. The viewer distance of a \
+    surface is its distance \
+    from the region, at least --min-distance. Up to that distance a camera has full suitability for the surface; \
+    beyond it, suitability decays by exp(-K) per metre. Candidates lie in the region, outside of solid objects.\n\n\
+    Coverage: for diffuse surfaces the fraction of area that is visible; for specular surfaces the fraction of \
+    directions above them within --theta degrees of a camera. Reachable: coverage of all candidates. Within: area \
+    visible from within \
     the viewer distance, with a tolerance of 25% and at least 5% of the region's diagonal. Weighted: area weighted by \
     suitability (CALF figure 3). The last two are reported for diffuse surfaces only.")]
 pub struct Args {
-    /// A glTF, GLB or OBJ file, or a built-in scene such as courtyard
+    /// Scene file (glTF, GLB, OBJ) or built-in scene such as courtyard
     #[arg(value_name = "SCENE")]
     pub scene: String,
-    /// Region of viewers: x0,y0,z0,x1,y1,z1 (two corners in metres), sphere:x,y,z,r, or a file with a closed mesh;
+    /// Viewing region: x0,y0,z0,x1,y1,z1 (two corners in metres), sphere:x,y,z,r, or a file with a closed mesh;
     /// repeatable, for a union
     #[arg(long, value_name = "BOX|SPHERE|MESH", required = true, allow_hyphen_values = true)]
     pub region: Vec<String>,
-    /// File of cameras to write, - for standard output
+    /// Output camera file, - for standard output
     #[arg(long, short, value_name = "CAMERAS.json")]
     pub output: PathBuf,
-    /// Number of cameras to place; fewer if no further one adds coverage [default: as --until allows, at most 1000]
+    /// Maximum number of cameras; fewer are placed if no further one adds coverage [default: limited by --until, at
+    /// most 1000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000))]
     pub cameras: Option<u32>,
-    /// Stop when the next camera adds no more than this fraction, such as 0.005 or 0.5% [default: 0.1%, or 0 with
-    /// --cameras]
+    /// Stop when the next camera adds at most this fraction of coverage, such as 0.005 or 0.5% [default: 0.1%, or 0
+    /// with --cameras]
     #[arg(long, value_name = "GAIN", value_parser = options::parse_share)]
     pub until: Option<f64>,
-    /// Place N cameras evenly in the open part of the region (Hammersley points) instead of searching, and report their
+    /// Place N cameras evenly in the free part of the region (Hammersley points) instead of searching, and report their
     /// coverage
     #[arg(long, alias = "spread", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000), conflicts_with_all = ["cameras", "until"])]
     pub uniform: Option<u32>,
-    /// Start with the cameras of this file or lightfield.json, which are written first; --cameras 0 only measures their
+    /// Start with the cameras of this file or lightfield.json, and write them first; --cameras 0 only measures their
     /// coverage
     #[arg(long, value_name = "CAMERAS.json")]
     pub start: Option<PathBuf>,
     /// Reflection of the surfaces
     #[arg(long, value_parser = one_of(LIGHTINGS), default_value = "diffuse")]
     pub lighting: Lighting,
-    /// Specular lighting: angle between directions that see the same reflection [default: 50]; angles below 1 need
+    /// Angle between directions that see the same reflection, for specular lighting [default: 50]; angles below 1 need
     /// --cameras
     #[arg(long, value_name = "DEGREES", value_parser = parse_theta)]
     pub theta: Option<f64>,
-    /// Least distance of viewers from surfaces in metres [default: 5% of the region's diagonal]
+    /// Minimum distance of viewers from surfaces in metres [default: 5% of the region's diagonal]
     #[arg(long, value_name = "Z", value_parser = parse_not_negative)]
     pub min_distance: Option<f64>,
-    /// Decay of the suitability per metre beyond the viewer distance, exp(-K) [default: 4 divided by the region's diagonal]
+    /// Decay rate K of suitability, exp(-K) per metre beyond the viewer distance [default: 4 divided by the region's
+    /// diagonal]
     #[arg(long, value_name = "K", value_parser = parse_not_negative)]
     pub k: Option<f64>,
-    /// Further values of K to place for, as lines in a chart of --plot and rows of --csv
+    /// Additional values of K to compare in a chart of --plot and rows of --csv
     #[arg(long, value_name = "K,K,..", value_delimiter = ',', value_parser = parse_not_negative)]
     pub compare_k: Vec<f64>,
     /// Name of the animation to play [default: the first]
@@ -89,13 +93,14 @@ pub struct Args {
     /// Number of surface samples over all frames [default: by --effort]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     pub surface_samples: Option<u32>,
-    /// Candidates on a uniform grid only, without refinement (CALF 4)
+    /// Use candidates on a uniform grid only, without refinement (CALF 4)
     #[arg(long)]
     pub grid: bool,
-    /// Folder for charts: coverage within and beyond the viewer distance, convergence for both kinds of lighting
+    /// Write charts into this folder: coverage within and beyond the viewer distance, convergence for both kinds of
+    /// lighting
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
-    /// File for coverage by number of cameras, for both kinds of lighting
+    /// Write coverage by number of cameras to this CSV file, for both kinds of lighting
     #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
     /// Report as JSON
@@ -109,8 +114,8 @@ const DEFAULT_THETA_DEG: f64 = 50.0;
 pub const SPECULAR: Lighting = Lighting::Specular { theta_deg: DEFAULT_THETA_DEG };
 
 const LIGHTINGS: &Choices<Lighting> = &[
-    ("diffuse", Lighting::Diffuse, "Equal from all directions: one camera covers a surface"),
-    ("specular", SPECULAR, "Glossy or mirroring: directions above a surface are covered"),
+    ("diffuse", Lighting::Diffuse, "Surfaces look equal from all directions: one camera covers a surface"),
+    ("specular", SPECULAR, "Glossy or mirroring surfaces: coverage counts directions above a surface"),
 ];
 
 fn parse_theta(text: &str) -> Result<f64, String> {
@@ -156,7 +161,7 @@ impl Args {
         let is_small = matches!(self.lighting(), Lighting::Specular { theta_deg } if theta_deg < MIN_THETA_DEG);
         if is_small && (self.is_endless() || self.until.is_some()) {
             return refuse(
-                "--theta below 1 degree needs --cameras without --until: gains hardly decrease, so the search would not end",
+                "--theta below 1 degree needs --cameras without --until: otherwise the search would hardly end",
             );
         }
         if !self.compare_k.is_empty() && self.plot.is_none() && self.csv.is_none() {

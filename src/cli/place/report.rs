@@ -99,7 +99,7 @@ impl Report<'_> {
             && found.cameras.len() - found.started < wanted
         {
             let count = counted((found.cameras.len() - found.started) as u64, "camera");
-            notes.push(format!("{count} placed: more would be much closer to each other than on a grid"));
+            notes.push(format!("{count} placed: the region has no space for more at an even distance"));
         }
         let away = (bounds.min - region.max).max(region.min - bounds.max).max(DVec3::ZERO).length();
         let across = (bounds.max - bounds.min).length();
@@ -108,7 +108,8 @@ impl Report<'_> {
             let digits = across + (bounds.min.abs().max(bounds.max.abs())).max_element();
             let corner = |at: DVec3| at.to_array().map(|value| metres(value, digits)).join(", ");
             notes.push(format!(
-                "{}% of the surface is visible from the region, which is {} m from the scene ({} to {}): check --region",
+                "{}% of the surface is visible from the region, which is {} m from the scene ({} to {}): check \
+                --region",
                 percent(found.reachable.seen),
                 plain(away),
                 corner(bounds.min),

@@ -29,55 +29,62 @@ use gpu::device::DeviceChoice;
     lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o - | display -\n  \
     lightfold render scene.glb --camera path.json -o view.%04d.png\n  \
     lightfold render scene.glb --reference footage --error-map maps --json\n\n\
-    A simplified scene (.glb) is still: it looks the same in every frame, and is compared with the frame of the reference that it was \
-    made of. Options about rays, probes and decoding are refused. --method painter blends all triangles over each other in the order \
-    of the file, from both sides and without depth test; z-buffer shows the nearest triangle at each of --samples N x N samples of \
-    a pixel, which it covers where alpha is above the threshold of the sample: thresholds of a pixel are (0.5, 1.5, 2.5, ...) / N^2. \
-    PNG and EXR images have the alpha of the scene; with --reference it is over black.\n\n\
-    Without a camera a container is shown as its first probe sees it: face nz of a cube map, or its perspective image. A simplified scene \
-    needs a camera. A camera path is a file of cameras as for decode: {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \
-    \"fov_y_deg\": 90}]}. Cameras without \"frames\" are poses of one camera, one per frame of --frames; if --frames names one \
-    frame or is absent, all of them show that frame. Either all cameras of a path have \"frames\", or none has. Poses with a \
+    A simplified scene (.glb) is still: all frames are equal, and it is compared with the frame of the reference from \
+    which it was made. Options for rays, probes and decoding are refused. --method painter blends all triangles in \
+    the order of the file, double-sided and without depth test. z-buffer shows the nearest triangle at each of the N \
+    x N samples of --samples; a triangle covers a sample if its alpha exceeds the threshold of the sample, one of \
+    (0.5, 1.5, 2.5, ...) / N^2. PNG and EXR images have the alpha of the scene; with --reference it is composited \
+    over black.\n\n\
+    Without a camera, a container is rendered from its first probe: face nz of a cube map, or its perspective view. A \
+    simplified scene needs a camera. A camera path is a camera file as for decode: {\"cameras\": [{\"eye\": [0, 1.5, \
+    0], \"look_at\": [2, 1.5, 0], \
+    \"fov_y_deg\": 90}]}. Cameras without \"frames\" are poses of one camera, one per frame of --frames; if --frames \
+    is one frame or absent, all of them show the same frame. Either all cameras of a path have \"frames\", or none. \
+    Poses with a \
     \"frame\" are key poses: position is interpolated linearly, orientation by slerp: {\"cameras\": [{\"eye\": \
     [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90, \"frame\": 0}, {\"eye\": [1, 1.5, 0], \"look_at\": [2, 1.5, 1], \
-    \"fov_y_deg\": 60, \"frame\": 95}]}. near_m and far_m of a camera, in metres along its axis, clip surfaces; behind a surface \
-    clipped by near_m the texels behind it are visible. --near and --far are distances from the eye, and limit the steps of \
-    rays. The aspect of --size WxH overrides that of a camera.\n\n\
-    The number in a file name is the frame. If several cameras share a frame, it is the index of the image in the path, from \
-    0. With --reference it is the frame, and files in a folder are named by probe and face, 00_px.0000.png. Folders contain \
-    PNG; name a pattern for EXR. With --shard figures, --trace and --contact-sheet are of the pictures of the shard.\n\n\
-    EXR images hold linear light, premultiplied by alpha, PNG images codes after the container's transfer function and \
-    straight alpha. Alpha is 1 where footage is opaque, also for background and for holes filled with what is behind them; it is 0 where nothing is known, and \
-    in holes with --holes nearest, which keeps their light in EXR images, or blank. With --background transparent it is the part of \
-    a pixel that surfaces cover, and colour is theirs alone. --aov holes adds a channel that marks holes, which no probe saw.\n\n\
-    With --reference, ghost_ratio of --json is the RMS error of pixels within 3 pixels of projected silhouettes of probes, over \
-    that of all others; it is absent without depth on the CPU.\n\n\
-    Lines of --trace: shot, a counter from 0; frame; eye in metres; active probes by priority, with slot (constant while a \
-    probe is active), distance_m from the eye and angle_deg at --pivot; culled probes with the reason: limit (--views), angle \
-    (--cull-angle, by that probe) or performance (--target-ms); cells_decoded and cells_skipped, tiles and cells; bytes_read; \
+    \"fov_y_deg\": 60, \"frame\": 95}]}. near_m and far_m of a camera, in metres along its axis, clip surfaces; \
+    behind a surface clipped by near_m, farther texels become visible. --near and --far are distances from the eye, \
+    and limit the steps of rays. --size WxH overrides the aspect ratio of a camera.\n\n\
+    The number in a file name is the frame. If several cameras share a frame, it is the index of the image in the \
+    path, from 0. With --reference it is the frame, and files in a folder are named by probe and face, such as \
+    00_px.0000.png. Files in a folder are PNG; use a pattern for EXR. With --shard, reports, --trace and \
+    --contact-sheet cover the pictures of the shard.\n\n\
+    EXR images store linear light premultiplied by alpha; PNG images store codes after the transfer function of the \
+    container, with straight alpha. Alpha is 1 where footage is opaque, including background and holes filled from \
+    behind. It is 0 where nothing is known, and in holes with --holes blank or nearest; with nearest, EXR images keep \
+    the colour of holes. With --background transparent, alpha is the fraction of a pixel that surfaces cover, and \
+    colour is that of surfaces only. --aov holes adds a channel that marks holes, which are surfaces that no probe \
+    saw.\n\n\
+    With --reference, ghost_ratio of --json is the RMS error of pixels within 3 pixels of projected silhouettes of \
+    probes, divided by the RMS error of all others; it is absent if depth is not on the CPU.\n\n\
+    Each line of --trace has: shot, a counter from 0; frame; eye in metres; active probes by priority, with slot \
+    (constant while a probe is active), distance_m from the eye and angle_deg at --pivot; culled probes with the \
+    reason: limit (--views), angle (--cull-angle, and the probe of higher priority) or performance (--target-ms); \
+    cells_decoded and cells_skipped, which count tiles and cells; bytes_read; \
     update_ms and render_ms."
 )]
 pub struct Args {
     // Must be first: options that are read are removed from the matches.
     #[command(flatten)]
     pub given: Given,
-    /// The container, - for standard input; or a scene that simplify wrote (.glb)
+    /// Input container, - for standard input; or a scene written by simplify (.glb)
     #[arg(value_name = "IN.lfold", required_unless_present = "list_devices")]
     pub input: Option<PathBuf>,
-    /// An image ending in .png or .exr, a pattern such as view.%04d.png (%V stands for left and right), a folder for PNG
-    /// files, or - for a stream of pictures on standard output
+    /// Output: an image ending in .png or .exr, a pattern such as view.%04d.png (%V is left or right), a folder for PNG
+    /// files, or - for a picture stream on standard output
     #[arg(long, short, value_name = "OUT",
         required_unless_present_any = ["null", "list_devices", "contact_sheet", "trace", "reference"])]
     pub output: Option<PathBuf>,
-    /// Render without writing
+    /// Render without writing output
     #[arg(long, conflicts_with = "output")]
     pub null: bool,
-    /// Height, or width and height in pixels [default: 512; with --reference the size of its images]
+    /// Height, or width and height, in pixels [default: 512; with --reference the size of its images]
     #[arg(long, value_name = "N|WxH", value_parser = parse_size, conflicts_with = "reference")]
     pub size: Option<(u32, Option<u32>)>,
     #[command(flatten)]
     pub frames: FrameArgs,
-    /// Render one shard of the pictures, such as 3/8, into a pattern or a folder
+    /// Render one shard of the pictures, such as 3/8; the output must be a pattern or a folder
     #[arg(long, value_name = "I/N", value_parser = parse_shard)]
     pub shard: Option<Shard>,
     #[command(flatten)]
@@ -89,7 +96,7 @@ pub struct Args {
     pub device: Option<DeviceChoice>,
     #[command(flatten)]
     pub gpu: GpuArgs,
-    /// Contact sheet of all images, as PNG
+    /// Write a contact sheet of all images to this PNG file
     #[arg(long, value_name = "FILE.png")]
     pub contact_sheet: Option<PathBuf>,
     #[command(flatten)]

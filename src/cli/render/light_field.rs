@@ -62,7 +62,7 @@ impl<'a> LightFieldSubject<'a> {
         if f64::from(near_m) < far_m {
             return Ok(());
         }
-        refuse(format!("--far {far_m} is nearer than the default --near, {near_m}: set --near, or a greater --far"))
+        refuse(format!("--far {far_m} is below the default of --near, {near_m}: set --near, or increase --far"))
     }
 
     fn bytes_beside_views(&self, jobs: &[Job]) -> Result<u64> {
@@ -111,7 +111,8 @@ impl Subject for LightFieldSubject<'_> {
             self.decoder.streams().iter().filter(of_probe)
         };
         let ahead = images().find(|stream| stream.face == Face::Nz).or_else(|| images().next());
-        let image = ahead.ok_or_else(|| Error::Usage("name a camera: no probe has colour and depth".into()))?;
+        let image =
+            ahead.ok_or_else(|| Error::Usage("no camera was given, and no probe has colour and depth".into()))?;
         let face = if image.face == Face::View { String::new() } else { format!(", face {}", image.face.name()) };
         let words = format!("rendering the view of probe {}{face}", self.decoder.probe(image).name);
         Ok((upright_camera(self.decoder, image, frame)?, words))
@@ -235,14 +236,14 @@ impl Args {
             return refuse("--exclude-probe excludes all probes of --probe");
         }
         if self.march.background == BackgroundFill::Transparent && self.truth.reference.is_some() {
-            return refuse("--background transparent has no reference: leave out one of them");
+            return refuse("--background transparent cannot be compared with --reference: leave out one of them");
         }
         if !self.march.aov.is_empty() {
             if self.is_on_device() {
-                return refuse("--aov is made by the CPU: leave out --device");
+                return refuse("--aov is rendered on the CPU only: leave out --device");
             }
             if self.output.as_deref().is_none_or(|path| FileFormat::of(path) != Some(FileFormat::Exr)) {
-                return refuse("--aov adds channels to EXR images: name an output that ends in .exr");
+                return refuse("--aov adds channels to EXR images: use an output ending in .exr");
             }
         }
         let Some(method) = self.march.method else { return Ok(()) };
@@ -253,13 +254,13 @@ impl Args {
             ));
         }
         if !method.marches() && self.is_on_device() {
-            return refuse(format!("--method {word} runs on the CPU: leave out --device"));
+            return refuse(format!("--method {word} runs on the CPU only: leave out --device"));
         }
         if !method.marches() && self.projection.is_panorama() {
-            return refuse(format!("--method {word} draws perspective pictures: march and calf draw panoramas"));
+            return refuse(format!("--method {word} draws perspective pictures only: use march or calf for panoramas"));
         }
         if !method.marches() && !self.march.aov.is_empty() {
-            return refuse(format!("--method {word} has no --aov: march and calf do"));
+            return refuse(format!("--method {word} does not support --aov: use march or calf"));
         }
         Ok(())
     }

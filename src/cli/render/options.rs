@@ -33,18 +33,19 @@ impl Method {
 
 pub const METHODS: &Choices<Method> = &[
     ("march", Method::March, "March rays through all active views"),
-    ("calf", Method::Calf, "The same without --refinements: the algorithm of the CALF paper"),
-    ("splat", Method::Splat, "Baseline: each texel as a point of one pixel"),
+    ("calf", Method::Calf, "As march without --refinements: the algorithm of the CALF paper"),
+    ("splat", Method::Splat, "Baseline: draw each texel as a point of one pixel"),
     (
         "reproject",
         Method::Reproject,
-        "For comparison: blend views at the true distances of --reference, without reflection and refraction",
+        "Baseline: blend views at the true distances of --reference, without reflection and refraction",
     ),
     ("painter", Method::Painter, "Simplified scenes: blend all triangles in their order"),
     (
         "z-buffer",
         Method::ZBuffer,
-        "Simplified scenes: the nearest triangle at each sample; alpha covers a part of the samples of a pixel",
+        "Simplified scenes: show the nearest triangle at each sample; alpha covers a fraction of the samples of a \
+        pixel",
     ),
 ];
 
@@ -57,13 +58,13 @@ pub enum PictureProjection {
 }
 
 const PROJECTIONS: &Choices<PictureProjection> = &[
-    ("perspective", PictureProjection::Perspective, "What the camera sees"),
-    ("equirect", PictureProjection::Equirect, "All around: longitude and latitude, forward in the middle"),
-    ("vr180", PictureProjection::Vr180, "The half before the camera: longitude and latitude"),
+    ("perspective", PictureProjection::Perspective, "Perspective of the camera"),
+    ("equirect", PictureProjection::Equirect, "360 degrees: longitude and latitude, forward at the centre"),
+    ("vr180", PictureProjection::Vr180, "Front half: longitude and latitude"),
     (
         "cubemap",
         PictureProjection::Cubemap,
-        "Six faces in two rows: right, left, up; down, front, back. --size is that of a face",
+        "Six faces in two rows: right, left, up; down, front, back. --size is the side of a face",
     ),
 ];
 
@@ -74,20 +75,20 @@ pub enum StereoLayout {
 }
 
 const STEREO_LAYOUTS: &Choices<StereoLayout> = &[
-    ("over-under", StereoLayout::OverUnder, "The left eye above the right"),
-    ("side-by-side", StereoLayout::SideBySide, "The left eye left of the right"),
+    ("over-under", StereoLayout::OverUnder, "Left eye above the right eye"),
+    ("side-by-side", StereoLayout::SideBySide, "Left eye to the left of the right eye"),
 ];
 
 #[derive(Debug, Clone, Args)]
 pub struct ProjectionArgs {
-    /// Projection of pictures; the camera names the eye and the direction of the middle
+    /// Projection of pictures; the camera defines the eye and the direction of the picture centre
     #[arg(long, value_parser = one_of(PROJECTIONS), default_value = "perspective", conflicts_with = "reference")]
     pub projection: PictureProjection,
-    /// Two eyes in a picture; in files of their own where OUT has %V. Of equirect and vr180 they turn with longitude
-    /// (omnidirectional stereo)
+    /// Render two eyes into one picture, or into separate files if OUT has %V. For equirect and vr180 the eyes rotate
+    /// with longitude (omnidirectional stereo)
     #[arg(long, value_name = "LAYOUT", value_parser = one_of(STEREO_LAYOUTS), conflicts_with = "reference")]
     pub stereo: Option<StereoLayout>,
-    /// Distance of the eyes in metres [default: 0.063]
+    /// Distance between the eyes in metres [default: 0.063]
     #[arg(long, value_name = "M", value_parser = parse_positive, requires = "stereo")]
     pub eye_distance: Option<f64>,
 }
@@ -181,31 +182,35 @@ impl clap::Args for Given {
 }
 
 const HOLES: &Choices<HoleFill> = &[
-    ("behind", HoleFill::Behind, "What probes saw behind the surface, else as nearest; alpha is 1"),
-    ("nearest", HoleFill::Nearest, "The texel of the nearest depth; alpha is 0"),
-    ("blank", HoleFill::Blank, "Transparent black"),
+    ("behind", HoleFill::Behind, "Fill with what probes saw behind the surface, else as nearest; alpha is 1"),
+    ("nearest", HoleFill::Nearest, "Fill with the texel of the nearest depth; alpha is 0"),
+    ("blank", HoleFill::Blank, "Leave transparent black"),
 ];
 
 const BACKGROUNDS: &Choices<BackgroundFill> = &[
-    ("opaque", BackgroundFill::Opaque, "What probes saw, with the alpha of the footage, or 1"),
-    ("transparent", BackgroundFill::Transparent, "Nothing; alpha is the part of a pixel that surfaces cover"),
+    ("opaque", BackgroundFill::Opaque, "Show what probes saw, with the alpha of the footage, or 1"),
+    (
+        "transparent",
+        BackgroundFill::Transparent,
+        "Leave transparent; alpha is the fraction of a pixel that surfaces cover",
+    ),
 ];
 
 const AOVS: &Choices<AovKind> = &[
     ("depth", AovKind::Depth, "Z: metres along the ray, +inf for background and where nothing is known"),
-    ("normal", AovKind::Normal, "N.X, N.Y, N.Z: along the axes of the world; 0 where unknown"),
+    ("normal", AovKind::Normal, "N.X, N.Y, N.Z: normal in world axes; 0 where unknown"),
     ("holes", AovKind::Holes, "holes: 1 where no probe saw the surface, else 0"),
-    ("views", AovKind::Views, "views: the number of probes that saw what is shown"),
+    ("views", AovKind::Views, "views: number of probes that saw the shown surface"),
 ];
 
 const EFFECTS: &Choices<SpecularMode> = &[
-    ("auto", SpecularMode::Auto, "If the light field has reflective or refractive materials"),
-    ("none", SpecularMode::None, "Never; views are blended"),
-    ("force", SpecularMode::Force, "Always, for tests: slower, with the same images as auto"),
+    ("auto", SpecularMode::Auto, "Cast if the light field has reflective or refractive materials"),
+    ("none", SpecularMode::None, "Never cast; blend views instead"),
+    ("force", SpecularMode::Force, "Always cast, for tests: slower, with the same images as auto"),
 ];
 
 const ACCELERATIONS: &Choices<Acceleration> = &[
-    ("pyramid", Acceleration::Pyramid, "Skip empty space by depth pyramids; the images do not change"),
+    ("pyramid", Acceleration::Pyramid, "Skip empty space with depth pyramids; does not change the images"),
     ("none", Acceleration::None, "Sample every step"),
 ];
 
@@ -226,10 +231,10 @@ const DECODE_SCOPES: &Choices<DecodeScope> = &[
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Quality and time")]
 pub struct MarchArgs {
-    /// Steps of a ray from near to far, even in log distance
+    /// Number of steps per ray from near to far, even in log distance
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub steps: u32,
-    /// Bisections of the step that meets a surface
+    /// Number of bisections of the step that hits a surface
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=32))]
     pub refine: u32,
     /// Start of rays in metres from the eye [default: a tenth of the nearest depth]
@@ -238,8 +243,8 @@ pub struct MarchArgs {
     /// End of rays in metres from the eye [default: unlimited]
     #[arg(long, value_name = "M", value_parser = parse_metres)]
     pub far: Option<f64>,
-    /// N x N rays per pixel; from 3 on, 5 where these show no edge. Of a simplified scene N x N samples [default: 1; with
-    /// --method z-buffer 2]
+    /// Cast N x N rays per pixel; from N = 3 on, only 5 where these show no edge. For simplified scenes, N x N samples
+    /// [default: 1; with --method z-buffer 2]
     #[arg(long, value_name = "N", default_value_t = 1, hide_default_value = true, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub samples: u32,
     /// Acceleration of ray marching
@@ -248,23 +253,23 @@ pub struct MarchArgs {
     /// Secondary rays for reflection and refraction
     #[arg(long, value_parser = one_of(EFFECTS), default_value = "auto")]
     pub effects: SpecularMode,
-    /// Most secondary rays in succession
+    /// Maximum number of successive secondary rays
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=8))]
     pub max_bounces: u32,
-    /// Fill of holes: surfaces that no probe saw; they are counted
+    /// Fill of holes, which are surfaces that no probe saw
     #[arg(long, value_parser = one_of(HOLES), default_value = "behind")]
     pub holes: HoleFill,
-    /// Background: directions in which no probe saw a surface
+    /// Display of background, which are directions in which no probe saw a surface
     #[arg(long, value_parser = one_of(BACKGROUNDS), default_value = "opaque")]
     pub background: BackgroundFill,
-    /// Departures from the CALF paper, joined by +: angles (weights of probes by angle and resolution), edges (coverage between
-    /// texels), thin (surfaces thinner than texels); all or none
+    /// Refinements of the CALF paper, joined by +: angles (weights of probes by angle and resolution), edges (coverage
+    /// between texels), thin (surfaces thinner than texels); or all or none
     #[arg(long, value_name = "LIST", value_parser = parse_refinements, default_value = "all")]
     pub refinements: Refinements,
-    /// More channels of EXR images, of the ray through the middle of each pixel
+    /// Additional channels of EXR images, from the ray through the pixel centre
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = one_of(AOVS))]
     pub aov: Vec<AovKind>,
-    /// Rendering method [default: march; of a simplified scene painter]
+    /// Rendering method [default: march; for simplified scenes painter]
     #[arg(long, value_parser = one_of(METHODS))]
     pub method: Option<Method>,
 }
@@ -275,29 +280,29 @@ pub struct ViewArgs {
     /// Only these probes, such as 00,01
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub probe: Vec<String>,
-    /// All probes but these, such as 00,01
+    /// Exclude these probes, such as 00,01
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub exclude_probe: Vec<String>,
-    /// Most active probes, by priority [default: all]
+    /// Maximum number of active probes, by priority [default: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub views: Option<u32>,
     /// Priority of probes
     #[arg(long, value_parser = one_of(VIEW_PRIORITIES), default_value = "distance")]
     pub view_priority: ViewPriority,
-    /// Reference point of --view-priority angle, in metres: vertex of the angles between probes and the eye [default: the centre of all
-    /// probes]
+    /// Reference point of --view-priority angle in metres, at which the angles between probes and the eye are measured
+    /// [default: the centre of all probes]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     pub pivot: Option<DVec3>,
-    /// Cull a probe that is within this angle, seen from the eye, of one of higher priority
+    /// Cull a probe if it is within this angle, seen from the eye, of a probe of higher priority
     #[arg(long, value_name = "DEGREES", value_parser = parse_not_negative, default_value = "0")]
     pub cull_angle: f64,
-    /// Cull probes of low priority while a frame takes longer
+    /// Cull probes of low priority while a frame takes longer than this time
     #[arg(long, value_name = "MS", value_parser = parse_positive)]
     pub target_ms: Option<f64>,
-    /// Write active and culled probes of each frame as lines of JSON
+    /// Write active and culled probes of each frame to this file, one line of JSON per frame
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
-    /// Parts to decode
+    /// Tiles and cells to decode
     #[arg(long, value_parser = one_of(DECODE_SCOPES), default_value = "seen")]
     pub decode: DecodeScope,
 }
@@ -305,13 +310,13 @@ pub struct ViewArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Reference")]
 pub struct TruthArgs {
-    /// Render the images of this dataset, and report PSNR and SSIM
+    /// Render the same images as this dataset, and report PSNR and SSIM
     #[arg(long, value_name = "DATASET", conflicts_with_all = ["camera", "eye"])]
     pub reference: Option<PathBuf>,
     /// Only these probes of the reference, such as 00,01
     #[arg(long, value_name = "NAME", value_delimiter = ',', requires = "reference", conflicts_with_all = ["camera", "eye"])]
     pub reference_probe: Vec<String>,
-    /// Folder for error maps
+    /// Write error maps into this folder
     #[arg(long, value_name = "DIR", requires = "reference", conflicts_with_all = ["camera", "eye"])]
     pub error_map: Option<PathBuf>,
 }
@@ -324,7 +329,7 @@ fn parse_refinements(text: &str) -> Result<Refinements, String> {
         "angles" => Ok(Refinements { angles: true, ..sum }),
         "edges" => Ok(Refinements { edges: true, ..sum }),
         "thin" => Ok(Refinements { thin: true, ..sum }),
-        _ => Err(format!("'{name}': all, none, or angles, edges and thin joined by + were expected")),
+        _ => Err(format!("'{name}': all, none, or one or more of angles, edges and thin joined by + were expected")),
     })
 }
 
@@ -338,7 +343,7 @@ pub fn parse_size(text: &str) -> Result<(u32, Option<u32>), String> {
     let size = crate::capture::parse_size(text)?;
     let (width, height) = (u64::from(size.0), u64::from(size.1.unwrap_or(size.0)));
     if width.max(height) > 1 << 16 || width * height > 1 << 28 {
-        return Err(format!("'{text}': up to 65536 pixels a side and 268 million in all were expected"));
+        return Err(format!("'{text}': at most 65536 pixels a side and 268 million in total are possible"));
     }
     Ok(size)
 }

@@ -94,7 +94,8 @@ impl Pictures {
                 if let Some(job) = jobs.iter().find(|job| job.size != jobs[0].size) {
                     let [[a, b], [c, d]] = [jobs[0].size, job.size];
                     return refuse(format!(
-                        "-o -: a stream holds pictures of one size, and these have {a}x{b} and {c}x{d} pixels; name a folder"
+                        "-o -: all pictures of a stream must have one size, and these have {a}x{b} and {c}x{d} \
+                        pixels: write them into a folder"
                     ));
                 }
                 Destination::StandardOutput(stream)
@@ -105,7 +106,7 @@ impl Pictures {
             && sheet != Path::new("-")
             && FileFormat::of(sheet) != Some(FileFormat::Png)
         {
-            return refuse(format!("{}: a contact sheet is a file ending in .png", sheet.display()));
+            return refuse(format!("{}: a contact sheet needs a file name ending in .png", sheet.display()));
         }
         let sheet = args.contact_sheet.clone().map(|path| (path, ContactSheet::default()));
         Ok(Pictures {
@@ -136,27 +137,27 @@ impl Pictures {
         let count = numbers.len();
         if !pattern.has_field() && args.shard.is_some() {
             return refuse(format!(
-                "{}: one file, and --shard writes some of many; name a pattern such as view.%04d.png, or a folder",
+                "{}: --shard cannot write to a single file: use a pattern such as view.%04d.png, or a folder",
                 path.display(),
             ));
         }
         if !pattern.has_field() && count != 1 {
             return refuse(format!(
-                "{}: one file, and {count} pictures are asked for; name a pattern such as view.%04d.png, or a folder",
+                "{}: one file for {count} pictures: use a pattern such as view.%04d.png, or a folder",
                 path.display(),
             ));
         }
         let numbers = numbers.iter().collect::<BTreeSet<_>>().len();
         if numbers != count {
             return refuse(format!(
-                "{}: {count} pictures are asked for, and their frames tell {numbers} of them apart; name a folder, where \
-                 file names tell probes and faces apart",
+                "{}: {count} pictures have only {numbers} different frame numbers: use a folder, whose file names \
+                include probe and face",
                 path.display(),
             ));
         }
         if has_eyes && args.projection.stereo.is_none() {
             return refuse(format!(
-                "{}: {WORD_FIELD} stands for the eye, and there is one; add --stereo, or leave it out",
+                "{}: {WORD_FIELD} needs --stereo: add --stereo, or leave out {WORD_FIELD}",
                 path.display()
             ));
         }

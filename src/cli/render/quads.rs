@@ -53,20 +53,20 @@ impl<'a> QuadSubject<'a> {
         if let Some(option) = OF_LIGHT_FIELDS.iter().find(|option| args.given.names.iter().any(|name| name == *option))
         {
             return refuse(format!(
-                "--{option} is about light fields, and {} is a mesh: leave it out",
+                "--{option} applies to light fields, and {} is a mesh: leave it out",
                 input.display()
             ));
         }
         if args.projection.is_panorama() {
             return refuse(format!(
-                "{}: simplified scenes are drawn in perspective, or as --projection cubemap",
+                "{}: simplified scenes support --projection perspective and cubemap only",
                 input.display()
             ));
         }
         if let Some(method @ (Method::March | Method::Calf | Method::Splat | Method::Reproject)) = args.march.method {
             let word = word_of(METHODS, &method);
             return refuse(format!(
-                "--method {word} renders containers, and {} is a mesh: painter and z-buffer draw it",
+                "--method {word} renders containers, and {} is a mesh: use painter or z-buffer",
                 input.display()
             ));
         }
@@ -105,7 +105,7 @@ impl Subject for QuadSubject<'_> {
     }
 
     fn own_camera(&self, _frame: u32) -> Result<(Camera, String)> {
-        refuse("name a camera, with --eye and --look-at, or a file of cameras with --camera")
+        refuse("no camera was given: use --eye and --look-at, or --camera with a camera file")
     }
 
     fn tone(&self) -> ToneMap {

@@ -309,7 +309,7 @@ impl Report<'_> {
         if counters.hole_rays > 0 {
             let percent = 100.0 * counters.hole_rays as f64 / counters.primary_rays.max(1) as f64;
             let filled = match self.args.march.holes {
-                HoleFill::Behind => "filled with what is behind, else with the nearest texel",
+                HoleFill::Behind => "filled from behind, else with the nearest texel",
                 HoleFill::Nearest => "alpha is 0, filled with the nearest texel",
                 HoleFill::Blank => "alpha is 0",
             };
@@ -322,7 +322,7 @@ impl Report<'_> {
         if let Some(target_ms) = self.args.views.target_ms {
             let within = figures.frames.within(target_ms);
             lines.push(format!(
-                "{within} of {} took no longer than {target_ms} ms",
+                "{within} of {} took at most {target_ms} ms",
                 counted(figures.summary.shots as u64, "frame")
             ));
         }

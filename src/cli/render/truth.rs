@@ -61,7 +61,7 @@ impl TruthRun {
         let reference = Reference::open(path)?;
         for name in &args.reference_probe {
             if !reference.images.iter().any(|image| image.probe == *name) {
-                return refuse(format!("{}: no probe is named {name}", path.display()));
+                return refuse(format!("{}: there is no probe {name}", path.display()));
             }
         }
         let maps = args.error_map.as_deref().map(OutputFolder::create).transpose()?;
@@ -79,7 +79,7 @@ impl TruthRun {
     pub fn jobs(&self, frames: Option<FrameRange>, available: FrameRange, global: &GlobalArgs) -> Result<Vec<Job>> {
         let mut jobs: Vec<Job> = Vec::new();
         if let Some(asked) = frames.filter(|&frames| frames.intersect(available) != Some(frames)) {
-            global.note(format_args!("of frames {asked} only {available} exist"));
+            global.note(format_args!("only {available} of frames {asked} exist"));
         }
         let frames = frames.map_or(Some(available), |frames| frames.intersect(available));
         for (at, image) in self.reference.images.iter().enumerate() {
@@ -123,7 +123,7 @@ impl TruthRun {
         let of = |&image: &usize| {
             let distance_m = self.reference.distance_m(image, job.request.frame)?;
             distance_m.ok_or_else(|| {
-                Error::Usage(format!("{}: has no depth, which --method reproject needs", self.path.display()))
+                Error::Usage(format!("{}: there is no depth, which --method reproject needs", self.path.display()))
             })
         };
         job.references.iter().map(of).collect()

@@ -56,7 +56,7 @@ pub fn plot<'a>(request: &Request<'a>, folder: &Path, monitor: &dyn Monitor) -> 
     let each = if request.source.is_some() { 4 } else { 2 };
     if request.streams.len() * each > MAX_PLOTS {
         return Err(Error::Usage(format!(
-            "pictures of {} streams may be more than {MAX_PLOTS}: choose some with `probe`, `face` or `stream`",
+            "{} streams may need more than {MAX_PLOTS} pictures: select fewer with `probe`, `face` or `stream`",
             request.streams.len()
         )));
     }

@@ -131,9 +131,9 @@ pub async fn answer(served: &Arc<Served>, head: &Parts) -> Response<Body> {
         Some((status, words)) => sentence(status, words),
         None => match find(served, head.uri.path()).await {
             Ok(Some(found)) => found.answer(head),
-            Ok(None) => sentence(StatusCode::NOT_FOUND, "there is nothing of this name"),
+            Ok(None) => sentence(StatusCode::NOT_FOUND, "there is no such file"),
             Err(Error::Io { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
-                sentence(StatusCode::NOT_FOUND, "the film is not there any more")
+                sentence(StatusCode::NOT_FOUND, "the film no longer exists")
             }
             Err(_) => sentence(StatusCode::INTERNAL_SERVER_ERROR, "the film cannot be read"),
         },
@@ -180,7 +180,7 @@ impl Found {
         let tag = self.tag.clone();
         let mut response = match verdict(headers, &tag) {
             Verdict::NotModified => empty(StatusCode::NOT_MODIFIED),
-            Verdict::Failed => sentence(StatusCode::PRECONDITION_FAILED, "the file is another one now"),
+            Verdict::Failed => sentence(StatusCode::PRECONDITION_FAILED, "the file has changed"),
             Verdict::Send => match asked_of(head, &tag, length) {
                 Asked::Unsatisfiable => {
                     let mut response = sentence(StatusCode::RANGE_NOT_SATISFIABLE, "the range lies beyond the end");

@@ -178,7 +178,7 @@ fn inode(_metadata: &Metadata) -> u64 {
 }
 
 fn dataset(path: &Path) -> Error {
-    let message = "a dataset, where a film was expected; encode it with lightfold encode, and view the container";
+    let message = "a dataset, where a film was expected: encode it with lightfold encode, and view the container";
     Error::Usage(format!("{}: {message}", path.display()))
 }
 
@@ -208,8 +208,7 @@ fn not_a_film(mut file: File, path: &Path) -> Error {
             return Error::unsupported(message).in_file(path);
         }
     };
-    let message =
-        format!("not {expected}, though its name says so; copy it again, or write it with lightfold {command}");
+    let message = format!("not {expected}, despite its name: copy it again, or write it with lightfold {command}");
     Error::invalid(message).in_file(path)
 }
 
@@ -220,7 +219,7 @@ fn check_png(file: File, path: &Path) -> Result<()> {
         Ok(true) => Ok(()),
         Err(error) if error.kind() != ErrorKind::UnexpectedEof => Err(Error::io(path, error)),
         _ => {
-            let message = "a PNG picture that is damaged or cut short; copy it again, or write it with lightfold quilt";
+            let message = "a PNG picture that is damaged or truncated: copy it again, or write it with lightfold quilt";
             Err(Error::invalid(message).in_file(path))
         }
     }
@@ -262,13 +261,13 @@ fn check_glb(head: &[u8], path: &Path) -> Result<()> {
     match (field(4), field(8)) {
         (Some(2), Some(length)) if u64::from(length) <= bytes => Ok(()),
         (Some(2), Some(length)) => {
-            let message = format!("cut short: {bytes} of the {length} bytes that the binary glTF file says it has");
+            let message = format!("truncated: the file has {bytes} of the {length} bytes that its glTF header states");
             Err(Error::invalid(message).in_file(path))
         }
         (Some(version), Some(_)) => {
             Err(Error::unsupported(format!("binary glTF of version {version}; 2 was expected")).in_file(path))
         }
-        _ => Err(Error::invalid(format!("cut short: {bytes} bytes are no binary glTF file")).in_file(path)),
+        _ => Err(Error::invalid(format!("truncated: {bytes} bytes are too few for a binary glTF file")).in_file(path)),
     }
 }
 
@@ -280,13 +279,13 @@ const ASPECTS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 /// Parses the layout in the name of a picture, and checks it against the picture's size.
 fn quilt_shape(path: &Path) -> Result<QuiltShape> {
     let Some(QuiltName { columns, rows, aspect }) = parse_quilt_name(path) else {
-        let message = "a picture whose name says no layout of a quilt; name it as in film_qs8x6a0.75.png: 8 columns, 6 rows, views of \
-            width / height 0.75";
+        let message = "the name of the picture has no quilt layout: use a name such as film_qs8x6a0.75.png: 8 \
+            columns, 6 rows, views of width / height 0.75";
         return Err(Error::unsupported(message).in_file(path));
     };
     let (width, height) = png::read_size(path, &ReadLimits::default())?;
     if columns > width || rows > height {
-        let message = format!("{width}x{height} pixels, and its name says {columns}x{rows} tiles");
+        let message = format!("{width}x{height} pixels, but its name states {columns}x{rows} tiles");
         return Err(Error::invalid(message).in_file(path));
     }
     if columns > MAX_TILES || rows > MAX_TILES || u64::from(width) * u64::from(height) > MAX_QUILT_PIXELS {
@@ -347,10 +346,10 @@ mod tests {
             Film::open(&path).unwrap_err().to_string()
         };
         for at in PNG_MAGIC.len()..whole.len() {
-            assert!(refused(&whole[..at]).contains("damaged or cut short"), "cut at byte {at}");
+            assert!(refused(&whole[..at]).contains("damaged or truncated"), "cut at byte {at}");
             let mut other = whole.clone();
             other[at] ^= 1;
-            assert!(refused(&other).contains("damaged or cut short"), "byte {at}");
+            assert!(refused(&other).contains("damaged or truncated"), "byte {at}");
         }
     }
 

@@ -38,7 +38,7 @@ pub fn export(film: &Film, path: &Path, monitor: &dyn Monitor) -> Result<Site> {
         Earlier::Nothing => None,
         Earlier::Film(url) => Some(url),
         Earlier::Other(name) => {
-            let message = format!("{}: holds files of something else ({name}); name another folder", path.display());
+            let message = format!("{}: the folder has other files ({name}): use another folder", path.display());
             return Err(Error::Usage(message));
         }
     };

@@ -24,96 +24,100 @@ use simplify::texture_sizes::Sizing;
     lightfold simplify footage -o scene.glb --ktx2 scene.ktx2 --hdr\n  \
     lightfold simplify footage -o scene.glb --resume\n  \
     lightfold simplify footage --region=-0.5,1.2,-0.5,0.5,1.8,0.5 --frames 24 -o scene.glb\n\n\
-    The scene is right for eyes in the viewing region only. Triangles are stored from back to front: a viewer draws them in that \
-    order, blended, without depth test, culling or sorting (three.js: sortObjects = false, forceSinglePass = true).\n\n\
-    A .glb file holds the texture as PNG; beside a .obj file lie a .mtl file and a .png file. --hdr writes the texture to a .exr file \
-    of the scene's name as well, or in place of the .png file. All textures have straight alpha.\n\n\
-    Triangles of glTF interpolate texture coordinates linearly, so that slanted quads are divided until that is within half a texel. \
-    --uv projective divides none: a .glb file then has the attribute _TEXCOORD_STQ, and a .obj file vt s t q; the texture lies at s/q, \
-    t/q, which few viewers know.\n\n\
-    A run that stops after its quads were selected keeps them beside SCENE. The same command with --resume continues and writes the same \
-    bytes.\n\n\
-    All budgets are kept; one that cannot be is an error that names the least value that would do. Area: how often all quads \
-    together would cover the sphere around the viewer. Peak overdraw: mean number of quads over a pixel in the worst of 126 views of \
-    90 degrees. Cracks: pixels of the capture with less than half alpha.\n\n\
-    --json has, beside PSNR, SSIM and PSNR-HVS-M (psnr_hvs_m_db) of all images: released_psnr_db, what the evaluator of the released \
-    program would have printed, which left out translucent pixels and added 24.07 dB; random_poses, cracks seen from 64 places in the \
-    region; selection, the energy of the quads (primal) and a lower bound of it (dual), within the budgets less the part that is \
-    reserved for quads that are extended over gaps, a bound within the whole budgets (dual_of_budgets), and the budgets that keep it \
-    from being less (limited_by), none where no smaller quads would fit better; in counters, the bytes of a .glb file's mesh \
-    (geometry_bytes) and what they would be with EXT_meshopt_compression, which is not written.")]
+    The scene is valid for eyes inside the viewing region only. Triangles are stored back to front: a viewer must \
+    draw them in that order, blended, without depth test, culling or sorting (three.js: sortObjects = false, \
+    forceSinglePass = true).\n\n\
+    A .glb file contains the texture as PNG; a .obj file comes with a .mtl and a .png file. --hdr writes the texture \
+    to a .exr file with the name of the scene, in addition to the PNG of a .glb file or instead of the .png file. All \
+    textures have straight alpha.\n\n\
+    Triangles of glTF interpolate texture coordinates linearly, so slanted quads are divided until the error is below \
+    half a texel. --uv projective does not divide quads: a .glb file then has the attribute _TEXCOORD_STQ, and a .obj \
+    file vt s t q, with texture coordinates s/q, t/q. Few viewers support this.\n\n\
+    A run that is interrupted after the selection of quads keeps them beside SCENE. The same command with --resume \
+    continues it and writes the same bytes.\n\n\
+    All budgets are met; if a budget cannot be met, the error states its minimum. Area: sum of the solid angles of \
+    all quads, in full spheres. Peak overdraw: mean number of quads per pixel in the worst of 126 views of 90 \
+    degrees. Cracks: pixels of the capture with alpha below one half.\n\n\
+    --json reports PSNR, SSIM and PSNR-HVS-M (psnr_hvs_m_db) of all images, and: released_psnr_db, the value that the \
+    released evaluator of Seurat would print, which ignores translucent pixels and adds 24.07 dB; random_poses, \
+    cracks seen from 64 positions in the region; selection, the energy of the selected quads (primal) and its lower \
+    bound (dual) under the budgets without the part reserved for extending quads over gaps, the lower bound under the \
+    full budgets (dual_of_budgets), and the budgets that limit the energy (limited_by), none if larger budgets would \
+    not reduce it; in counters, the size of the mesh in a .glb file (geometry_bytes), and its size with \
+    EXT_meshopt_compression, which is not written.")]
 pub struct Args {
-    /// Colour and depth: a dataset (lightfield.json or its folder), a container, or a Seurat manifest
+    /// Input with colour and depth: a dataset (lightfield.json or its folder), a container, or a Seurat manifest
     #[arg(value_name = "INPUT")]
     pub input: PathBuf,
-    /// File to write, binary glTF or Wavefront OBJ by its extension
+    /// Output scene: binary glTF (.glb) or Wavefront OBJ (.obj)
     #[arg(long, short, value_name = "SCENE.glb|SCENE.obj")]
     pub output: PathBuf,
-    /// Most triangles
+    /// Maximum number of triangles
     #[arg(long, value_name = "N", default_value_t = 72_000, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     pub triangles: u32,
-    /// Most area of all quads around the viewer, in whole spheres
+    /// Maximum area of all quads as seen by the viewer, in full spheres
     #[arg(long, value_name = "SPHERES", default_value_t = 3.0, value_parser = parse_positive)]
     pub area: f64,
-    /// Most quads over a pixel, as the mean of any view of 90 degrees
+    /// Maximum overdraw: mean number of quads per pixel in any 90-degree view
     #[arg(long, value_name = "LAYERS", default_value_t = 5.0, value_parser = parse_positive)]
     pub peak_overdraw: f64,
-    /// Most texels of each side of the texture
+    /// Maximum side of the texture atlas in texels
     #[arg(long, value_name = "TEXELS", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(4..=16_384))]
     pub atlas: u32,
-    /// Texels for each degree of view, before the atlas reduces them; less where quads of all the area would have more than two atlases
-    /// hold [default: twice the pixels of the capture]
+    /// Texels per degree of view before textures are fitted to the atlas; reduced if quads of the full area would need
+    /// more than two atlases [default: twice the pixels per degree of the capture]
     #[arg(long, value_name = "P", value_parser = parse_positive)]
     pub pixels_per_degree: Option<f64>,
-    /// Viewing region, without surfaces: x0,y0,z0,x1,y1,z1 (two corners in metres), sphere:x,y,z,r, or a file with a closed mesh;
-    /// repeatable, for a union [default: the box around the cameras]
+    /// Viewing region, which must not contain surfaces: x0,y0,z0,x1,y1,z1 (two corners in metres), sphere:x,y,z,r, or a
+    /// file with a closed mesh; repeatable, for a union [default: the bounding box of the cameras]
     #[arg(long, value_name = "BOX|SPHERE|MESH", allow_hyphen_values = true)]
     pub region: Vec<String>,
-    /// What is infinitely far
+    /// Representation of background
     #[arg(long, value_parser = one_of(BACKGROUNDS), default_value = "sky")]
     pub background: Background,
-    /// Samples in the viewing region
+    /// Handling of samples inside the viewing region
     #[arg(long, value_parser = one_of(INSIDE), default_value = "refuse")]
     pub inside: Inside,
-    /// The frame to simplify [default: the first]
+    /// Frame to simplify [default: the first]
     #[arg(long, value_name = "N")]
     pub frames: Option<u32>,
-    /// Search effort: tiles for each part of the scene and precision of their planes; fast traces a quarter of the rays
+    /// Search effort: number of candidate tiles for each part of the scene and precision of their planes; fast traces a
+    /// quarter of the rays
     #[arg(long, value_parser = one_of(EFFORTS), default_value = "normal")]
     pub effort: Effort,
-    /// Parts of the sphere that get quads of their own
+    /// Partition of the sphere into cells with separate quads
     #[arg(long, value_parser = one_of(TILINGS), default_value = "quadtree")]
     pub tiling: TilingKind,
-    /// How textures shrink that do not fit into the atlas
+    /// Reduction of textures that do not fit into the atlas
     #[arg(long, value_parser = one_of(SIZINGS), default_value = "adaptive")]
     pub sizing: Sizing,
-    /// How the light of samples is spread over texels
+    /// Filter from samples to texels
     #[arg(long, value_parser = one_of(FILTERS), default_value = "gaussian")]
     pub texture_filter: TextureFilter,
-    /// Texture coordinates, which decide how many quads a slanted one is divided into
+    /// Interpolation of texture coordinates; affine divides slanted quads
     #[arg(long, value_parser = one_of(COORDINATES), default_value = "affine")]
     pub uv: TextureCoordinates,
-    /// Keep light above 1, as half floats: in a .exr file beside the scene, and in BC6H, which has no alpha, with
-    /// --ktx2
+    /// Keep values above 1: write the texture as half floats to a .exr file beside the scene; --ktx2 then uses BC6H,
+    /// which has no alpha
     #[arg(long)]
     pub hdr: bool,
-    /// Write the texture as KTX2, too, in BC7, which graphics cards read compressed
+    /// Also write the texture as KTX2 in BC7, which graphics cards read compressed
     #[arg(long, value_name = "FILE.ktx2")]
     pub ktx2: Option<PathBuf>,
-    /// Compare pictures of the scene with the images of this dataset, too
+    /// Also compare pictures of the scene with the images of this dataset
     #[arg(long, value_name = "DATASET")]
     pub held_out: Option<PathBuf>,
-    /// Draw charts and pictures into a folder: convergence of the selection, durations of the stages, the images that come out
-    /// worst with their errors, and the overdraw of the view that has the most
+    /// Write charts and pictures into this folder: convergence of the selection, durations of stages, the worst images
+    /// with their errors, and the view with the most overdraw
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
-    /// Compare pictures of the scene with the input, and print durations and counts of all stages
+    /// Compare pictures of the scene with the input, and print durations and counters of all stages
     #[arg(long)]
     pub stats: bool,
-    /// Write normals and material of the texels, too, as .normal.exr and .material.exr of the scene's name
+    /// Also write normals and material of texels to .normal.exr and .material.exr files beside the scene
     #[arg(long)]
     pub gbuffer: bool,
-    /// Resume a stopped run with the tiles that it had selected, with the same options; start anew if there are none
+    /// Resume an interrupted run from its selected tiles with the same options; start over if there are none
     #[arg(long)]
     pub resume: bool,
     #[command(flatten)]
@@ -124,32 +128,32 @@ pub struct Args {
 }
 
 const BACKGROUNDS: &Choices<Background> = &[
-    ("sky", Background::Sky, "A cube around the viewing region, 400 times as large"),
-    ("transparent", Background::Transparent, "Nothing; it stays transparent"),
+    ("sky", Background::Sky, "Cube around the viewing region, 400 times as large"),
+    ("transparent", Background::Transparent, "No geometry; background stays transparent"),
 ];
 
 const INSIDE: &Choices<Inside> =
-    &[("refuse", Inside::Refuse, "Are an error"), ("drop", Inside::Drop, "Are left out, and counted")];
+    &[("refuse", Inside::Refuse, "Fail"), ("drop", Inside::Drop, "Exclude and count them")];
 
 const TILINGS: &Choices<TilingKind> = &[
-    ("quadtree", TilingKind::Quadtree, "Cells of any level of a quadtree"),
-    ("uniform", TilingKind::Uniform, "Cells of the sixth level alone, for comparison (Seurat figure 13)"),
+    ("quadtree", TilingKind::Quadtree, "Cells of any quadtree level"),
+    ("uniform", TilingKind::Uniform, "Cells of the sixth level only, for comparison (Seurat figure 13)"),
 ];
 
 const COORDINATES: &Choices<TextureCoordinates> = &[
-    ("affine", TextureCoordinates::Affine, "Interpolated linearly, which every viewer does"),
-    ("projective", TextureCoordinates::Projective, "Homogeneous: no quad is divided"),
+    ("affine", TextureCoordinates::Affine, "Linear: supported by every viewer"),
+    ("projective", TextureCoordinates::Projective, "Homogeneous: quads are not divided"),
 ];
 
 const SIZINGS: &Choices<Sizing> = &[
-    ("adaptive", Sizing::Adaptive, "Those whose pictures lose least (Seurat 5.3)"),
-    ("uniform", Sizing::Uniform, "All by one factor, for comparison (Seurat figure 14)"),
+    ("adaptive", Sizing::Adaptive, "Reduce those that lose least (Seurat 5.3)"),
+    ("uniform", Sizing::Uniform, "Reduce all by one factor, for comparison (Seurat figure 14)"),
 ];
 
 const FILTERS: &Choices<TextureFilter> = &[
-    ("gaussian", TextureFilter::Gaussian, "Standard deviation of 0.3 texels, within 1.5"),
-    ("box", TextureFilter::Box, "The mean of the samples in a texel; the most texels have none, and are filled"),
-    ("b-spline", TextureFilter::BSpline, "Cubic, within 2 texels: smoothest"),
+    ("gaussian", TextureFilter::Gaussian, "Gaussian with a standard deviation of 0.3 texels and a radius of 1.5"),
+    ("box", TextureFilter::Box, "Mean of the samples in a texel; most texels have none, and are filled"),
+    ("b-spline", TextureFilter::BSpline, "Cubic with a radius of 2 texels: smoothest"),
 ];
 
 fn switch(is_on: bool) -> String {
@@ -160,10 +164,14 @@ impl Args {
     pub(super) fn check(&self) -> Result<()> {
         check_stdout(&self.output, self.json)?;
         if self.stats && self.output == Path::new("-") {
-            return Err(Error::Usage("--stats and -o - would both write to standard output; name a file".into()));
+            return Err(Error::Usage(
+                "--stats and -o - would both write to standard output: specify an output file".into(),
+            ));
         }
         match (self.hdr || self.gbuffer) && self.output == Path::new("-") {
-            true => Err(Error::Usage("--hdr and --gbuffer write files beside the scene: give -o a name, not -".into())),
+            true => Err(Error::Usage(
+                "--hdr and --gbuffer write files beside the scene: specify an output file instead of -".into(),
+            )),
             false => self.outputs().check(),
         }
     }

@@ -138,7 +138,7 @@ impl EvaluationReport {
 
     fn text(&self) -> String {
         if self.pixels == 0 {
-            return "no picture was compared: the input has no perspective view\n".to_owned();
+            return "no pictures were compared: the input has no perspective view\n".to_owned();
         }
         format!(
             "overdraw of the input's views: mean {:.2}, peak {:.2}\n{}\n{} and {} more translucent of {} pixels; from random \
@@ -234,7 +234,7 @@ impl Report {
         });
         format!(
             "{files}{}, area {:.2} spheres, peak overdraw of 126 views {:.2}\natlas {}x{}, {:.0}% used; energy within \
-             {:.1}% of the least in {:.0}% of the budgets, {}\n{}{}{:.1} s",
+            {:.1}% of the lower bound under {:.0}% of the budgets, {}\n{}{}{:.1} s",
             counted(self.triangles as u64, "triangle"),
             self.projected_area,
             self.peak_overdraw,

@@ -68,8 +68,8 @@ impl<'a> UnfinishedScene<'a> {
                 }
                 let words = words?;
                 say(match words {
-                    Some(_) => "resuming with the tiles that were selected",
-                    None => "the tiles that were selected are damaged; starting anew",
+                    Some(_) => "resuming with the selected tiles",
+                    None => "the selected tiles are damaged; starting over",
                 });
                 words
             }
@@ -83,7 +83,7 @@ impl<'a> UnfinishedScene<'a> {
                 None
             }
             (None, true) => {
-                say("nothing to resume; starting anew");
+                say("nothing to resume; starting from the beginning");
                 None
             }
             (None, false) => None,
@@ -110,7 +110,7 @@ impl<'a> UnfinishedScene<'a> {
 
     pub fn cannot(&self, why: &str) -> Error {
         Error::Usage(format!(
-            "{}: cannot resume the unfinished scene: {why}; repeat its options, or leave out --resume to start anew",
+            "{}: cannot resume the unfinished scene: {why}: use its options, or leave out --resume to start over",
             self.path.display()
         ))
     }

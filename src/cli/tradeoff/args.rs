@@ -21,60 +21,61 @@ use codec::image::StreamKind;
     lightfold tradeoff room.glb --sweep effort --sweep cameras=2,4 -o out -- --region=-1,1,-1,1,2,1\n  \
     lightfold tradeoff scene --sweep triangles=2000,20000 --sweep area=2,3 -o out -- --effort fast\n  \
     lightfold tradeoff --list-knobs\n\n\
-    Each point is encoded, decoded and compared by commands of this program that DIR/tradeoff.csv names. Points whose \
-    bytes and quality are known and whose runs are finished are not measured again: the same command goes on after an \
-    interruption. Rounds of timed runs go over all points, to and fro, so that a machine that becomes slower does so for \
-    all alike. A decoding time is the median of runs in one process, the container in memory. A point that fails leaves a \
-    hole, and is tried again the next time.\n\n\
-    Where a scene is named (a .glb, .gltf or .obj file, or one that is built in), options of place are swept instead, and \
-    DIR has placement.csv, placement.json, pictures and a page: seconds, and what the cameras cover by the same 32768 \
-    points on surfaces for all. All knobs make one grid. placement.csv is written after each point, and keeps what was \
-    measured where a sweep is stopped; the same command does not go on from there, but starts over with --overwrite. \
-    --preset, --recommend, --budget-seconds, --weights and --stream are for footage alone.\n\n\
-    Where options of render are swept, one probe of the dataset is left out (--reference-probe after --, else the most \
-    central one) and rendered from the others: DIR has rendering.csv, rendering.json, pictures of PSNR against time and a page. \
-    Options after -- are those of render then. What is said of a scene holds for such a sweep, too.\n\n\
-    Where options of simplify are swept, each point simplifies the capture and compares the result with it: DIR has \
-    simplification.csv, simplification.json, pictures and a page, with what Seurat's authors found and whether it holds here. A \
-    point whose budgets cannot be kept is listed with the least value that would do. Options after -- are those of simplify, and \
-    what is said of a scene holds, too. A folder holds sweeps of one kind: coding, rendering, simplifying, or placing cameras.\n\n\
-    Exit codes: 0 measured, 1 no point meets what --recommend was given, 2 bad input or usage, or points that failed.")]
+    Each point is encoded, decoded and compared by lightfold commands, which DIR/tradeoff.csv lists. After an \
+    interruption, the same command continues: complete points are not measured again. Timed runs alternate between \
+    all points in both directions, so that a change in machine speed affects all points equally. A decoding time is \
+    the median of runs in one process, with the container in memory. A point that fails is left empty, and measured \
+    again by the next run.\n\n\
+    If the input is a scene (a .glb, .gltf or .obj file, or built in), options of place are swept instead. DIR then \
+    has placement.csv, placement.json, charts and a page, with time and coverage; coverage is measured on the same \
+    32768 surface points for all points of the sweep. All knobs form one grid. placement.csv is written after each \
+    point, so an interrupted sweep keeps its measurements; the same command does not continue it, but starts over \
+    with --overwrite. --preset, --recommend, --budget-seconds, --weights and --stream apply to footage only.\n\n\
+    If options of render are swept, one probe of the dataset is excluded (--reference-probe after --, else the most \
+    central one) and rendered from the others. DIR then has rendering.csv, rendering.json, charts of PSNR against \
+    time and a page. Options after -- are options of render. Otherwise such a sweep behaves like that of a scene.\n\n\
+    If options of simplify are swept, each point simplifies the capture and compares the result with it. DIR then has \
+    simplification.csv, simplification.json, charts and a page, which lists findings of the Seurat paper and whether \
+    they hold here. A point whose budgets cannot be met is listed with the minimum budget. Options after -- are \
+    options of simplify. Otherwise such a sweep behaves like that of a scene. A folder has sweeps of one kind: \
+    coding, rendering, simplifying, or placing cameras.\n\n\
+    Exit codes: 0 measured; 1 no point meets the limits of --recommend; 2 bad input or usage, or points failed.")]
 pub struct Args {
-    /// The footage: a lightfield.json, its folder, or a lone sequence with --stream; or a scene to place cameras in. Not
-    /// needed where --recommend is to look at what DIR holds
+    /// Footage: a lightfield.json, its folder, or a single sequence with --stream; or a scene in which to place
+    /// cameras. Not needed if --recommend uses the points in DIR
     #[arg(value_name = "MANIFEST|SEQ|SCENE", required_unless_present_any = ["recommend", "list_knobs"])]
     pub input: Option<String>,
-    /// Options of encode (of place for a scene, of render or simplify where their options are swept) that all points have, such
-    /// as --hdr or --frames 0-9
+    /// Options common to all points, such as --hdr or --frames 0-9: options of encode, of place for a scene, or of
+    /// render or simplify if their options are swept
     #[arg(last = true, value_name = "OPTIONS")]
     pub fixed: Vec<String>,
-    /// A knob and the values that it is to have, such as psnr=30,40,50; without values those of --list-knobs. Knobs of one
-    /// kind of stream make one grid
+    /// Knob and its values, such as psnr=30,40,50; without values, those of --list-knobs. Knobs of the same kind of
+    /// stream form a grid; repeatable
     #[arg(long, value_name = "KNOB=V1,V2", value_parser = Sweep::parse)]
     pub sweep: Vec<Sweep>,
-    /// Sweeps that are prepared: those of the papers' figures, or the same in few values
+    /// Predefined sweeps: those of the figures in the papers, or the same with few values
     #[arg(long, value_name = "NAME", value_parser = one_of(PRESETS))]
     pub preset: Option<Preset>,
-    /// Folder for tradeoff.csv, tradeoff.json, the pictures and the page index.html; where rendering, simplifying or
-    /// placing cameras is measured, for rendering.csv, simplification.csv or placement.csv, .json, pictures and page
+    /// Output folder for tradeoff.csv, tradeoff.json, charts and index.html; files of other sweeps are named rendering,
+    /// simplification or placement
     #[arg(long, short, value_name = "DIR", default_value = "lightfold-tradeoff")]
     pub output: PathBuf,
-    /// Replace what DIR holds of other footage, options, machine or program, instead of refusing
+    /// Replace results of other footage, options, machines or versions of lightfold in DIR, instead of failing
     #[arg(long)]
     pub overwrite: bool,
-    /// Timed runs of each point
+    /// Number of timed runs per point
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: u32,
-    /// Seconds that all of it may take: values and runs that do not fit are left out, which is said. Not for a scene
+    /// Time limit in seconds: values and runs that do not fit are skipped and listed. Not for scenes
     #[arg(long, value_name = "S", value_parser = parse_positive)]
     pub budget_seconds: Option<f64>,
-    /// Only streams of these kinds: color, depth, material, alpha; also tells what a lone sequence holds
+    /// Only streams of these kinds: color, depth, material, alpha; also the kind of a single sequence
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = options::parse_kind)]
     pub stream: Vec<StreamKind>,
-    /// How much bytes and decoding time count in the score, which knows nothing of quality, such as 1,3 [default: 0.25,0.75]
+    /// Weights of bytes and decoding time in the score, which ignores quality, such as 1,3 [default: 0.25,0.75]
     #[arg(long, value_name = "BYTES,TIME", value_parser = parse_weights)]
     pub weights: Option<Weights>,
-    /// List the knobs with their defaults, and do nothing else
+    /// List knobs with their defaults and exit
     #[arg(long)]
     pub list_knobs: bool,
     /// Report as JSON
@@ -87,36 +88,36 @@ pub struct Args {
 #[derive(Debug, Clone, clap::Args)]
 #[command(next_help_heading = "Recommendation")]
 pub struct RecommendArgs {
-    /// Of the points in DIR, or of those just measured, name the smallest of each kind that meets what is asked; or the
-    /// closest to the source, where only time and bytes are limited
+    /// Print the smallest point of each kind in DIR that meets all limits; if only time and bytes are limited, the
+    /// point closest to the source
     #[arg(long)]
     pub recommend: bool,
-    /// Largest error: 16-bit log codes of depth, steps of 8 bits of material
+    /// Maximum error: 16-bit log codes of depth, 8-bit steps of material
     #[arg(long, value_name = "CODES", requires = "recommend")]
     pub max_error: Option<u16>,
-    /// Largest error of depth in metres
+    /// Maximum error of depth in metres
     #[arg(long, value_name = "M", requires = "recommend", value_parser = parse_positive)]
     pub max_error_m: Option<f64>,
-    /// Lowest PSNR of any frame of any cell of colour, in dB
+    /// Minimum PSNR in dB of every frame of every colour cell
     #[arg(long, value_name = "DB", requires = "recommend", value_parser = parse_positive)]
     pub min_psnr: Option<f64>,
-    /// Lowest quality to the eye of any frame of any cell of colour, as of diff --min-quality
+    /// Minimum perceptual quality of every frame of every colour cell, as diff --min-quality
     #[arg(long, value_name = "Q", requires = "recommend", value_parser = parse_positive)]
     pub min_quality: Option<f64>,
-    /// Milliseconds of decoding for one point in time, all probes and faces of a kind
+    /// Maximum decoding time in milliseconds of one frame, all probes and faces of a kind
     #[arg(long, value_name = "MS", requires = "recommend", value_parser = parse_positive)]
     pub decode_ms: Option<f64>,
-    /// Bytes of the container, such as 5000000, 5MB or 800kB
+    /// Maximum size of the container, such as 5000000, 5MB or 800kB
     #[arg(long, value_name = "BYTES", requires = "recommend", value_parser = parse_bytes)]
     pub max_bytes: Option<u64>,
-    /// Bytes of the container in percent of those of the footage, such as 5 or 5%
+    /// Maximum size of the container in percent of the raw footage, such as 5 or 5%
     #[arg(long, value_name = "PERCENT", requires = "recommend", value_parser = parse_percent)]
     pub max_ratio: Option<f64>,
 }
 
 const PRESETS: &Choices<Preset> = &[
     ("paper", Preset::Paper, "CALF figures 7 and 8, GDC figures 5, 6 and 8"),
-    ("quick", Preset::Quick, "The same in few values, without the statistics of tiles"),
+    ("quick", Preset::Quick, "As paper, with few values and without statistics of tiles"),
 ];
 
 fn parse_percent(text: &str) -> Result<f64, String> {
@@ -130,7 +131,7 @@ fn parse_bytes(text: &str) -> Result<u64, String> {
         "k" | "kb" => 1e3,
         "m" | "mb" => 1e6,
         "g" | "gb" => 1e9,
-        unit => return Err(format!("'{unit}' is none of B, kB, MB, GB")),
+        unit => return Err(format!("'{unit}': B, kB, MB or GB was expected")),
     };
     Ok((parse_positive(digits.trim())? * factor).round() as u64)
 }
@@ -165,7 +166,8 @@ impl RecommendArgs {
         };
         if demands.is_empty() {
             return refuse(
-                "--recommend: say what is asked, by --max-error, --max-error-m, --min-psnr, --min-quality, --decode-ms, --max-bytes or --max-ratio",
+                "--recommend needs a limit: --max-error, --max-error-m, --min-psnr, --min-quality, --decode-ms, \
+                --max-bytes or --max-ratio",
             );
         }
         Ok(Some(demands))
@@ -181,7 +183,7 @@ pub fn refuse_options_of_coding(args: &Args, what: &str) -> Result<()> {
         ("--stream", !args.stream.is_empty()),
     ];
     match given.into_iter().find(|(_, given)| *given) {
-        Some((name, _)) => refuse(format!("{name} is for coding footage, and not for {what}")),
+        Some((name, _)) => refuse(format!("{name} applies to sweeps of encode options, not to {what}")),
         None => Ok(()),
     }
 }

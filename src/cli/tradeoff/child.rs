@@ -43,7 +43,7 @@ impl<'a> Children<'a> {
     /// Creates a runner for children of this program. `start` is the time at which the program began.
     pub fn new(monitor: &'a dyn Monitor, start: Instant) -> Result<Children<'a>> {
         let program = std::env::current_exe()
-            .map_err(|error| Error::Usage(format!("where this program is could not be found out: {error}")))?;
+            .map_err(|error| Error::Usage(format!("cannot find the path of this program: {error}")))?;
         Ok(Children { program, monitor, start })
     }
 
@@ -69,7 +69,7 @@ impl Runner for Children<'_> {
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
-            .map_err(|error| Error::io(&self.program, error).context("a process could not be started"))?;
+            .map_err(|error| Error::io(&self.program, error).context("cannot start a process"))?;
         let mut child = Running(child);
         let (out, said) = (child.0.stdout.take(), child.0.stderr.take());
         // Both pipes are read while the child runs: a full pipe would block it.
@@ -97,7 +97,7 @@ impl Runner for Children<'_> {
                 false => failed(said),
             });
         }
-        serde_json::from_slice(&out).map_err(|error| failed(format!("its report is no JSON: {error}")))
+        serde_json::from_slice(&out).map_err(|error| failed(format!("its report is not JSON: {error}")))
     }
 
     fn now_seconds(&self) -> f64 {

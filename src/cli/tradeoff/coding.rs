@@ -27,7 +27,7 @@ pub fn recommend_from_folder(args: &Args, demands: &Demands) -> Result<ExitStatu
     let rows: Vec<&StoredPoint> = store.rows.iter().filter(is_chosen).collect();
     if rows.is_empty() {
         return refuse(format!(
-            "{}: no point has been measured; name the footage and what to sweep",
+            "{}: no points have been measured: specify footage and --sweep",
             store.path().display()
         ));
     }
@@ -90,7 +90,7 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
     let finished = sweeping.measure(&mut opened, |work| CodingBench::new(&footage.input, work))?;
     if input::made_of(&footage.input, &footage.source)? != made_of {
         return Err(Error::invalid(format!(
-            "{path}: the footage, or this program, changed while it was measured; measure again with --overwrite"
+            "{path}: the footage, or lightfold, changed during the measurement: measure again with --overwrite"
         )));
     }
     let mut extras = Extras {
@@ -122,7 +122,7 @@ fn implied(studies: &[Study], given: &[Setting]) -> Vec<String> {
         for (knob, (name, value)) in knobs.flat_map(|knob| knob.implies.iter().map(move |setting| (knob, setting))) {
             let is_fixed = study.fixed.iter().any(|(other, fixed)| other == name && fixed == value);
             let stream = study.stream.map_or("", StreamKind::name);
-            let sentence = format!("{stream} is measured with --{name} {value}, which {} is of", knob.name);
+            let sentence = format!("{stream} is measured with --{name} {value}, because {} needs it", knob.name);
             if is_fixed && given.iter().all(|(other, _)| other != name) && !told.contains(&sentence) {
                 told.push(sentence);
             }

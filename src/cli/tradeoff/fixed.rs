@@ -70,10 +70,10 @@ impl OptionsOf<'_> {
                 continue;
             }
             if self.own.contains(&name) {
-                return refuse(format!("{option} after --: tradeoff gives it to its points itself"));
+                return refuse(format!("{option} after --: tradeoff sets this option itself: leave it out"));
             }
             if axes.iter().any(|axis| axis.knob == name) {
-                return refuse(format!("{option}: it is swept, so that it cannot be fixed as well"));
+                return refuse(format!("{option}: this option is swept and cannot be fixed: leave it out"));
             }
             let mut values = Vec::new();
             if argument.get_action().takes_values() {
@@ -129,7 +129,7 @@ pub fn parse(words: &[OsString]) -> Result<Cli> {
 fn refused(error: &clap::Error) -> Error {
     use clap::error::ErrorKind::{DisplayHelp, DisplayVersion};
     if matches!(error.kind(), DisplayHelp | DisplayVersion) {
-        return Error::Usage("--help and --version are no options of encoding: give them before --".into());
+        return Error::Usage("--help and --version do not apply to points: use them before --".into());
     }
     let text = error.to_string();
     let text = text.strip_prefix("error: ").unwrap_or(&text);

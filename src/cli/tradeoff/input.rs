@@ -50,8 +50,8 @@ fn encoder(form: Form, kinds: &[StreamKind], path: &str) -> Result<&'static str>
         (Form::Sequence, [StreamKind::Color]) => Ok("encode-color"),
         (Form::Sequence, [StreamKind::Depth]) => Ok("encode-depth"),
         (Form::Sequence, _) => refuse(format!(
-            "{path}: neither a lightfield.json nor a folder that holds one; of a lone sequence tell what its images show, \
-             by --stream depth or --stream color"
+            "{path}: neither a lightfield.json nor a folder with one; for a single sequence add --stream depth or \
+            --stream color"
         )),
     }
 }
@@ -75,7 +75,7 @@ pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalA
     line.extend(of_tiles.iter().take(domain_too).map(|(name, value)| format!("--{name}={value}").into()));
     let tiles_how = of_tiles.map(|(name, value)| format!("{} {value}", name.trim_start_matches("depth-"))).join(", ");
     let cli = parse(&line)?;
-    let Some(command) = cli.command.as_encoder() else { return refuse(format!("{subcommand} encodes nothing")) };
+    let Some(command) = cli.command.as_encoder() else { return refuse(format!("{subcommand} does not encode")) };
     let (options, tiles) = command.settings()?;
     let source = command.open(&options)?;
     let frames = |kind| {
@@ -272,7 +272,7 @@ mod tests {
         assert_eq!(sort(sorted.diff), "--depth-channel=Z --frames=0-3 --hdr");
         assert_eq!(sorted.decode, ["--gpu-index=1"]);
         let said = |line: &str| of(line).unwrap_err().to_string();
-        assert!(said("--stream depth").contains("tradeoff gives it"));
+        assert!(said("--stream depth").contains("tradeoff sets this option"));
         assert!(said("--color-cell 0").contains("'0'"), "{}", said("--color-cell 0"));
         assert!(said("--colour").contains("unexpected argument '--colour'"));
         let colour = of("--color-channel A").unwrap();

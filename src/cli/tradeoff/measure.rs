@@ -34,7 +34,7 @@ impl Opened {
         let folder = Folder::open(&args.output, kind)?;
         if let Some(path) = folder.in_the_way().filter(|_| !args.overwrite) {
             return refuse(format!(
-                "{}: exists and would be lost; name another folder, or replace it by --overwrite",
+                "{}: the file exists and would be replaced: use another folder, or --overwrite",
                 path.display()
             ));
         }
@@ -48,8 +48,8 @@ impl Opened {
             let are = if store.dropped == 1 { "is" } else { "are" };
             let points = counted(store.dropped as u64, "point");
             return refuse(format!(
-                "{}: {points} {are} of other footage, options, machine or program; name another folder, or replace all of it by \
-                 --overwrite",
+                "{}: {points} {are} of other footage, options, machine or version of lightfold: use another folder, \
+                or replace all results with --overwrite",
                 store.path().display()
             ));
         }
@@ -105,7 +105,7 @@ impl<'a> Sweeping<'a> {
         drop(progress);
         if done.is_err() && !store.rows.is_empty() {
             let next =
-                if kind.is_resumable { "the same command goes on from there" } else { "measuring again starts over" };
+                if kind.is_resumable { "the same command continues from there" } else { "measuring again starts over" };
             let kept = counted(store.rows.len() as u64, "point");
             output::note(format_args!("{}: kept: {kept}; {next}", store.path().display()));
         }
@@ -169,7 +169,7 @@ impl Finished<'_> {
         match failed.first() {
             None => Ok(()),
             Some(FailedPoint { point, error, .. }) => Err(Error::invalid(format!(
-                "{} of {} points failed, and are tried again by the same command; {point}: {error}",
+                "{} of {} points failed, and are measured again by the same command; {point}: {error}",
                 failed.len(),
                 all_points(&self.results.studies).len()
             ))),

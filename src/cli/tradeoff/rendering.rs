@@ -58,7 +58,7 @@ fn most_central(dataset: &Path) -> Result<String> {
     match nearest {
         Some(at) if manifest.probes.len() > 1 => Ok(manifest.probes[at].name.clone()),
         _ => Err(Error::Usage(format!(
-            "{}: one probe to leave out and others to render it from were expected",
+            "{}: at least two probes were expected: one to exclude, and others from which to render it",
             dataset.display()
         ))),
     }
@@ -72,7 +72,7 @@ fn fixed(words: &[String], axes: &[Axis]) -> Result<Fixed> {
     for option in options.read(words, axes)? {
         match (option.name.as_str(), option.value()) {
             ("reference-probe", Some(probe)) if probe.contains(',') => {
-                return refuse(format!("--reference-probe {probe}: one probe is left out; name one"));
+                return refuse(format!("--reference-probe {probe}: one probe was expected"));
             }
             ("reference-probe", probe) => fixed.probe = probe,
             ("frames", frames) => fixed.frames = frames,
@@ -152,6 +152,6 @@ mod tests {
         let probe = |name: &str, x: f64| format!(r#"{{"name": "{name}", "position": [{x}, 0, 0]}}"#);
         let three = [probe("a", -1.0), probe("b", 0.1), probe("c", 1.0)].join(",");
         assert_eq!(write(&three).unwrap(), "b");
-        assert!(write(&probe("a", 0.0)).unwrap_err().to_string().contains("others to render"));
+        assert!(write(&probe("a", 0.0)).unwrap_err().to_string().contains("at least two probes"));
     }
 }

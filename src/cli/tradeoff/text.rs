@@ -53,9 +53,9 @@ pub fn advice(advice: &[Advice<'_>], unasked: &[StreamKind]) -> String {
         let point = &row.measured.point;
         let stream = point.stream.map_or("", StreamKind::name);
         let head = match (misses.is_empty(), aim) {
-            (true, Aim::Smallest) => "the smallest point that meets all demands has",
-            (true, Aim::Closest) => "the point closest to the source that meets all demands (none limits quality) has",
-            (false, _) => "no point meets what is asked; the nearest has",
+            (true, Aim::Smallest) => "the smallest point that meets all limits has",
+            (true, Aim::Closest) => "the point closest to the source that meets all limits (none on quality) has",
+            (false, _) => "no point meets all limits; the nearest has",
         };
         let _ = writeln!(text, "{stream}: {head} {}", point.words());
         for miss in misses {
@@ -76,11 +76,8 @@ pub fn advice(advice: &[Advice<'_>], unasked: &[StreamKind]) -> String {
             StreamKind::Depth => "--max-error, --max-error-m",
             StreamKind::Material | StreamKind::Alpha => "--max-error",
         };
-        let _ = writeln!(
-            text,
-            "{}: nothing is asked of it ({quality}, --decode-ms, --max-bytes or --max-ratio)",
-            stream.name()
-        );
+        let _ =
+            writeln!(text, "{}: no limit applies ({quality}, --decode-ms, --max-bytes or --max-ratio)", stream.name());
     }
     if advice.len() > 1 {
         let files = advice.iter().filter_map(|advice| advice.row.measured.point.stream);
@@ -117,7 +114,7 @@ pub fn list_knobs(as_json: bool) -> Result<()> {
         usual: knob.usual,
     };
     output::print_either(as_json, &KnobList { knobs: all.iter().map(report).collect() }, || {
-        let mut table = Table::new("Knob|What|Kinds|Option of|Default|Swept where no values are given");
+        let mut table = Table::new("Knob|Description|Kinds|Option of|Default|Default values of a sweep");
         for knob in &all {
             let of = match knob.stage {
                 Stage::Place => "cameras".to_owned(),

@@ -123,7 +123,7 @@ impl<S: Sample> CellChunk<S> {
         let after_last = keyframes[keyframes.len() - 1] as usize + 1;
         let unclosed = flags & CLOSED_BY_NEXT == 0 && weights.iter().skip(after_last).any(|&weight| weight != 0);
         if at_keyframe || unclosed {
-            return Err(fields.error("a weight stands where no two keyframes enclose it"));
+            return Err(fields.error("a weight is not between two keyframes"));
         }
         let weights = start..fields.position();
         let sizes = format.keyframe_bytes();

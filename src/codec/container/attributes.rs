@@ -49,7 +49,7 @@ impl Attributes {
             let start = fields.offset();
             let name = fields.string("an attribute's name")?;
             if !is_name(&name) {
-                return Err(fields.error_at(start, format!("{name:?} is no name of an attribute")));
+                return Err(fields.error_at(start, format!("{name:?} is not an attribute name")));
             }
             if attributes.last().is_some_and(|(before, _)| *before >= name) {
                 return Err(fields.error_at(start, format!("the attribute {name} does not ascend by name")));
@@ -100,8 +100,8 @@ mod tests {
         for (names, words) in [
             (["b", "a"], "does not ascend"),
             (["a", "a"], "does not ascend"),
-            (["A", "b"], "no name of an attribute"),
-            (["", "bb"], "no name of an attribute"),
+            (["A", "b"], "not an attribute name"),
+            (["", "bb"], "not an attribute name"),
         ] {
             let unsorted = Attributes(names.map(|name| (name.to_owned(), Vec::new())).to_vec());
             let mut bytes = Vec::new();

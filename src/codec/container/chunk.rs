@@ -92,9 +92,10 @@ impl ChunkEntry {
                 Storage::Zstd => u64::from(raw_bytes) <= u64::from(stored_bytes) * MAX_ZSTD_EXPANSION,
             };
         if !plausible {
-            return Err(
-                fields.error_at(start, format!("a chunk of {stored_bytes} stored bytes cannot mean {raw_bytes} bytes"))
-            );
+            return Err(fields.error_at(
+                start,
+                format!("a chunk of {stored_bytes} stored bytes cannot decompress to {raw_bytes} bytes"),
+            ));
         }
         Ok(())
     }

@@ -35,7 +35,7 @@ pub fn is_container(path: &std::path::Path) -> Result<bool> {
 pub fn read_head(bytes: &[u8]) -> Result<u16> {
     let mut fields = Fields::new(bytes, 0, "container.md 3");
     if fields.bytes(8)? != MAGIC {
-        let message = "this is not a lightfold container: its first 8 bytes are other";
+        let message = "this is not a lightfold container: its signature is wrong";
         return Err(Error::invalid_at("container.md 3", 0, message));
     }
     let (major, minor) = (fields.u16()?, fields.u16()?);
@@ -74,7 +74,7 @@ impl Foot {
         let start = file_bytes.saturating_sub(FOOT_BYTES as u64);
         let wrong = |at: u64, message: String| Err(Error::invalid_at(SECTION, at, message));
         if bytes.len() != FOOT_BYTES || bytes[36..] != FOOT_MAGIC {
-            let message = "the container has no foot: it was cut short, so copy or encode it again";
+            let message = "the container has no foot: the file is truncated; copy or encode it again";
             return wrong(start, message.into());
         }
         let mut fields = Fields::new(bytes, start, SECTION);
@@ -93,7 +93,7 @@ impl Foot {
         };
         let foot = Foot { index_offset, index_bytes, index_crc32, index_form };
         if said != file_bytes {
-            let message = format!("the foot speaks of a file of {said} bytes, this one has {file_bytes}");
+            let message = format!("the foot states a file size of {said} bytes, but the file has {file_bytes}");
             return wrong(start + 24, message);
         }
         let end = foot.index_offset.checked_add(foot.index_bytes);

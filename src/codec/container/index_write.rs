@@ -226,7 +226,7 @@ fn write_stream(out: &mut Vec<u8>, before: &StreamRow, row: &StreamRow, back: Op
 impl Attributes {
     pub(super) fn write(&self, out: &mut Vec<u8>) -> Result<()> {
         match self.iter().find(|(name, _)| !is_name(name)) {
-            Some((name, _)) => Err(Error::invalid(format!("{name:?} is no name of an attribute"))),
+            Some((name, _)) => Err(Error::invalid(format!("{name:?} is not an attribute name"))),
             None => self.write_rows(out),
         }
     }

@@ -27,7 +27,7 @@ pub fn decompress(stored: &[u8], raw_bytes: u32) -> Result<Vec<u8>> {
         .map_err(|error| Error::invalid(format!("the chunk's LZMA2 stream is damaged: {error}")))?;
     if raw.len() != raw_bytes as usize {
         return Err(Error::invalid(format!(
-            "the chunk's LZMA2 stream does not mean the {raw_bytes} bytes that the table says"
+            "the chunk's LZMA2 stream does not decompress to the {raw_bytes} bytes that the chunk table states"
         )));
     }
     match reader.inner().len() {

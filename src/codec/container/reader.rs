@@ -94,7 +94,7 @@ impl Reader {
         };
         let index = read.map_err(|error| match self.minor_version {
             ..=header::VERSION_MINOR => error,
-            later => error.context(format!("format version {}.{later}, later than known", header::VERSION_MAJOR)),
+            later => error.context(format!("format version {}.{later}, newer than supported", header::VERSION_MAJOR)),
         })?;
         limits::check(&index, self.file_bytes, self.limits)?;
         (self.index, self.index_bytes) = (index, foot.index_bytes);
@@ -215,7 +215,8 @@ impl Reader {
     /// Returns `count` bytes from `offset` on: a range of the source's memory, or bytes read into `spare`.
     fn read_at(&self, offset: u64, count: u64, mut spare: Vec<u8>) -> Result<Payload> {
         let past_end = || {
-            Error::invalid_at("container.md 3", offset, "the file ends before what it announces").in_file(&self.path)
+            Error::invalid_at("container.md 3", offset, "the file is truncated: it ends before data that it refers to")
+                .in_file(&self.path)
         };
         if offset.checked_add(count).is_none_or(|end| end > self.file_bytes) {
             return Err(past_end());
@@ -358,7 +359,7 @@ mod tests {
             Reader::from_source(Broken { bytes: bytes.clone(), from, kind }, "x.lfold", OpenLimits::DEFAULT)
         };
         let message = open(100, ErrorKind::UnexpectedEof).unwrap_err().to_string();
-        assert!(message.starts_with("x.lfold: at byte ") && message.contains("the file ends before"), "{message}");
+        assert!(message.starts_with("x.lfold: at byte ") && message.contains("the file is truncated"), "{message}");
         let message = open(100, ErrorKind::TimedOut).unwrap_err().to_string();
         assert_eq!(message, "x.lfold: timed out");
         // Opened while the source was complete.
@@ -366,7 +367,7 @@ mod tests {
         reader.source = Box::new(Broken { bytes: bytes.clone(), from: 20, kind: ErrorKind::UnexpectedEof });
         let message = reader.fetch(&reader.index().chunks[0]).unwrap_err().to_string();
         assert!(
-            message.contains("stream 0, unit 0, frames 0-0") && message.contains("the file ends before"),
+            message.contains("stream 0, unit 0, frames 0-0") && message.contains("the file is truncated"),
             "{message}"
         );
     }
@@ -380,7 +381,7 @@ mod tests {
             assert!(message.contains(&format!("ends here, and {more} bytes follow it")), "{message}");
         }
         let message = Reader::from_memory(bytes[..bytes.len() - 1].to_vec()).unwrap_err().to_string();
-        assert!(message.contains("cut short"), "{message}");
+        assert!(message.contains("is truncated"), "{message}");
     }
 
     #[test]

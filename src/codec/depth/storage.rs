@@ -304,7 +304,7 @@ pub fn read_functions(places: &[Place], fields: &mut Fields<'_>) -> Result<Vec<N
     for node in lines {
         let line = fields.bytes(4)?;
         if line == [0xFF; 4] {
-            return Err(fields.error("a platelet whose line is no line"));
+            return Err(fields.error("a platelet with an invalid line"));
         }
         node.coefficients[24..28].copy_from_slice(line);
     }

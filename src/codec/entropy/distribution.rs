@@ -31,7 +31,7 @@ impl Distribution {
             starts[symbol + 1] = starts[symbol] + frequencies[symbol];
             symbol += 1;
         }
-        assert!(starts[SYMBOLS] == SLOTS, "frequencies of another sum");
+        assert!(starts[SYMBOLS] == SLOTS, "frequencies with a wrong sum");
         Distribution { starts }
     }
 

@@ -181,7 +181,7 @@ fn lookup(names: &[ChannelName], wanted: &str, (by, same): (By, Same), key: &str
         [] => Ok(None),
         [one] => Ok(Some(*one)),
         _ => Err(Error::invalid(format!(
-            "several layers have a channel {wanted}: name one of {} with {key}",
+            "several layers have a channel {wanted}: select one of {} with {key}",
             plain.iter().map(|&i| names[i].full()).collect::<Vec<_>>().join(", ")
         ))),
     }
@@ -257,7 +257,7 @@ pub fn find_alpha_channel(names: &[ChannelName], select: &ChannelSelect, color: 
     found.ok_or_else(|| {
         let listed = list(names);
         Error::invalid(format!(
-            "there is no alpha beside the colour; the channels are: {listed}: name one with {ALPHA_KEY}"
+            "the colour layer has no alpha; the channels are: {listed}: select one with {ALPHA_KEY}"
         ))
     })
 }
@@ -325,7 +325,8 @@ fn usual_depth(names: &[ChannelName]) -> Result<DepthChannels> {
         }
     }
     Err(Error::invalid(format!(
-        "no channel has a usual name of depth (Z, depth.Z, Depth, ...): name one with {DEPTH_KEY}; the channels are: {}",
+        "no depth channel with a common name (Z, depth.Z, Depth, ...) was found: select one with {DEPTH_KEY}; the \
+        channels are: {}",
         list(names)
     )))
 }
@@ -388,7 +389,7 @@ fn usual_color(names: &[ChannelName]) -> Result<[usize; 3]> {
     if found.is_empty() {
         if names.iter().any(|channel| matches!(channel.name.as_str(), "RY" | "BY")) {
             return Err(Error::unsupported(
-                "the colour is stored as luminance and chroma (Y, RY, BY), which is not read: save it as R, G, B",
+                "colour stored as luminance and chroma (Y, RY, BY) is not supported: save it as R, G, B",
             ));
         }
         for wanted in GRAY_CHANNELS {
@@ -398,7 +399,8 @@ fn usual_color(names: &[ChannelName]) -> Result<[usize; 3]> {
         }
     }
     Err(Error::invalid(format!(
-        "no usual names of colour (R, G, B): name a layer or three channels with {COLOR_KEY}; the channels are: {}",
+        "no colour channels with common names (R, G, B) were found: select a layer or three channels with \
+        {COLOR_KEY}; the channels are: {}",
         list(names)
     )))
 }

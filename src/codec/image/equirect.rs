@@ -22,7 +22,8 @@ pub const MAX_FACE_SIDE: u32 = 8192;
 pub fn check_face_size(size: u32, width: u32) -> Result<()> {
     if size > MAX_FACE_SIDE {
         return Err(Error::unsupported(format!(
-            "faces of {size} pixels are too large to be cut from a panorama: {MAX_FACE_SIDE} are the most"
+            "faces of {size} pixels are too large to be resampled from a panorama: at most {MAX_FACE_SIDE} are \
+            supported"
         )));
     }
     let most = (width / 2).max(1);
@@ -30,8 +31,8 @@ pub fn check_face_size(size: u32, width: u32) -> Result<()> {
         return Ok(());
     }
     Err(Error::invalid(format!(
-        "faces of {size} pixels are too large for a panorama {width} pixels wide: {} keep its resolution, {most} are \
-         the most",
+        "faces of {size} pixels are too large for a panorama {width} pixels wide: {} keep its resolution, at most \
+        {most} are supported",
         (width / 4).max(1)
     )))
 }

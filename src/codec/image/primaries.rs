@@ -51,7 +51,7 @@ impl Primaries {
         let whole = primaries.to_xyz().filter(|matrix| matrix.is_finite() && matrix.inverse().is_finite());
         match whole {
             Some(_) => Ok(primaries),
-            None => Err(Error::invalid(format!("the chromaticities {values:?} span no colours"))),
+            None => Err(Error::invalid(format!("the chromaticities {values:?} do not define a colour space"))),
         }
     }
 

@@ -121,7 +121,7 @@ impl Pattern {
             .and_then(|name| name.to_str())
             .filter(|_| !text.ends_with(['/', std::path::MAIN_SEPARATOR]));
         let Some(name) = name else {
-            return Err(Error::Usage(format!("\"{text}\" names no file")));
+            return Err(Error::Usage(format!("\"{text}\" is not a file name")));
         };
         let directory = path.parent().map(Path::to_path_buf).unwrap_or_default();
         let mut pattern = Pattern { directory, before: String::new(), field: None, after: String::new() };
@@ -313,7 +313,8 @@ impl Sequence {
                 return Err(Error::not_found(
                     path,
                     format!(
-                        "frame {frame} is missing: there is no such file; \"missing\" in the manifest chooses what takes its place"
+                        "frame {frame} is missing: the file does not exist; \"missing\" in the manifest selects a \
+                        replacement"
                     ),
                 ));
             }
@@ -362,7 +363,7 @@ impl Sequence {
         if let Some(range) = frames
             && range != (FrameRange { first: frame, last: frame })
         {
-            let message = format!("frames {range} were asked for, but this single file is frame {frame}");
+            let message = format!("frames {range} were requested, but this single file is frame {frame}");
             return Err(Error::invalid(message).in_file(path));
         }
         let directory = path.parent().map(Path::to_path_buf).unwrap_or_default();
@@ -446,7 +447,7 @@ fn only_sequence(folder: &Path) -> Result<Pattern> {
             if many.len() > names.len() {
                 names.push(format!("and {} more", many.len() - names.len()));
             }
-            let message = format!("the folder holds several sequences, name one of them: {}", names.join(", "));
+            let message = format!("the folder has several sequences: select one of them: {}", names.join(", "));
             Err(Error::invalid(message).in_file(folder))
         }
     }

@@ -68,14 +68,15 @@ impl Camera {
         let forward = (target - eye).try_normalize().ok_or_else(|| {
             let (eye, target) = (eye.to_array(), target.to_array());
             Error::Usage(format!(
-                "the camera at {eye:?} looks at {target:?}, where its eye is or too far off: move one of them"
+                "the camera at {eye:?} looks at {target:?}, which is the same point or too far away: move one of them"
             ))
         })?;
         let up_unit = up.try_normalize().unwrap_or(DVec3::ZERO);
         let right = forward.cross(up_unit);
         if right.length() < MIN_UP_SINE {
             return Err(Error::Usage(format!(
-                "the camera looks along {forward}, and its up direction {up} gives no horizon to that: name another up"
+                "the camera looks along {forward}, and its up direction {up} is zero or parallel to that: use another \
+                up direction"
             )));
         }
         let right = right.normalize();
@@ -148,14 +149,10 @@ impl Camera {
         let tangent = (fov_y_deg.to_radians() / 2.0).tan();
         let half = [tangent * aspect, tangent];
         if !(aspect > 0.0 && half.iter().all(|half| half.is_finite() && *half > 0.0)) {
-            return Err(Error::Usage(format!(
-                "an image {aspect} times as wide as high: a number above 0 was expected"
-            )));
+            return Err(Error::Usage(format!("aspect ratio {aspect}: a number above 0 was expected")));
         }
         if !(near_m >= 0.0 && near_m < far_m) {
-            return Err(Error::Usage(format!(
-                "a camera that sees from {near_m} m to {far_m} m: 0 <= near < far was expected"
-            )));
+            return Err(Error::Usage(format!("camera range of {near_m} m to {far_m} m: 0 <= near < far was expected")));
         }
         Ok(Camera { eye, axes, half, middle: [0.0; 2], depth_m: [near_m, far_m], panorama: None })
     }
@@ -182,7 +179,7 @@ impl Camera {
     pub fn off_axis(self, middle: [f64; 2]) -> Result<Camera> {
         match middle.iter().all(|at| at.is_finite()) {
             true => Ok(Camera { middle, ..self }),
-            false => Err(Error::Usage(format!("the middle of a camera's image must be finite, not {middle:?}"))),
+            false => Err(Error::Usage(format!("the image centre of a camera must be finite, not {middle:?}"))),
         }
     }
 
@@ -395,9 +392,9 @@ mod tests {
         let lens = Lens::new(90.0);
         let look = |eye, target, up, lens| Camera::look_at(eye, target, up, lens).map_err(|error| error.to_string());
         assert!(look(eye, target, DVec3::Y, lens).is_ok());
-        assert!(look(eye, eye, DVec3::Y, lens).unwrap_err().contains("where its eye is"));
-        assert!(look(eye, target, DVec3::Z * 7.0, lens).unwrap_err().contains("name another up"));
-        assert!(look(eye, target, DVec3::ZERO, lens).unwrap_err().contains("name another up"));
+        assert!(look(eye, eye, DVec3::Y, lens).unwrap_err().contains("same point or too far"));
+        assert!(look(eye, target, DVec3::Z * 7.0, lens).unwrap_err().contains("use another up"));
+        assert!(look(eye, target, DVec3::ZERO, lens).unwrap_err().contains("use another up"));
         assert!(look(DVec3::NAN, target, DVec3::Y, lens).unwrap_err().contains("eye must be finite"));
         assert!(look(eye, DVec3::INFINITY, DVec3::Y, lens).unwrap_err().contains("look-at point must be finite"));
         for fov_y_deg in [0.0, -1.0, 180.0, 400.0, f64::NAN, f64::INFINITY] {
@@ -405,7 +402,7 @@ mod tests {
             assert!(said.contains("between 0 and 180"), "{said}");
         }
         for aspect in [0.0, -2.0, f64::NAN, f64::INFINITY] {
-            assert!(look(eye, target, DVec3::Y, Lens { aspect, ..lens }).unwrap_err().contains("times as wide"));
+            assert!(look(eye, target, DVec3::Y, Lens { aspect, ..lens }).unwrap_err().contains("aspect ratio"));
         }
         for (near_m, far_m) in [(-1.0, 5.0), (2.0, 2.0), (3.0, 1.0), (f64::NAN, 1.0), (0.0, f64::NAN)] {
             assert!(look(eye, target, DVec3::Y, Lens { near_m, far_m, ..lens }).unwrap_err().contains("near < far"));

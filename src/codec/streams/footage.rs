@@ -167,8 +167,8 @@ impl FootageInfo {
             [true, true] if !self.primaries.is_same(other.primaries) => {
                 let [earlier, own] = [self.primaries, other.primaries].map(Primaries::to_array);
                 return Err(Error::invalid(format!(
-                    "the chromaticities of its colour are {own:?}, those of an earlier input {earlier:?}: decode one with \
-                     `color_space`, and encode it anew"
+                    "the chromaticities of its colour are {own:?}, those of an earlier input {earlier:?}: decode one \
+                    with `color_space`, and encode it again"
                 )));
             }
             [false, true] => self.primaries = other.primaries,
@@ -249,7 +249,7 @@ fn read_probe_name(fields: &mut Fields<'_>) -> Result<String> {
     let name = fields.string("a probe's name")?;
     match is_probe_name(&name) {
         true => Ok(name),
-        false => Err(fields.error_at(start, format!("{name:?} is no name of a probe"))),
+        false => Err(fields.error_at(start, format!("{name:?} is not a probe name"))),
     }
 }
 
@@ -335,15 +335,15 @@ mod tests {
         let order = "rows do not ascend";
         for (name, value, words) in [
             (CHROMATICITIES, vec![0; 31], "more bytes expected"),
-            (CHROMATICITIES, vec![0; 32], "span no colours"),
-            (CHROMATICITIES, vec![0; 33], "span no colours"),
+            (CHROMATICITIES, vec![0; 32], "do not define a colour space"),
+            (CHROMATICITIES, vec![0; 33], "do not define a colour space"),
             (CLIPPED_PIXELS, vec![0; 7], "more bytes expected"),
             (CLIPPED_PIXELS, vec![0; 9], "1 bytes after the last field"),
             (MISSING_FRAMES, missing(&[(b"a", 1, 0, 3, 2)])[..12].to_vec(), "more bytes expected"),
             (MISSING_FRAMES, missing(&[(b"a", 4, 0, 3, 2)]), "kind 4 and face 0"),
             (MISSING_FRAMES, missing(&[(b"a", 1, 7, 3, 2)]), "kind 1 and face 7"),
-            (MISSING_FRAMES, missing(&[(b"", 1, 0, 3, 2)]), "\"\" is no name of a probe"),
-            (MISSING_FRAMES, missing(&[(b"a/b", 1, 0, 3, 2)]), "\"a/b\" is no name of a probe"),
+            (MISSING_FRAMES, missing(&[(b"", 1, 0, 3, 2)]), "\"\" is not a probe name"),
+            (MISSING_FRAMES, missing(&[(b"a/b", 1, 0, 3, 2)]), "\"a/b\" is not a probe name"),
             (MISSING_FRAMES, missing(&[(b"\xff", 1, 0, 3, 2)]), "not UTF-8"),
             (MISSING_FRAMES, missing(&[(b"a", 1, 0, 1 << 31, 2)]), "frame 2147483648"),
             (MISSING_FRAMES, missing(&[(b"a", 1, 0, BLACK, 2)]), "frame 4294967295"),
@@ -358,7 +358,7 @@ mod tests {
             (POSES, poses(&[("b", 0), ("a", 1)]), order),
             (POSES, poses(&[("a", 2), ("a", 1)]), order),
             (POSES, poses(&[("a", 1), ("a", 1)]), order),
-            (POSES, poses(&[(".a", 1)]), "no name of a probe"),
+            (POSES, poses(&[(".a", 1)]), "not a probe name"),
             (POSES, poses(&[("a", 1 << 31)]), "frame 2147483648"),
             (POSES, [&poses(&[("a", 1)])[..7], &f64::NAN.to_le_bytes(), &[0; 48]].concat(), "a position is NaN"),
         ] {

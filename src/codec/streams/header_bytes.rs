@@ -115,7 +115,7 @@ impl CodecHeader {
             }
         };
         if header.in_blocks() && [stream.unit_width, stream.unit_height].iter().any(|side| side % SIDE as u32 != 0) {
-            return Err(fields.error(format!("units whose sides are no multiples of {SIDE} pixels")));
+            return Err(fields.error(format!("units whose sides are not multiples of {SIDE} pixels")));
         }
         fields.finish()?;
         Ok(header)

@@ -74,7 +74,7 @@ fn image(line: &str, lenses: &HashMap<u64, Intrinsics>) -> Result<FileCamera> {
     let lens = lenses.get(&id).ok_or_else(|| Error::invalid(format!("there is no camera {id} in {CAMERAS}")))?;
     let quaternion = DQuat::from_xyzw(numbers[1], numbers[2], numbers[3], numbers[0]);
     if (quaternion.length() - 1.0).abs() > 1e-3 {
-        return Err(Error::invalid(format!("a quaternion of length {} turns nothing", quaternion.length())));
+        return Err(Error::invalid(format!("a quaternion of length {} is not a rotation", quaternion.length())));
     }
     let to_world = DMat3::from_quat(quaternion.normalize()).transpose();
     let eye = -(to_world * DVec3::from_slice(&numbers[4..7]));
@@ -106,17 +106,18 @@ fn camera(line: &str) -> Result<(u64, Intrinsics)> {
     let [id, model, width, height, parameters @ ..] = &words[..] else {
         return Err(Error::invalid("CAMERA_ID, MODEL, WIDTH, HEIGHT and parameters were expected"));
     };
-    let whole = |word: &str| word.parse::<u32>().map_err(|_| Error::invalid(format!("“{word}” is no size in pixels")));
+    let whole =
+        |word: &str| word.parse::<u32>().map_err(|_| Error::invalid(format!("“{word}” is not a size in pixels")));
     let size = [whole(width)?, whole(height)?];
-    let id = id.parse().map_err(|_| Error::invalid(format!("“{id}” is no number of a camera")))?;
+    let id = id.parse().map_err(|_| Error::invalid(format!("“{id}” is not a camera ID")))?;
     let Some((_, places, count)) = MODELS.iter().find(|(name, ..)| name == model) else {
         return Err(Error::unsupported(format!(
-            "a camera of the model {model}, which is no pinhole: undistort its images (colmap image_undistorter)"
+            "camera model {model} is not supported: undistort its images (colmap image_undistorter)"
         )));
     };
     let parameters: Vec<f64> = parameters.iter().map(|word| number(word)).collect::<Result<_>>()?;
     if parameters.len() != *count {
-        return Err(Error::invalid(format!("{} parameters, where {model} has {count}", parameters.len())));
+        return Err(Error::invalid(format!("{} parameters were found, but {model} has {count}", parameters.len())));
     }
     let distortion = &parameters[places[3] + 1..];
     if let Some(value) = distortion.iter().find(|value| **value != 0.0) {
@@ -129,7 +130,7 @@ fn camera(line: &str) -> Result<(u64, Intrinsics)> {
 
 fn number(word: &str) -> Result<f64> {
     let value = word.parse::<f64>().ok().filter(|value| value.is_finite());
-    value.ok_or_else(|| Error::invalid(format!("“{word}” is no number")))
+    value.ok_or_else(|| Error::invalid(format!("“{word}” is not a number")))
 }
 
 pub fn write(cameras: &[FileCamera], settings: &WriteSettings) -> Result<Written> {

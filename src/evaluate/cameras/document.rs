@@ -31,7 +31,7 @@ pub struct Content<'a> {
 impl<'a> Content<'a> {
     pub fn text(&self) -> Result<&'a str> {
         std::str::from_utf8(self.bytes)
-            .map_err(|error| Error::invalid(format!("it is no text: byte {} is not UTF-8", error.valid_up_to())))
+            .map_err(|error| Error::invalid(format!("it is not text: byte {} is not UTF-8", error.valid_up_to())))
     }
 }
 
@@ -75,10 +75,10 @@ pub fn axes_of(to_world: &DMat4) -> Result<(DVec3, [DVec3; 3])> {
         return Err(Error::invalid("its matrix has numbers that are not finite, or axes of length 0"));
     }
     if [x.dot(y), y.dot(z), z.dot(x)].iter().any(|cosine| cosine.abs() > 1e-3) {
-        return Err(Error::unsupported("its matrix shears, and a camera's axes are at right angles to each other"));
+        return Err(Error::unsupported("its matrix has shear, but the axes of a camera must be orthogonal"));
     }
     if x.cross(y).dot(z) < 0.0 {
-        return Err(Error::unsupported("its matrix mirrors, which no camera does"));
+        return Err(Error::unsupported("its matrix is a reflection, which a camera cannot have"));
     }
     let forward = -z;
     let right = (x - x.dot(forward) * forward).normalize();

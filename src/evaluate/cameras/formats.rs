@@ -89,8 +89,8 @@ pub fn read(path: &Path, fps: f64) -> Result<Vec<FileCamera>> {
         };
         if folder && !path.is_file() {
             return Err(Error::invalid(
-                "a folder of cameras is a model of COLMAP in text, with images.txt and cameras.txt, and one is missing; convert a binary \
-                 one with colmap model_converter",
+                "a COLMAP text model with images.txt and cameras.txt was expected, and one is missing: convert a \
+                binary model with colmap model_converter",
             ));
         }
         let bytes = bytes(&path)?;

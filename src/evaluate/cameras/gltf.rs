@@ -40,7 +40,7 @@ pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
         let name = node.name().unwrap_or_default().to_owned();
         let named = of_camera(if name.is_empty() { node.index().to_string() } else { name.clone() });
         let Projection::Perspective(lens) = lens.projection() else {
-            return Err(named(Error::unsupported("it is orthographic, and not perspective")));
+            return Err(named(Error::unsupported("it is orthographic, but a perspective camera was expected")));
         };
         if animations.is_empty() {
             let read = |animation| Animation::read(animation, root.nodes.len(), &mut buffers);
@@ -133,15 +133,13 @@ impl Parts {
     fn add(&mut self, Track { name, keys }: &Track, fps: f64) -> Result<()> {
         let Some((_, first)) = keys.first() else { return Ok(()) };
         if keys.iter().any(|(_, camera)| camera.middle() != [0.0; 2]) {
-            return Err(Error::unsupported(
-                "glTF holds no off-axis window, which it has; transforms, colmap and usd files do",
-            ));
+            return Err(Error::unsupported("glTF cannot store its off-axis window: use transforms, colmap or usd"));
         }
         let is_same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b;
         let changes =
             |(_, camera): &(Option<u32>, Camera)| (0..2).any(|axis| !is_same(camera.half()[axis], first.half()[axis]));
         if keys.iter().any(changes) {
-            return Err(Error::unsupported("glTF holds no field of view that changes, as its does; usd files do"));
+            return Err(Error::unsupported("glTF cannot store its animated field of view: use usd"));
         }
         let lens = first.lens();
         let mut perspective = json!({
@@ -161,7 +159,7 @@ impl Parts {
         let Some(frames) = frames else { return Ok(()) };
         let times: Vec<f32> = frames.iter().map(|&frame| (f64::from(frame) / fps) as f32).collect();
         if !times.is_sorted_by(|a, b| a < b) {
-            return Err(Error::unsupported("its frames are too near to each other for times in single precision"));
+            return Err(Error::unsupported("its frames are too close to each other for single-precision times"));
         }
         let input = self.accessor("SCALAR", &times);
         let eyes: Vec<f32> =

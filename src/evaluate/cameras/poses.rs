@@ -26,7 +26,7 @@ pub struct Track {
 pub fn poses(cameras: &[FileCamera]) -> Result<Vec<Pose<'_>>> {
     let count: u64 = cameras.iter().map(|camera| camera.timed.frames.map_or(1, |frames| frames.count())).sum();
     if count > u64::from(MAX_PATH_FRAMES) {
-        return Err(Error::Usage(format!("{count} poses of cameras, where {MAX_PATH_FRAMES} are the most")));
+        return Err(Error::Usage(format!("{count} camera poses, at most {MAX_PATH_FRAMES} are supported")));
     }
     let of = |camera| {
         let frames: &FileCamera = camera;

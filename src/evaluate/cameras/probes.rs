@@ -53,7 +53,7 @@ pub fn of_placed(set: &CameraSet) -> Result<Vec<FileCamera>> {
             add(name, camera_of(placed, fov_y_deg))?;
             continue;
         }
-        let no_turn = || Error::invalid(format!("camera {at}: its orientation is no quaternion of length 1"));
+        let no_turn = || Error::invalid(format!("camera {at}: its orientation is not a quaternion of length 1"));
         let turn = placed.orientation.map_or(Some(DQuat::IDENTITY), rotation).ok_or_else(no_turn)?;
         for face in Face::CUBE {
             let camera = of_face(DVec3::from_array(placed.position), face.axes().map(|axis| turn * axis));

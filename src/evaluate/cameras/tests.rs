@@ -160,7 +160,7 @@ fn transforms_that_are_no_pinholes_are_refused() {
     assert!(said(&format!(r#"{{ "camera_angle_x": 1.2, "w": 8, {frame} }}"#), None).contains("\"h\" is missing"));
     assert!(said(&format!("{{ {frame} }}"), None).contains("\"w\" is missing"));
     for (keys, matrix, words) in [
-        (r#", "fl_x": 5, "k1": 0.01"#, matrix, "\"k1\" distorts"),
+        (r#", "fl_x": 5, "k1": 0.01"#, matrix, "lens distortion (\"k1\")"),
         (r#", "fl_x": 5, "camera_model": "OPENCV_FISHEYE""#, matrix, "OPENCV_FISHEYE"),
         ("", matrix, "\"fl_x\" is missing"),
         (r#", "fl_x": 5"#, "[[1, 0, 0], [0, 1, 0], [0, 0, 1]]", "4 rows of 4 numbers"),
@@ -181,8 +181,8 @@ fn colmap_models_that_are_no_pinholes_are_refused() {
     for (text, cameras, words) in [
         (image, "3 OPENCV 8 4 5 5 4 2 0 0 0.1 0\n", "distortion (0.1)"),
         (image, "3 OPENCV_FISHEYE 8 4 5 5 4 2 0 0 0 0\n", "OPENCV_FISHEYE"),
-        (image, "3 PINHOLE 8 4 5 5 4\n", "3 parameters, where PINHOLE has 4"),
-        (image, "3 PINHOLE 8 4 5 5 4 nan\n", "“nan” is no number"),
+        (image, "3 PINHOLE 8 4 5 5 4\n", "3 parameters were found, but PINHOLE has 4"),
+        (image, "3 PINHOLE 8 4 5 5 4 nan\n", "“nan” is not a number"),
         (image, "4 PINHOLE 8 4 5 5 4 2\n", "no camera 3"),
         ("1 1 0 0 0 0 0 3 a.png\n", "3 PINHOLE 8 4 5 5 4 2\n", "were expected"),
         ("1 0 0 0 0 0 0 0 3 a.png\n", "3 PINHOLE 8 4 5 5 4 2\n", "line 1"),

@@ -59,7 +59,7 @@ pub fn is_of(document: &Value) -> bool {
 
 pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
     let file: File = serde_json::from_slice(content.bytes)
-        .map_err(|error| Error::invalid(format!("these are no transforms of nerfstudio: {error}")))?;
+        .map_err(|error| Error::invalid(format!("this is not a nerfstudio transforms.json: {error}")))?;
     let named = |(at, frame)| camera(&file.lens, frame).map_err(|error| error.context(format!("frame {at}")));
     file.frames.iter().enumerate().map(named).collect()
 }
@@ -68,12 +68,14 @@ fn camera(all: &Keys, frame: &Frame) -> Result<FileCamera> {
     let own = &frame.lens;
     let model = own.camera_model.as_deref().or(all.camera_model.as_deref()).unwrap_or("OPENCV");
     if !MODELS.contains(&model) {
-        return Err(Error::unsupported(format!("a camera of the model {model}, which is no pinhole")));
+        return Err(Error::unsupported(format!("camera model {model} is not supported")));
     }
     for key in DISTORTION {
         let value = own.others.get(key).or(all.others.get(key));
         if value.is_some_and(|value| value.as_f64() != Some(0.0)) {
-            return Err(Error::unsupported(format!("\"{key}\" distorts its picture: undistort the images")));
+            return Err(Error::unsupported(format!(
+                "lens distortion (\"{key}\") is not supported: undistort the images"
+            )));
         }
     }
     let missing = |key: &str| Error::invalid(format!("\"{key}\" is missing"));

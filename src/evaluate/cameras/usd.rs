@@ -64,7 +64,7 @@ const LENS: [&str; 5] =
 
 fn add(prim: &Prim, chain: &[&Prim], to_world: &DMat4, cameras: &mut Vec<FileCamera>) -> Result<()> {
     if matches!(prim.attribute("projection"), Some(Value::Text(kind)) if kind == "orthographic") {
-        return Err(Error::unsupported("it is orthographic, and not perspective"));
+        return Err(Error::unsupported("it is orthographic, but a perspective camera was expected"));
     }
     let at = |time: f64| -> Result<Camera> {
         let mut placed = DMat4::IDENTITY;

@@ -41,7 +41,7 @@ impl ManifestCoding {
         };
         ManifestCoding::deserialize(coding)
             .map(Some)
-            .map_err(|error| Error::invalid(format!("extra.lightfold is not as lightfold writes it: {error}")))
+            .map_err(|error| Error::invalid(format!("extra.lightfold was not written by lightfold: {error}")))
     }
 
     pub fn stream(&self, kind: StreamKind, probe: &str, face: Face) -> Result<Option<Coding>> {

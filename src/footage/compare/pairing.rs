@@ -113,7 +113,7 @@ impl<'a> Pairing<'a> {
         };
         let [a, b] = self.sides;
         let sequence = self.sides.iter().any(|side| side.form == SideForm::Sequence);
-        let hint = if sequence { "; `probe` and `face` say what the sequence shows" } else { "" };
+        let hint = if sequence { "; set `probe` and `face` of the sequence" } else { "" };
         Error::Usage(format!("the two have no stream and frame in common: {}; {}{hint}", list(a), list(b)))
     }
 

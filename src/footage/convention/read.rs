@@ -108,7 +108,7 @@ pub fn jobs(source: &Source, choice: &Choice) -> Result<Vec<(SourceGroup, u32)>>
     let jobs: Vec<_> =
         source.groups().iter().filter(wanted).filter_map(|group| Some((group.clone(), frame(group)?))).collect();
     if jobs.is_empty() {
-        return Err(Error::Usage("no probe has depth or colour in the frame asked for".into()));
+        return Err(Error::Usage("no probe has depth or colour in the requested frame".into()));
     }
     Ok(jobs)
 }

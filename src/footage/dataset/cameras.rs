@@ -92,7 +92,7 @@ impl CameraSet {
         let mut text = Vec::new();
         source.take(MAX_MANIFEST_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
         if text.len() as u64 > MAX_MANIFEST_BYTES {
-            return Err(Error::invalid("a file of cameras has at most 16 MiB, this one has more").in_file(path));
+            return Err(Error::invalid("a camera file can have at most 16 MiB").in_file(path));
         }
         // Editors may put a byte order mark before UTF-8.
         if text.starts_with(b"\xef\xbb\xbf") {
@@ -122,7 +122,7 @@ impl CameraSet {
     fn of_manifest(manifest: &Manifest) -> Result<CameraSet> {
         let camera = |probe: &Probe| {
             if !probe.poses.is_empty() {
-                let message = format!("probe {} has \"poses\": cameras to capture stand still", probe.name);
+                let message = format!("probe {} has \"poses\": cameras to capture must be static", probe.name);
                 return Err(Error::invalid(message));
             }
             let (fov_y_deg, shift) = match probe.intrinsics {
@@ -190,7 +190,7 @@ impl CameraSet {
                 return wrong("\"shift\" must be two finite numbers");
             }
             if !names.insert(name) {
-                return wrong("there is another camera of this name");
+                return wrong("another camera has this name");
             }
             if camera.frames.is_some_and(|[first, last]| first > last) {
                 return wrong("the first of its \"frames\" comes after the last");
@@ -203,9 +203,7 @@ impl CameraSet {
 /// Returns the vertical field of view in degrees and the shift of an image of `size` with fx, fy, cx, cy in pixels.
 fn lens_of([fx, fy, cx, cy]: [f64; 4], size: [u32; 2]) -> Result<(f64, [f64; 2])> {
     if (fx - fy).abs() > 1e-6 * fy {
-        return Err(Error::invalid(
-            "its \"intrinsics\" have pixels that are not square, which cameras to capture cannot have",
-        ));
+        return Err(Error::invalid("its \"intrinsics\" have non-square pixels, which capture does not support"));
     }
     let [width, height] = size.map(f64::from);
     Ok((2.0 * (0.5 * height / fy).atan().to_degrees(), [0.5 - cx / width, 0.5 - cy / height]))
@@ -250,7 +248,7 @@ mod tests {
         let found = camera.intrinsics(camera.fov_y_deg.unwrap(), [80, 40]);
         assert!(found.iter().zip([60.0, 60.0, 48.0, 18.0]).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
         let error = CameraSet::from_json(manifest("[30, 31, 24, 9]").as_bytes()).unwrap_err().to_string();
-        assert!(error.contains("probe a") && error.contains("not square"), "{error}");
+        assert!(error.contains("probe a") && error.contains("non-square"), "{error}");
     }
 
     #[test]

@@ -51,8 +51,10 @@ impl Proposal {
     pub fn outside(mut self, folder: &Path) -> Result<Proposal> {
         let whole = folder.canonicalize().map_err(|error| Error::io(folder, error))?;
         let Some(whole) = whole.to_str().filter(|whole| !whole.contains(['{', '}'])) else {
-            return Err(Error::invalid("patterns cannot hold the path of this folder: put the manifest into it")
-                .in_file(folder));
+            return Err(Error::invalid(
+                "patterns cannot contain the path of this folder: write the manifest into the folder",
+            )
+            .in_file(folder));
         };
         let files = &mut self.manifest.files;
         for text in [&mut files.color, &mut files.depth, &mut files.material, &mut files.normal].into_iter().flatten() {
@@ -68,7 +70,7 @@ pub fn propose(folder: &Path) -> Result<Proposal> {
     let mut unsure = Vec::new();
     let found = sequences::find(folder, &limits, &mut unsure)?;
     if found.is_empty() {
-        let message = "no .exr or .png file with a frame number, such as beauty.0001.exr, was found in it";
+        let message = "it has no .exr or .png files with frame numbers, such as beauty.0001.exr";
         return Err(Error::invalid(message).in_file(folder));
     }
     let mut kinds = BTreeMap::new();
@@ -81,14 +83,14 @@ pub fn propose(folder: &Path) -> Result<Proposal> {
             .map_err(|error| error.context(format!("the files of {}", kind.name())).in_file(folder))?;
         unsure.extend(named.left_out.iter().map(|at| {
             let (text, kind) = (&chosen[*at].text, kind.name());
-            format!("{kind} of {text} was left out: its name is of another form than {}", named.text)
+            format!("{kind} of {text} was left out: its name has a different form than {}", named.text)
         }));
         kinds.insert(kind, (chosen, named));
     }
     if kinds.is_empty() {
         let channels = found[0].channels();
         let message =
-            format!("neither colour nor depth was found in its images; {} has the channels {channels}", found[0].text);
+            format!("its images have neither colour nor depth; {} has the channels {channels}", found[0].text);
         return Err(Error::invalid(message).in_file(folder));
     }
     Draft { folder, found: &found, kinds, limits, unsure }.manifest()
@@ -144,7 +146,7 @@ impl Draft<'_> {
         if stereo.is_some() {
             let eyes = EYES.into_iter().zip([Eye::Left, Eye::Right]);
             probes = eyes.map(|(name, eye)| Probe { name: name.into(), eye: Some(eye), ..probes[0].clone() }).collect();
-            self.unsure.push("both eyes have one position: move each by half their distance".into());
+            self.unsure.push("both eyes have the same position: move each by half the eye distance".into());
         }
         let unsure_of_cameras = unsure_of_cameras(&probes, projection);
         let fps = self.fps();
@@ -203,7 +205,8 @@ impl Draft<'_> {
         let first = all.next().map_or(&self.found[0], |of| *of);
         match all.find(|of| of.size != first.size) {
             Some(other) => Err(Error::invalid(format!(
-                "{} is {}x{} pixels, {} is {}x{}: the images of a dataset have one size; keep others in another folder",
+                "{} is {}x{} pixels, {} is {}x{}: all images of a dataset must have the same size; move others to \
+                another folder",
                 first.text, first.size.0, first.size.1, other.text, other.size.0, other.size.1
             ))
             .in_file(self.folder)),
@@ -217,8 +220,7 @@ impl Draft<'_> {
         let first = all.next().cloned().unwrap_or_default();
         match all.all(|faces| *faces == first) {
             true => Ok(first),
-            false => Err(Error::invalid("the files of colour and depth call their faces by different names")
-                .in_file(self.folder)),
+            false => Err(Error::invalid("the files of colour and depth use different face names").in_file(self.folder)),
         }
     }
 
@@ -234,8 +236,9 @@ impl Draft<'_> {
             return Err(Error::invalid(message).in_file(self.folder));
         }
         let lacking: Vec<&String> = all.iter().filter(|name| !common.contains(name)).collect();
-        self.unsure
-            .extend(lacking.iter().map(|name| format!("probe {name} was left out: it has not files of every kind")));
+        self.unsure.extend(
+            lacking.iter().map(|name| format!("probe {name} was left out: it does not have files of every kind")),
+        );
         Ok(common)
     }
 
@@ -276,10 +279,8 @@ impl Draft<'_> {
                 if let Some(frame) = missing.first() {
                     let more =
                         if missing.len() > 1 { format!(" and {} more", missing.len() - 1) } else { String::new() };
-                    self.unsure.push(format!(
-                        "{} lacks frame {frame}{more}: \"missing\" chooses what takes its place",
-                        of.text
-                    ));
+                    self.unsure
+                        .push(format!("{} lacks frame {frame}{more}: \"missing\" selects a replacement", of.text));
                 }
             }
             frames.insert(name.clone(), [first, last]);
@@ -296,7 +297,7 @@ impl Draft<'_> {
         if !faces.is_empty() {
             if faces.iter().any(|(face, word)| face.name() != word) {
                 let words: Vec<String> = faces.iter().map(|(face, word)| format!("{word} = {}", face.name())).collect();
-                self.unsure.push(format!("the faces were taken as {}", words.join(", ")));
+                self.unsure.push(format!("the faces were assumed to be {}", words.join(", ")));
             }
             return Ok((Projection::Cubemap, Some(FaceFiles::Six), None));
         }
@@ -307,7 +308,7 @@ impl Draft<'_> {
         } else if is(FaceLayout::Cross) && self.has_empty_corners(size)? {
             (Projection::Cubemap, Some(FaceFiles::Cross), None)
         } else if u64::from(width) == 2 * u64::from(height) {
-            self.unsure.push("images twice as wide as high were taken for equirectangular panoramas".into());
+            self.unsure.push("images twice as wide as high were assumed to be equirectangular panoramas".into());
             (Projection::Equirect, None, None)
         } else if let Some((stereo, words)) = panoramas::stereo(size)
             && probes == 1
@@ -386,7 +387,7 @@ impl Draft<'_> {
         }
         if png::is_png(&first.first) {
             info.unit = Some(Unit::Mm);
-            self.unsure.push(format!("{} holds integers, which were taken for millimetres", first.text));
+            self.unsure.push(format!("{} has integer depth, which was assumed to be in millimetres", first.text));
         }
         let plane = self.read_depth(first)?;
         let finite = || plane.data().iter().copied().filter(|value| value.is_finite());
@@ -396,7 +397,7 @@ impl Draft<'_> {
         if sign < 0.0 {
             info.scale = Some(-1.0);
             self.unsure.push(format!(
-                "{} holds negative depths, which were taken for Z of a camera that looks along -Z",
+                "{} has negative depth, which was assumed to be Z of a camera that looks along -Z",
                 first.text
             ));
         }
@@ -404,7 +405,7 @@ impl Draft<'_> {
         let background = far.map(|far| far * sign).or(finite().any(|value| value == 0.0).then_some(0.0));
         if let Some(background) = background {
             info.background = Background::Value(shortest(background));
-            self.unsure.push(format!("depth {background:?} was taken for the background"));
+            self.unsure.push(format!("depth {background:?} was assumed to be the background"));
         }
         Ok(Some(info))
     }
@@ -421,18 +422,18 @@ impl Draft<'_> {
     fn color_space(&mut self) -> Option<ColorSpace> {
         let (files, _) = self.kinds.get(&StreamKind::Color)?;
         if png::is_png(&files[0].first) {
-            self.unsure.push("PNG colour was taken for sRGB".into());
+            self.unsure.push("PNG colour was assumed to be sRGB".into());
             return Some(ColorSpace::Srgb);
         }
         let Some(primaries) = exr::read_stated_primaries(&files[0].first).ok()? else {
-            self.unsure.push("colour states no chromaticities, and was taken for linear light of Rec. 709".into());
+            self.unsure.push("colour has no chromaticities, and was assumed to be linear light of Rec. 709".into());
             return None;
         };
         let space = ColorSpace::of_light(primaries);
         if space.is_none() {
             let stated = primaries.to_array();
             self.unsure.push(format!(
-                "colour has the chromaticities {stated:?} that its files state, of no space with a name"
+                "colour has the chromaticities {stated:?} of its files, which match no named colour space"
             ));
         }
         space.filter(|space| *space != ColorSpace::LinearRec709)
@@ -467,7 +468,7 @@ fn unsure_of_cameras(probes: &[Probe], projection: Projection) -> Vec<String> {
         unsure.push(format!("no file states where {stand}: \"position\" is 0, 0, 0"));
     }
     if projection == Projection::Perspective && probes.iter().any(|probe| probe.intrinsics.is_none()) {
-        let give = "give \"fov_y_deg\" or \"intrinsics\", or planar depth stays planar";
+        let give = "set \"fov_y_deg\" or \"intrinsics\"; without them planar depth is not converted to distance";
         unsure.push(format!("no file states the lens: {give}"));
     }
     unsure

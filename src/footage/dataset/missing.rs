@@ -93,7 +93,7 @@ impl FrameFiles {
         }
         let mut there = sequence.frames_there(folders)?;
         let (Some(&first), Some(&last)) = (there.first(), there.last()) else {
-            let message = format!("none of the frames {frames} is there");
+            let message = format!("none of the frames {frames} exists");
             return Err(Error::invalid(message).in_file(sequence.path(frames.first)));
         };
         if missing == Missing::Skip {
@@ -213,7 +213,7 @@ mod tests {
         }
         for nothing in ["e.%04d.exr", "e.exr", "none/d.%04d.exr"] {
             let words = known(nothing, Missing::Hold).unwrap_err().to_string();
-            assert!(words.contains("none of the frames 0-4294967295 is there"), "{words}");
+            assert!(words.contains("none of the frames 0-4294967295 exists"), "{words}");
         }
     }
 }

@@ -40,7 +40,7 @@ impl NormalFiles {
 /// Reads normals from an EXR file. Fails if a normal is not finite.
 pub fn read(path: &Path, limits: &ReadLimits) -> Result<NormalPlane> {
     if png::is_png(path) {
-        return Err(Error::unsupported("normals are read from EXR files only"));
+        return Err(Error::unsupported("normals must be EXR files"));
     }
     let plane = exr::read_channels(path, NORMAL_CHANNELS, limits)?;
     match plane.data().iter().position(|normal| normal.iter().any(|part| !part.is_finite())) {
@@ -65,6 +65,6 @@ mod tests {
         let said = read(&path, &ReadLimits::default()).unwrap_err().to_string();
         assert!(said.contains("normal at pixel (1, 1)"), "{said}");
         let said = read(Path::new("a.png"), &ReadLimits::default()).unwrap_err().to_string();
-        assert!(said.contains("EXR files only"), "{said}");
+        assert!(said.contains("must be EXR files"), "{said}");
     }
 }

@@ -149,8 +149,8 @@ fn invalid_words(stored: f32, units: f32, background: f32) -> String {
         format!("zero; {say}, or `background` to 0 if it means no surface")
     } else if units > 0.0 {
         format!(
-            "{stored:e}, too far for a surface, and not the {background:e} of the background either, as where both were \
-             averaged; {say}, or state a depth.far beyond it in the manifest"
+            "{stored:e}, too far for a surface but different from the background {background:e}, as if both were \
+            averaged; {say}, or set a larger depth.far in the manifest"
         )
     } else if stored < 0.0 {
         format!(
@@ -158,7 +158,7 @@ fn invalid_words(stored: f32, units: f32, background: f32) -> String {
              negative, as in Houdini's Pz, set `depth_scale` or the manifest's depth.scale to -1"
         )
     } else {
-        format!("{stored}, on the other side of the camera than `depth_scale`, which is below 0, says; {say}")
+        format!("positive ({stored}), although `depth_scale` is negative; {say}")
     }
 }
 

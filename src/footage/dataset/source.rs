@@ -282,8 +282,8 @@ impl Source {
         }
         let [found, others] = [found, self.primaries].map(Primaries::to_array);
         Err(Error::invalid(format!(
-            "its chromaticities are {found:?}, those of the first colour file {others:?}: one set was expected; state \
-             `color_space` to ignore them"
+            "its chromaticities are {found:?}, those of the first colour file {others:?}: all files must agree; set \
+            `color_space` to ignore them"
         )))
     }
 
@@ -326,7 +326,7 @@ impl Source {
         let Some(group) = self.group_beside(color) else { return Ok(None) };
         if !group.frames.contains(frame) {
             let message =
-                "the alpha of this frame is missing, by which colour is multiplied: set `missing` to hold or black";
+                "the alpha of this frame is missing, which premultiplied colour needs: set `missing` to hold or black";
             return Err(Error::invalid(message));
         }
         let (width, height) = self.file_size;
@@ -431,7 +431,7 @@ impl Source {
     pub fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>> {
         self.read((StreamKind::Material, group, frame), [0.0, 0.0, 1.0], |path| {
             if png::is_png(path) {
-                return Err(Error::unsupported("material is read from EXR files only"));
+                return Err(Error::unsupported("material must be EXR files"));
             }
             let (probe, face) = self.names(group);
             let names =
@@ -522,8 +522,8 @@ impl Source {
         let plane = if png::is_png(path) {
             if !self.scale_stated {
                 return Err(Error::invalid(
-                    "this file holds integers; say how many metres one of them is with `depth_scale` (0.001 for \
-                     millimetres) or the manifest's depth.scale",
+                    "this file has integer depth: set metres per unit with `depth_scale` (0.001 for millimetres) or \
+                    the manifest's depth.scale",
                 ));
             }
             // The scale is applied after background pixels are identified, because the background value is in the unit of the

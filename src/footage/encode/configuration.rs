@@ -220,6 +220,6 @@ fn instruction_sets() -> String {
 /// Error for an encode that cannot be resumed because of a difference in configuration.
 pub(super) fn other(difference: &str) -> Error {
     Error::Usage(format!(
-        "the unfinished encode cannot go on: {difference}; repeat its settings, or leave out `resume` to start anew"
+        "cannot resume the unfinished encode: {difference}: use its settings, or leave out `resume` to start over"
     ))
 }

@@ -89,7 +89,8 @@ fn found_range(probe: &str, given: [Option<f32>; 2], found: &Scan) -> Result<Dep
         return match given[0].or(given[1]) {
             Some(bound) => DepthRange::new(bound, bound),
             None if found.has_invalid => Err(Error::invalid(format!(
-                "probe {probe} has no valid depth at all, so that invalid ones cannot be taken as its nearest: give `near`"
+                "probe {probe} has no valid depth, so invalid depth cannot be replaced by the nearest distance: set \
+                `near`"
             ))),
             None => Ok(DepthRange::empty()),
         };
@@ -97,8 +98,8 @@ fn found_range(probe: &str, given: [Option<f32>; 2], found: &Scan) -> Result<Dep
     let (near, far) = (given[0].unwrap_or(extent.near_m), given[1].unwrap_or(extent.far_m));
     DepthRange::new(near, far).map_err(|_| {
         Error::Usage(format!(
-            "probe {probe}: near {} m and far {} m hold no depth; what was not given was found in the footage, \
-             whose surfaces lie from {} m to {} m",
+            "probe {probe}: near {} m and far {} m hold no depth; values that were not given were measured, and \
+            surfaces lie from {} m to {} m",
             metres_in_words(near),
             metres_in_words(far),
             metres_in_words(extent.near_m),

@@ -94,7 +94,9 @@ impl Encoder {
     /// [`Error::Usage`] for a name that is in use, or has characters other than letters, digits, `.`, `_` and `-`.
     pub fn add_probe(&mut self, name: &str, pose: ProbePose) -> Result<usize> {
         if !is_probe_name(name) || self.source.probes.iter().any(|probe| probe.name == name) {
-            return Err(Error::Usage(format!("\"{name}\" is no new probe name of letters, digits, '.', '_' and '-'")));
+            return Err(Error::Usage(format!(
+                "\"{name}\" is not a new probe name of letters, digits, '.', '_' and '-'"
+            )));
         }
         let ProbePose { position, orientation, intrinsics } = pose;
         let frames = FrameRange { first: self.first_frame, last: self.first_frame };
@@ -150,14 +152,14 @@ impl Encoder {
             return wrong("the probe is unknown");
         }
         if width == 0 || height == 0 || (face != Face::View && width != height) {
-            return wrong("cube faces are square, and no image is empty");
+            return wrong("cube faces must be square, and images must not be empty");
         }
         if groups.iter().any(|group| (group.faces == [Face::View]) != (face == Face::View)) {
-            return wrong("a container has cube faces or views, not both");
+            return wrong("a container cannot have both cube faces and views");
         }
         let kind = frames.kind();
         if groups.iter().any(|group| (group.kind, group.probe, &group.faces[..]) == (kind, probe, &[face])) {
-            return wrong("the probe has such a stream already");
+            return wrong("the probe already has such a stream");
         }
         let range = FrameRange { first: self.first_frame, last: self.first_frame };
         self.source.groups.push(SourceGroup { kind, probe, faces: vec![face], frames: range, width, height });

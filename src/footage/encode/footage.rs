@@ -97,7 +97,7 @@ impl<'de> Deserialize<'de> for FrameDigest {
         let digest = parts.and_then(|(bytes, crc32)| {
             Some(FrameDigest { bytes: bytes.parse().ok()?, crc32: u32::from_str_radix(crc32, 16).ok()? })
         });
-        digest.ok_or_else(|| de::Error::custom(format!("\"{text}\" is no digest such as \"1024-0f3a5c7e\"")))
+        digest.ok_or_else(|| de::Error::custom(format!("\"{text}\" is not a digest such as \"1024-0f3a5c7e\"")))
     }
 }
 

@@ -95,8 +95,8 @@ impl<'a> GroupCoder<'a> {
         let numbers = levels.numbers(codes.data()).map_err(|at| {
             let (x, y) = (at % width as usize, at / width as usize);
             Error::invalid(format!(
-                "pixel ({x}, {y}) has a depth that was not there when the images were looked through: scan and \
-                 encode again, with images that do not change meanwhile"
+                "pixel ({x}, {y}) has a depth that was not found in advance: the images have changed, so scan and \
+                encode them again"
             ))
         })?;
         Plane::new(width, height, numbers.into_owned())

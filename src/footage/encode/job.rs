@@ -140,7 +140,7 @@ pub fn check(source: &dyn FrameSource, settings: &EncodeSettings) -> Result<()> 
     settings.check()?;
     let groups = selected_groups(source, settings);
     if groups.is_empty() {
-        return Err(Error::Usage(format!("'{}' has no stream of the kinds asked for", source.name())));
+        return Err(Error::Usage(format!("'{}' has no stream of the selected kinds", source.name())));
     }
     budget::check(source, settings, &groups)
 }

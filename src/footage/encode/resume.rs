@@ -140,7 +140,7 @@ impl Completed {
         order: &Order<'_>,
         settings: &EncodeSettings,
     ) -> Result<Completed> {
-        let of_old = |_| configuration::other("it was begun by another version of lightfold");
+        let of_old = |_| configuration::other("it was started by another version of lightfold");
         let begun = serde_json::from_slice(&recovered.head).map_err(of_old)?;
         if let Some(difference) = Fingerprint(begun).difference(now) {
             return Err(configuration::other(&difference));
@@ -216,7 +216,7 @@ impl Completed {
         files.dedup();
         let name = name_frame(source, group, frame);
         Err(Error::Usage(format!(
-            "the unfinished encode cannot go on: {} ({name}) has changed since; leave out `resume` to start anew",
+            "cannot resume the unfinished encode: {} ({name}) has changed since: leave out `resume` to start over",
             files.join(" or ")
         )))
     }
@@ -260,7 +260,7 @@ impl Completed {
                         if has_other_range { "the nearest or the farthest surface" } else { "the few distances" };
                     let name = source.probes().get(probe).map_or("", |probe| probe.name.as_str());
                     return Err(configuration::other(&format!(
-                        "files have changed since, and with them {changed} of probe {name}"
+                        "files have changed since, which changes {changed} of probe {name}"
                     )));
                 }
                 self.scans.insert(probe, ScanNote { scan, files });
@@ -271,5 +271,5 @@ impl Completed {
 }
 
 fn broken() -> Error {
-    configuration::other("its journal contradicts itself")
+    configuration::other("its journal is inconsistent")
 }

@@ -96,7 +96,7 @@ impl ScanFile {
     pub fn read(path: &Path) -> Result<ScanFile> {
         let file = open_regular(path)?;
         let scan: ScanFile = serde_json::from_reader(std::io::BufReader::new(file))
-            .map_err(|error| Error::invalid(format!("this is no scan: {error}")).in_file(path))?;
+            .map_err(|error| Error::invalid(format!("this is not a scan: {error}")).in_file(path))?;
         let ascends = |pair: &[ScannedFrames]| pair[0].place() < pair[1].place();
         let message = match scan.lightfold_scan {
             VERSION if scan.parts.windows(2).all(ascends) => return Ok(scan),
@@ -212,7 +212,7 @@ impl ScanFile {
     /// [`Error::Invalid`] for other footage, and for parts that cover the same frames but differ.
     pub fn merge(&mut self, other: ScanFile) -> Result<()> {
         if self.footage != other.footage {
-            return Err(Error::invalid("a scan of other footage or with other settings than the first one"));
+            return Err(Error::invalid("a scan of different footage or with different settings than the first one"));
         }
         self.is_unfinished = false;
         for part in other.parts {

@@ -159,8 +159,8 @@ impl ErrorBound {
             ErrorBound::Relative(0.0) => Ok(0),
             ErrorBound::Relative(share) => range.codes_within(share).ok_or_else(|| {
                 Error::Usage(format!(
-                    "`max_error` {}%: codes from {range} keep {}% of the distance at best: a larger error, or `near` and `far` \
-                     closer together, were expected",
+                    "`max_error` {}%: 16-bit codes for {range} are accurate to {}% of the distance at best: increase \
+                    `max_error`, or set `near` and `far` closer together",
                     rounded_up(100.0 * share),
                     rounded_up(100.0 * range.relative_error(0)),
                 ))
@@ -280,32 +280,31 @@ impl EncodeSettings {
         }
         if !(1..=MAX_FRAMES).contains(&self.color_chunk) {
             return Err(Error::Usage(format!(
-                "chunks of {} frames of colour: 1 to {MAX_FRAMES} are possible",
+                "colour chunks of {} frames: 1 to {MAX_FRAMES} were expected",
                 self.color_chunk
             )));
         }
         if self.color_tables.is_some() && self.color_codec != ColorCodec::Transform {
-            return Err(Error::Usage("`color_tables` is of `color_codec` transform".into()));
+            return Err(Error::Usage("`color_tables` needs `color_codec` transform".into()));
         }
         if !self.depth_tables.is_empty() && self.depth.codec != DepthCodec::Predictive {
-            return Err(Error::Usage("`depth_tables` is of `depth_codec` predictive".into()));
+            return Err(Error::Usage("`depth_tables` needs `depth_codec` predictive".into()));
         }
         if self.depth_tables.len() > MAX_OWN {
             return Err(Error::Usage(format!("`depth_tables`: at most {MAX_OWN} table sets are possible")));
         }
         if self.color_codec == ColorCodec::Cells && !matches!(self.search.target, Target::Psnr(_)) {
             return Err(Error::Usage(
-                "`color_codec` cells keeps a PSNR: `quality` and `color_qp` are of transform".into(),
+                "`quality` and `color_qp` need `color_codec` transform: with cells use `psnr`".into(),
             ));
         }
         let Some(ColorBlockSettings { blocks, final_psnr_db }) = self.color_blocks else { return Ok(()) };
         if self.color_codec == ColorCodec::Transform {
-            let message =
-                "the transform codec has no keyframes in blocks: choose `color_codec` cells, or no `color_block`";
+            let message = "`color_block` needs `color_codec` cells: use cells, or leave out `color_block`";
             return Err(Error::Usage(message.into()));
         }
         if (blocks == ColorBlocks::Bc6h) != matches!(self.color, ColorFormat::Half { .. }) {
-            let message = "BC1 and BC7 hold 8 bits, BC6H holds half floats: choose bc6h with `hdr`, bc1 or bc7 without";
+            let message = "BC1 and BC7 store 8 bits, BC6H stores half floats: use bc6h with `hdr`, bc1 or bc7 without";
             return Err(Error::Usage(message.into()));
         }
         if !self.cell.is_multiple_of(SIDE as u32) {
@@ -315,7 +314,8 @@ impl EncodeSettings {
         let searched_db = self.search.target.min_psnr_db();
         if final_psnr_db > searched_db {
             return Err(Error::Usage(format!(
-                "{final_psnr_db} dB after blocks, but keyframes are chosen for {searched_db} dB: blocks only lose"
+                "`psnr_final` {final_psnr_db} dB exceeds `psnr` {searched_db} dB, but blocks only lose quality: \
+                reduce `psnr_final`"
             )));
         }
         Ok(())

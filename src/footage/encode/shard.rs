@@ -44,7 +44,7 @@ impl Shard {
     fn check(self, most: u64, words: impl FnOnce() -> String) -> Result<()> {
         let Shard { number, count } = self;
         if !(1..=count).contains(&number) {
-            return Err(Error::Usage(format!("`shard` {number}/{count}: shards count from 1 to {count}")));
+            return Err(Error::Usage(format!("`shard` {number}/{count}: a number of 1 to {count} was expected")));
         }
         if u64::from(count) > most {
             return Err(Error::Usage(format!("`shard` {number}/{count}: {}", words())));

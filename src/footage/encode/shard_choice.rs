@@ -50,8 +50,8 @@ impl ShardChoice {
             groups.push(SourceGroup { frames, ..group.clone() });
         }
         if groups.is_empty() {
-            let message = "no stream has the probes, kinds and frames of this shard: see `shard_probe`, `shard_stream` and \
-                           `shard_frames`";
+            let message = "no stream has the probes, kinds and frames of this shard: check `shard_probe`, \
+                `shard_stream` and `shard_frames`";
             return Err(Error::Usage(message.to_owned()));
         }
         Ok(groups)
@@ -67,7 +67,7 @@ fn not_cut(all: FrameRange, part: FrameRange, length: u32) -> Option<String> {
         let before = part.first - behind(part.first);
         let after = before.checked_add(length).filter(|&after| after <= all.last);
         let nearest = or(std::iter::once(before).chain(after).collect());
-        return Some(format!("begins anew at frame {nearest}, not at {}", part.first));
+        return Some(format!("can begin at frame {nearest}, not at {}", part.first));
     }
     if part.last != all.last && behind(part.last + 1) != 0 {
         let before = (part.last - behind(part.last)).checked_sub(1).filter(|&before| before >= part.first);
@@ -90,8 +90,8 @@ mod tests {
             assert_eq!(words(first, last), None, "{first}-{last}");
         }
         for (first, last, expected) in [
-            (5, 10, "begins anew at frame 3 or 11, not at 5"),
-            (20, 20, "begins anew at frame 19, not at 20"),
+            (5, 10, "can begin at frame 3 or 11, not at 5"),
+            (20, 20, "can begin at frame 19, not at 20"),
             (3, 9, "can end at frame 10, not at 9"),
             (3, 12, "can end at frame 10 or 18, not at 12"),
             (11, 12, "can end at frame 18, not at 12"),

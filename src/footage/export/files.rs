@@ -193,7 +193,7 @@ pub fn decode_to_stream<W: Write>(
     let [StreamFrames { stream, frames }] = streams else { return Err(several_streams(decoder, streams)) };
     if out.format() == StreamFormat::Y4m && stream.kind != StreamKind::Color {
         return Err(Error::Usage(format!(
-            "Y4M holds colour, and this stream has {}: `stream_format` png or raw keeps its codes",
+            "Y4M stores colour only, and this stream has {}: use `stream_format` png or raw",
             stream.kind.name()
         )));
     }
@@ -230,8 +230,8 @@ fn several_streams(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> Error {
         names.push(format!("{} more", streams.len() - MAX_LISTED));
     }
     Error::Usage(format!(
-        "standard output takes the pictures of one stream, and {} are selected ({}): choose one by `probe`, `face` and `stream`, or name \
-         a folder",
+        "standard output takes the pictures of one stream, and {} are selected ({}): select one with `probe`, `face` \
+        and `stream`, or specify a folder",
         streams.len(),
         names.join(", ")
     ))

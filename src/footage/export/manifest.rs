@@ -87,8 +87,8 @@ pub(super) fn manifest_of(
     let listed = listed(streams, format);
     let Some(all) = listed.iter().map(|part| part.frames).reduce(FrameRange::hull) else {
         return Err(
-            "a manifest cannot describe what these PNG files hold: depth codes, weights, or colour with another \
-                    transfer function or exposure than sRGB",
+            "a manifest cannot describe the content of these PNG files: depth codes, weights, or colour with a \
+            transfer function or exposure other than sRGB",
         );
     };
     if !is_complete(&listed) {

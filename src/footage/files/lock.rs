@@ -19,7 +19,7 @@ pub fn open_locked(path: &Path) -> Result<Option<Locked>> {
     // The previous owner may rename or remove the file between our open and our lock; the path is then opened again.
     for _ in 0..100 {
         if path.symlink_metadata().is_ok_and(|meta| !meta.is_file()) {
-            let message = format!("{} exists and is no plain file", path.display());
+            let message = format!("{} exists and is not a regular file", path.display());
             return Err(Error::new(ErrorKind::AlreadyExists, message));
         }
         let file = DiskFile::open(path)?;

@@ -12,7 +12,7 @@ pub fn parent_of(path: &Path) -> &Path {
 
 /// Fails if the file system cannot accept the name: too long, or with a NUL character. Creates nothing.
 pub fn check_name(path: &Path) -> Result<()> {
-    let refused = |why: &str| Err(Error::Usage(format!("{}: {why}; name another output", shortened(path))));
+    let refused = |why: &str| Err(Error::Usage(format!("{}: {why}: use another name", shortened(path))));
     let existing = path.ancestors().find(|above| above.is_dir() || above.as_os_str().is_empty());
     let folder = existing.filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let missing = existing.and_then(|existing| path.strip_prefix(existing).ok()).unwrap_or(path);
@@ -21,7 +21,7 @@ pub fn check_name(path: &Path) -> Result<()> {
     for tried in names.chain([path.to_path_buf()]) {
         match tried.symlink_metadata().map_err(|error| error.kind()) {
             Err(ErrorKind::InvalidFilename) => return refused("its name is too long for the file system"),
-            Err(ErrorKind::InvalidInput) => return refused("a name with a NUL character, which no file can have"),
+            Err(ErrorKind::InvalidInput) => return refused("file names cannot have NUL characters"),
             _ => {}
         }
     }
@@ -84,7 +84,7 @@ mod tests {
         let long = "n".repeat(70_000);
         for name in [&long, &format!("none/{long}/c.png"), &"d/".repeat(30_000), "a\0b", "none/a\0b.lfold"] {
             let error = check_name(&at(name)).unwrap_err().to_string();
-            assert!(error.len() < 400 && error.contains("name another output"), "{error}");
+            assert!(error.len() < 400 && error.contains("use another name"), "{error}");
             assert!(check_name(Path::new(name)).is_err());
         }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);

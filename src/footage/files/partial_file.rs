@@ -58,7 +58,7 @@ impl PartialFile {
             let place = path.display();
             Error::busy(
                 output,
-                format!("another lightfold is writing it, in {place}; wait for it, or name another file"),
+                format!("another lightfold process is writing it, in {place}: wait for it, or use another file"),
             )
         };
         let open = |path: &Path| open_locked(path).map_err(|error| Error::io(output, error))?.ok_or_else(busy);
@@ -104,7 +104,7 @@ impl PartialFile {
         let io = |error| Error::io(&self.output, error);
         let bytes = intact.unwrap_or_default();
         truncate(self.writer.get_mut(), bytes.file).map_err(io)?;
-        let busy = || Error::busy(&self.journal_path, "another process has it");
+        let busy = || Error::busy(&self.journal_path, "another process is using it");
         let mut journal = match self.journal.take() {
             Some(journal) => journal,
             None => open_locked(&self.journal_path).map_err(io)?.ok_or_else(busy)?.file,

@@ -100,20 +100,24 @@ impl PartialFolder {
         }
         if output.is_symlink() && !output.exists() {
             return Err(Error::Usage(format!(
-                "{}: a link that leads nowhere, where a folder was expected; remove it, or make what it leads to",
+                "{}: a dangling link, where a folder was expected: remove it, or create its target",
                 output.display()
             )));
         }
         let path = path_for(output, &format!("{part}{}", kind.suffix))?;
         if path.symlink_metadata().is_ok_and(|meta| !meta.is_dir()) {
-            return Err(Error::Usage(format!("{}: it is in the way, and no folder; remove it", path.display())));
+            return Err(Error::Usage(format!(
+                "{}: this is not a folder, and a folder is created there: remove it",
+                path.display()
+            )));
         }
         let made = MadeFolders::create(parent_of(&path)).map_err(io)?;
         let files = path.join(FILES);
         disk::create_folders(&files).map_err(io)?;
         let Some(Locked { file: state, is_locked }) = open_locked(&path.join(kind.state)).map_err(io)? else {
             let place = path.display();
-            let message = format!("another lightfold is writing it, in {place}; wait for it, or name another folder");
+            let message =
+                format!("another lightfold process is writing it, in {place}: wait for it, or use another folder");
             return Err(Error::busy(output, message));
         };
         // Files without a state may be all that survived on a damaged disk.
@@ -337,7 +341,7 @@ fn path_for(output: &Path, suffix: &str) -> Result<PathBuf> {
     match hidden_beside(output, suffix) {
         Some(beside) if beside.exists() || !output.exists() => Ok(beside),
         _ if output.is_dir() => Ok(output.join(suffix)),
-        _ => Err(Error::Usage(format!("{}: no name of a folder", output.display()))),
+        _ => Err(Error::Usage(format!("{}: this is not a folder name", output.display()))),
     }
 }
 
@@ -502,7 +506,7 @@ mod tests {
         let base = tempfile::tempdir().unwrap();
         std::os::unix::fs::symlink(base.path().join("gone"), base.path().join("cap")).unwrap();
         let said = PartialFolder::open(&base.path().join("cap"), CAPTURE).unwrap_err().to_string();
-        assert!(said.contains("leads nowhere"), "{said}");
+        assert!(said.contains("a dangling link"), "{said}");
         assert_eq!(names(base.path()), ["cap"]);
     }
 
@@ -520,7 +524,7 @@ mod tests {
         assert!(PartialFolder::open(&base.path().join("cap"), CAPTURE).is_err());
         std::fs::write(base.path().join(".other.capture.partial"), "theirs").unwrap();
         let said = PartialFolder::open(&base.path().join("other"), CAPTURE).unwrap_err().to_string();
-        assert!(said.contains("in the way"), "{said}");
+        assert!(said.contains("not a folder, and a folder is created there"), "{said}");
         assert_eq!(names(base.path()), [".other.capture.partial", "cap"]);
         assert!(PartialFolder::open(&base.path().join("none/.."), CAPTURE).is_err());
     }

@@ -11,7 +11,9 @@ pub fn standard_output() -> Result<Stdout> {
     let out = stdout();
     match is_closed(&out) {
         true => Err(Error::Usage(
-            "standard output is closed, where a result goes: redirect it to a file or a pipe, or name a file".into(),
+            "standard output is closed, but the result is written to it: redirect it to a file or a pipe, or specify \
+            a file"
+                .into(),
         )),
         false => Ok(out),
     }

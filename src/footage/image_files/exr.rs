@@ -113,8 +113,8 @@ pub fn read_depth(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> R
     if let Some(at) = plane.data().iter().position(|&[r, g, b]| (r != g || r != b) && !r.is_nan()) {
         let [x, y] = [at as u32 % plane.width(), at as u32 / plane.width()];
         let message = format!(
-            "R, G and B of the layer of depth differ at pixel ({x}, {y}), so they are no depth: name a channel with \
-             `depth_channel` or the manifest's depth.channel"
+            "R, G and B of the depth layer differ at pixel ({x}, {y}), so they are not depth: select a channel with \
+            `depth_channel` or the manifest's depth.channel"
         );
         return Err(Error::invalid(message).in_file(path));
     }
@@ -303,7 +303,9 @@ fn select<const N: usize>(
         let (part, sample_type, bytes_before) = places[index];
         // A subsampled channel shifts the bytes of all channels of its layer.
         if headers[part].channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
-            return Err(Error::unsupported("EXR layers with subsampled channels are not read: save all at full size"));
+            return Err(Error::unsupported(
+                "EXR layers with subsampled channels are not supported: save all channels at full resolution",
+            ));
         }
         wanted.push(Wanted { part, sample_type, bytes_before, slot });
     }

@@ -146,7 +146,8 @@ impl<W: Write> PictureStream<W> {
         if layout != (size, pixel_format) {
             let [other_width, other_height] = layout.0;
             return Err(Error::Usage(format!(
-                "a picture of {other_width}x{other_height} pixels follows one of {width}x{height}: a stream holds pictures of one size"
+                "a picture of {other_width}x{other_height} pixels follows one of {width}x{height}: all pictures of a \
+                stream must have the same size"
             )));
         }
         let rate = self.rate;
@@ -180,7 +181,7 @@ impl<W: Write> PictureStream<W> {
             }
             (StreamFormat::Y4m, None, _) => {
                 return Err(Error::Usage(
-                    "Y4M holds 8-bit colour, and depth has 16-bit codes: `stream_format` png or raw keeps them".into(),
+                    "Y4M stores 8-bit colour only, and depth has 16-bit codes: use `stream_format` png or raw".into(),
                 ));
             }
         }

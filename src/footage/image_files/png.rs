@@ -49,7 +49,7 @@ pub fn read_alpha(path: &Path, limits: &ReadLimits) -> Result<AlphaPlane> {
     let data = match image.color() {
         color if color.has_alpha() => image.into_rgba16().pixels().map(|pixel| value(pixel.0[3])).collect(),
         color if !color.has_color() => image.into_luma16().pixels().map(|pixel| value(pixel.0[0])).collect(),
-        _ => return Err(Error::invalid("this image has colour and no alpha").in_file(path)),
+        _ => return Err(Error::invalid("this image has no alpha").in_file(path)),
     };
     Plane::new(width, height, data)
 }

@@ -141,7 +141,8 @@ impl QuiltLayout {
         let Some(blank) = self.tiles().checked_sub(views.into()) else {
             let tiles = self.tiles();
             return Err(Error::Usage(format!(
-                "`quilt` {self} has {tiles} tiles, and there are {views} views: name more columns and rows, or fewer `views`"
+                "`quilt` {self} has {tiles} tiles, but there are {views} views: use more columns and rows, or fewer \
+                `views`"
             )));
         };
         let mut notes = Vec::new();
@@ -180,7 +181,7 @@ impl FromStr for QuiltLayout {
             Some(((columns, true), (rows, true))) => QuiltLayout::new(columns, rows),
             _ => {
                 let names = DEVICES.map(|device| device.name).join(", ");
-                let message = format!("\"{text}\" is neither a device ({names}) nor columns and rows such as 8x6");
+                let message = format!("\"{text}\": a device ({names}) or columns and rows such as 8x6 were expected");
                 Err(Error::Usage(message))
             }
         }
@@ -236,7 +237,7 @@ pub fn quilt_path(path: &Path, layout: QuiltLayout, aspect: f64) -> Result<PathB
     }
     let suffix = format!("{SUFFIX}{layout}a{words}");
     let Some(stem) = path.file_stem() else {
-        return Err(Error::Usage(format!("\"{}\" names no file", path.display())));
+        return Err(Error::Usage(format!("\"{}\" is not a file name", path.display())));
     };
     let Some(name) = parse_quilt_name(path) else {
         let mut name = stem.to_os_string();
@@ -248,8 +249,11 @@ pub fn quilt_path(path: &Path, layout: QuiltLayout, aspect: f64) -> Result<PathB
         return Ok(path.with_file_name(name));
     };
     let says = |found: String, made: String| {
-        let message = format!("the name says {found}, and the quilt has {made}");
-        Error::Usage(format!("{}: {message}; leave out {SUFFIX} and what follows, or make it {suffix}", path.display()))
+        let message = format!("the file name states {found}, but the quilt has {made}");
+        Error::Usage(format!(
+            "{}: {message}: leave out {SUFFIX} and the rest, or change it to {suffix}",
+            path.display()
+        ))
     };
     if [name.columns, name.rows] != [layout.columns, layout.rows] {
         return Err(says(format!("{}x{} tiles", name.columns, name.rows), layout.to_string()));
@@ -382,7 +386,7 @@ mod tests {
             "portrait expects 3360x3360 pixels, views of 420x560; this quilt has 336x336, views of 42x56"
         );
         assert!(layout("65").notes(72, [1024, 910]).unwrap()[0].contains("this quilt has 8192x8190"));
-        assert!(said(layout("8x6").notes(49, [1, 1])).contains("48 tiles, and there are 49 views"));
+        assert!(said(layout("8x6").notes(49, [1, 1])).contains("48 tiles, but there are 49 views"));
         assert!(said(layout("4096x4096").notes(1, [9, 9])).contains("at most 1073741824 pixels"));
         assert!(said(layout("4096x1").notes(1, [u32::MAX, 1])).contains("smaller views"));
     }
@@ -431,10 +435,13 @@ mod tests {
             assert_eq!(named(text, aspect), text);
         }
         let message = said(path("q_qs6x8a0.75.png", 0.75));
-        assert!(message.starts_with("q_qs6x8a0.75.png: the name says 6x8 tiles, and the quilt has 8x6"), "{message}");
+        assert!(
+            message.starts_with("q_qs6x8a0.75.png: the file name states 6x8 tiles, but the quilt has 8x6"),
+            "{message}"
+        );
         assert!(message.ends_with("make it _qs8x6a0.75"), "{message}");
         let message = said(path("q_qs8x6a0.5625.png", 0.5455));
-        assert!(message.contains("says views of aspect ratio 0.5625, and the quilt has 0.5455"), "{message}");
+        assert!(message.contains("states views of aspect ratio 0.5625, but the quilt has 0.5455"), "{message}");
         for aspect in [0.0, 0.000_01, f64::NAN, f64::INFINITY] {
             assert!(said(path("q.png", aspect)).contains("0.0001"), "{aspect}");
         }

@@ -46,7 +46,7 @@ pub fn inspect<'a>(
     }
     if row_count > MAX_ROWS {
         return Err(Error::Usage(format!(
-            "{row_count} rows of frames, more than {MAX_ROWS}: choose fewer frames or streams"
+            "{row_count} rows, at most {MAX_ROWS} are possible: select fewer frames or streams"
         )));
     }
     // If fewer chunks fit in memory than there are threads, streams are measured one by one.

@@ -41,13 +41,13 @@ impl Flattener {
     pub fn new(entry: &StreamEntry, settings: &FlattenSettings) -> Result<Flattener> {
         let header = CodecHeader::read(entry)?;
         let CodecHeader::Depth(depth @ DepthHeader { coding: DepthCoding::Tree(tree), .. }) = header else {
-            return Err(Error::Usage("only streams in the intermediate form can be packed at a bound".into()));
+            return Err(Error::Usage("only streams of the intermediate form can be packed at an error bound".into()));
         };
         let bound = settings.error.codes(depth.range)?;
         if bound > tree.bound {
             return Err(Error::Usage(format!(
-                "an error of {bound} codes is asked for, but the tree was built for at most ±{} codes: choose a smaller \
-                 `max_error`, or run quadtree again with a larger one",
+                "a maximum error of {bound} codes was requested, but the quadtree was built for at most ±{} codes: \
+                reduce `max_error`, or run quadtree again with a larger one",
                 tree.bound
             )));
         }

@@ -98,7 +98,8 @@ pub(super) fn join<W: Write>(
     let flatteners = inputs.iter().map(|reader| flatteners(reader, settings)).collect::<Result<Vec<_>>>()?;
     if settings.flatten.is_some() && flatteners.iter().flatten().all(Option::is_none) {
         return Err(Error::Usage(
-            "`max_error` packs streams in the intermediate form, and no input has one: write it with lightfold quadtree"
+            "`max_error` packs streams of the intermediate form, and no input has one: create it with lightfold \
+            quadtree"
                 .into(),
         ));
     }

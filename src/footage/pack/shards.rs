@@ -48,7 +48,7 @@ pub(super) fn shard_entries(inputs: &[Reader]) -> Result<Option<Vec<ShardEntry>>
     let mut shards = Vec::new();
     for (reader, entry) in inputs.iter().zip(entries) {
         let Some(entry) = entry else {
-            let message = "a whole container among shards: pack the shards alone first";
+            let message = "this is a complete container among shards: pack the shards separately first";
             return Err(Error::invalid(message).in_file(reader.path()));
         };
         shards.push(entry);
@@ -86,8 +86,8 @@ fn not_of_one_encode(first: &Reader, other: &Reader, shard: &ShardEntry) -> Stri
         more => format!(" and {}", counted(more as u64, "further stream")),
     };
     format!(
-        "a shard of another encode than {than}: {footage}, whose {}{more} {} another content; encode all shards of one \
-         footage",
+        "a shard of another encode than {than}: {footage}, whose {}{more} {} different content: encode all shards \
+        from the same footage",
         name_of(first, stream),
         if more.is_empty() { "has" } else { "have" }
     )
@@ -245,7 +245,7 @@ impl Joined<'_> {
             let end = stream.first_frame + stream.frame_count;
             let Some(entry) = entry.filter(|_| next == end) else {
                 let name = name_of(&self.inputs[0], stream);
-                return Err(Error::invalid(format!("{}: frame {next} of {name} is in none of them", missing(shards))));
+                return Err(Error::invalid(format!("{}: no shard has frame {next} of {name}", missing(shards))));
             };
             self.streams.push(StreamEntry {
                 first_frame: stream.first_frame,
@@ -345,7 +345,7 @@ fn name_of(reader: &Reader, stream: &WholeStream) -> String {
 fn missing(shards: &[ShardEntry]) -> String {
     let count = shards[0].count;
     if shards.iter().any(|shard| shard.count != count) {
-        return "shards are missing, and those that are there are of different divisions".to_owned();
+        return "shards are missing, and the existing ones have different divisions".to_owned();
     }
     let there: BTreeSet<u32> = shards.iter().map(|shard| shard.number).collect();
     let missing: Vec<u32> = (1..=count).filter(|number| !there.contains(number)).collect();
@@ -353,7 +353,8 @@ fn missing(shards: &[ShardEntry]) -> String {
     let more = if missing.len() > words.len() { ", …" } else { "" };
     match missing.len() {
         0 => format!(
-            "the {count} shards are not of one division: use one `shard_by` for all, or give one of them what is missing"
+            "the {count} shards have different divisions: use the same `shard_by` for all, or encode the missing \
+            content in one of them"
         ),
         1 => format!("shard {} of {count} is missing", words[0]),
         _ => format!("shards {}{more} of {count} are missing", words.join(", ")),

@@ -185,8 +185,8 @@ impl DeviceTexels {
         let Some(TileGrid { columns, rows, layers }) = grid else {
             let ([width, height], most) = (self.tile, TileGrid::most(larger, limits));
             return Err(Error::unsupported(format!(
-                "{}: {count} images of {width}x{height} texels are needed at once, and it holds {most} of this size: use \
-                fewer `views`, or `device` cpu",
+                "{}: {count} images of {width}x{height} texels are needed at once, but at most {most} of this size \
+                fit: use fewer `views`, or `device` cpu",
                 gpu.info.name
             )));
         };

@@ -75,7 +75,8 @@ impl<'a> Catalogue<'a> {
             let coded = coding_of(color);
             if *coding.get_or_insert(coded) != coded {
                 return Err(Error::unsupported(
-                    "colours of one light field are coded in more than one way: encode them alike",
+                    "the colour streams of the light field have different encodings: encode them with the same \
+                    settings",
                 ));
             }
             let face = FaceStreams {
@@ -102,7 +103,7 @@ impl<'a> Catalogue<'a> {
             streams[at].faces.push(face);
         }
         let coding = coding.ok_or_else(|| {
-            Error::Usage("no probe of this container has both colour and depth, which rendering takes".into())
+            Error::Usage("no probe of this container has both colour and depth, which rendering needs".into())
         })?;
         Ok(Catalogue { field: LightField { views, coding }, streams })
     }
@@ -130,7 +131,7 @@ fn check_sizes(probe: &str, streams: &FaceStreams<'_>) -> Result<()> {
     match streams.all().find(|stream| size(stream) != depth) {
         None => Ok(()),
         Some(other) => Err(Error::unsupported(format!(
-            "probe {probe}, face {}: {} has {}x{} pixels and depth {}x{}: rendering takes images of one size",
+            "probe {probe}, face {}: {} has {}x{} pixels and depth {}x{}: rendering needs images of the same size",
             other.face.name(),
             other.kind.name(),
             other.entry.width,

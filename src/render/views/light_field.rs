@@ -194,7 +194,7 @@ impl View {
     /// Moves the view to the pose of its probe. Fails if the orientation is not a rotation.
     pub fn place(&mut self, entry: &ProbeEntry) -> Result<()> {
         let turn = rotation(entry.orientation)
-            .ok_or_else(|| Error::invalid(format!("probe {}: its orientation is no rotation", entry.name)))?;
+            .ok_or_else(|| Error::invalid(format!("probe {}: its orientation is not a rotation", entry.name)))?;
         self.position = DVec3::from_array(entry.position);
         self.probe_from_world = DMat3::from_quat(turn.inverse());
         Ok(())

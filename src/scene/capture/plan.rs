@@ -61,8 +61,8 @@ pub fn frames_of_animation(duration_s: f64, fps: f64) -> Result<FrameRange> {
     let count = (duration_s * fps - 1e-6).ceil() as u32;
     if count > MAX_ANIMATION_FRAMES {
         return Err(Error::Usage(format!(
-            "the animation lasts {duration_s} s, more than {MAX_ANIMATION_FRAMES} frames at {fps} fps: choose some with \
-             `frames`"
+            "the animation lasts {duration_s} s, more than {MAX_ANIMATION_FRAMES} frames at {fps} fps: select some \
+            with `frames`"
         )));
     }
     Ok(FrameRange { first: 0, last: count.max(1) - 1 })
@@ -133,7 +133,7 @@ impl CapturePlan {
             return wrong(format!("a far of {} m: a number above 0 was expected", self.far_m));
         }
         if !self.passes.iter().any(|pass| *pass != Pass::Normal) {
-            return wrong("a dataset has colour, depth or material: name one of them to be captured".into());
+            return wrong("no output was selected: capture colour, depth or material".into());
         }
         SamplePattern::new(self.samples).map(|_| ())
     }
@@ -142,13 +142,16 @@ impl CapturePlan {
         let (name, placed) = (self.cameras.name_of(camera), &self.cameras.cameras[camera]);
         let fov_y_deg = match self.projection {
             Projection::Perspective => Some(placed.fov_y_deg.or(self.fov_y_deg).ok_or_else(|| {
-                Error::Usage(format!("camera {name} has no field of view: give one by `fov`, or as its \"fov_y_deg\""))
+                Error::Usage(format!("camera {name} has no field of view: set `fov`, or \"fov_y_deg\" of the camera"))
             })?),
             _ => None,
         };
         let frames = self.frames_of(camera).ok_or_else(|| {
             let [first, last] = placed.frames.unwrap_or_default();
-            Error::Usage(format!("camera {name} looks in the frames {first}-{last}, the capture is of {}", self.frames))
+            Error::Usage(format!(
+                "camera {name} is defined for frames {first}-{last}, but the capture has {}",
+                self.frames
+            ))
         })?;
         if placed.shift.is_some() && self.projection != Projection::Perspective {
             return Err(Error::Usage(format!("camera {name} has a \"shift\", which is only for perspective captures")));
@@ -259,8 +262,8 @@ impl CapturePlan {
             return Ok(());
         }
         Err(Error::Usage(format!(
-            "it holds a dataset \"{}\" of other probes, frames or images, which would be mixed with this one: remove it, \
-             or name another folder",
+            "the folder has a dataset \"{}\" of other probes, frames or images, which would be mixed with this one: \
+            remove it, or use another folder",
             old.name
         )))
     }
@@ -366,7 +369,7 @@ mod tests {
         assert_eq!(request, FrameRequest { probe: 1, face: Face::Nx, frame: 4 });
         assert_eq!(plan.file(&request, Pass::Normal).unwrap(), PathBuf::from("probe_01/face_nx/normal.0004.exr"));
         let none = CapturePlan { frames: FrameRange { first: 0, last: 3 }, ..plan };
-        assert!(none.manifest().unwrap_err().to_string().contains("camera 01 looks in the frames 4-9"));
+        assert!(none.manifest().unwrap_err().to_string().contains("camera 01 is defined for frames 4-9"));
     }
 
     #[test]

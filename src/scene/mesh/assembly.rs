@@ -51,7 +51,7 @@ impl LeftOut {
     }
 
     pub fn note(&self, notes: &mut Vec<String>) {
-        let why = ["with a corner that is not finite", "without area"];
+        let why = ["with a vertex that is not finite", "without area"];
         for (count, why) in [self.not_finite, self.no_area].into_iter().zip(why).filter(|(count, _)| *count > 0) {
             notes.push(format!("left out: {} {why}", counted(count as u64, "triangle")));
         }

@@ -46,7 +46,7 @@ impl Folder {
             return Ok(());
         }
         let message = format!(
-            "“{}” is a link that leads out of the scene's folder, which is not followed: copy the file there",
+            "“{}” is a link to a file outside the scene's folder, which is not followed: copy the file into the folder",
             shown(name)
         );
         Err(Error::invalid(message))
@@ -84,10 +84,10 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
 fn inside(name: &str) -> Result<PathBuf> {
     let refuse = |why: &str| Err(Error::invalid(format!("“{}” {why}", shown(name))));
     if name.contains(':') {
-        return refuse("is no file beside the scene: remote and absolute names are not followed");
+        return refuse("is not a file in the scene's folder: remote and absolute names are not followed");
     }
     if name.contains('\0') || name.is_empty() {
-        return refuse("is no name of a file");
+        return refuse("is not a file name");
     }
     let slashed = name.replace('\\', "/");
     if slashed.starts_with('/') {

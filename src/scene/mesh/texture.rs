@@ -86,7 +86,7 @@ impl ImageTexture {
         let pixels = u64::from(width) * u64::from(height);
         if decoder.total_bytes().max(4 * pixels) > cap {
             let claims = format!("the image claims {width}x{height} pixels");
-            return Err(Error::invalid(format!("{claims}, more than its {} bytes may", bytes.len())));
+            return Err(Error::invalid(format!("{claims}, more than its {} bytes can hold", bytes.len())));
         }
         if pixels == 0 {
             return Err(Error::invalid("the image has no pixels"));

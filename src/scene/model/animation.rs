@@ -42,11 +42,11 @@ impl Animation {
         for (number, channel) in animation.channels.iter().enumerate() {
             let context = |error: Error| error.context(format!("channel {number}"));
             let Checked::Valid(property) = channel.target.path else {
-                return Err(context(Error::invalid("it moves what is not known")));
+                return Err(context(Error::invalid("it animates an unknown property")));
             };
             let node = channel.target.node.value();
             if node >= node_count {
-                return Err(context(Error::invalid(format!("it moves node {node}, which is not there"))));
+                return Err(context(Error::invalid(format!("it animates node {node}, which does not exist"))));
             }
             let sampler = animation.samplers.get(channel.sampler.value());
             let sampler = sampler.ok_or_else(|| context(Error::invalid("it has no sampler")))?;
@@ -99,7 +99,7 @@ enum Span {
 impl Curve {
     fn read(sampler: &json::animation::Sampler, property: Property, buffers: &mut Buffers) -> Result<Curve> {
         let Checked::Valid(interpolation) = sampler.interpolation else {
-            return Err(Error::invalid("its interpolation is not known"));
+            return Err(Error::invalid("its interpolation is unknown"));
         };
         let times: Vec<f32> = buffers.floats::<1>(sampler.input.value())?.into_iter().flatten().collect();
         let output = sampler.output.value();
@@ -114,7 +114,7 @@ impl Curve {
             }
         };
         if times.is_empty() || !times.iter().all(|time| time.is_finite()) || !times.is_sorted() {
-            return Err(Error::invalid("its times do not grow"));
+            return Err(Error::invalid("its times do not increase"));
         }
         if width == 0 || values.len() != parts * times.len() * width {
             return Err(Error::invalid(format!("{} numbers for {} keys", values.len(), times.len())));

@@ -40,7 +40,7 @@ impl Skin {
             let used = joints.as_flattened().iter().zip(weights.as_flattened()).filter(|(_, weight)| **weight > 0.0);
             if let Some(most) = used.map(|(joint, _)| *joint).max().filter(|&most| most as usize >= self.joints.len()) {
                 let count = self.joints.len();
-                return Err(Error::invalid(format!("a corner hangs on joint {most}, where there are {count}")));
+                return Err(Error::invalid(format!("a vertex refers to joint {most}, but there are {count}")));
             }
         }
         Ok(())

@@ -58,7 +58,7 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
         }
     }
     if meshes.skipped > 0 {
-        notes.push(format!("{} primitives of points or lines are left out: they have no surface", meshes.skipped));
+        notes.push(format!("{} primitives of points or lines are ignored: they have no surface", meshes.skipped));
     }
 
     let name = |number: usize| root.animations[number].name.clone().unwrap_or_else(|| format!("animation {number}"));
@@ -79,7 +79,7 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
     };
     if let (Play::First, [first, _, ..]) = (play, animations.as_slice()) {
         let shown: String = first.chars().take(80).collect();
-        notes.push(format!("of {} animations the first is shown, “{shown}”", animations.len()));
+        notes.push(format!("only the first of {} animations is used, “{shown}”", animations.len()));
     }
     let materials = paints.into_iter().map(shaded).collect();
     let durations_s = root.animations.iter().map(|animation| stated_duration_s(root, animation)).collect();

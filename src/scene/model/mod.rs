@@ -52,7 +52,7 @@ impl Model {
         notes.truncate(MAX_NOTES);
         let mut notes: Vec<String> = notes.iter().map(|note| printable(note)).collect();
         if more > 0 {
-            notes.push(format!("{more} more of such notes are left out"));
+            notes.push(format!("{more} more notes of this kind are omitted"));
         }
         Ok((model, notes))
     }
@@ -71,7 +71,7 @@ impl Model {
         }
         if let Play::Named(name) = play {
             let path = path.display();
-            return Err(Error::Usage(format!("{path}: there is no animation “{name}”; an OBJ file has none")));
+            return Err(Error::Usage(format!("{path}: there is no animation “{name}”: OBJ files have no animations")));
         }
         let (mesh, contents) = obj::read(&bytes, path, notes)?;
         if mesh.mesh.triangles.is_empty() {
@@ -142,7 +142,7 @@ const MAX_SUBDIVIDED: u64 = 1 << 28;
 fn subdivided(mesh: &Mesh, times: u32) -> Result<Mesh> {
     let count = (mesh.triangles.len() as u64).saturating_mul(4u64.saturating_pow(times));
     let too_many =
-        || Error::Usage(format!("{count} triangles after `subdivide` {times}: {MAX_SUBDIVIDED} are the most"));
+        || Error::Usage(format!("{count} triangles after `subdivide` {times}, at most {MAX_SUBDIVIDED} are supported"));
     if count > MAX_SUBDIVIDED {
         return Err(too_many());
     }
@@ -154,5 +154,5 @@ fn subdivided(mesh: &Mesh, times: u32) -> Result<Mesh> {
 }
 
 fn nothing() -> Error {
-    Error::invalid("the scene shows no triangles")
+    Error::invalid("the scene has no triangles")
 }

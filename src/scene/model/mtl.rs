@@ -35,14 +35,14 @@ impl Library<'_> {
         let bytes = match self.folder.fetch(&name, self.budget) {
             Ok(bytes) => bytes,
             Err(error) => {
-                self.notes.push(format!("materials are left out: {error}"));
+                self.notes.push(format!("materials are ignored: {error}"));
                 return Err(tobj::LoadError::OpenFileFailed);
             }
         };
         let text = plain(&String::from_utf8_lossy(&bytes));
         let loaded = tobj::load_mtl_buf(&mut BufReader::new(text.as_bytes()));
         if let Err(error) = &loaded {
-            self.notes.push(format!("materials are left out: {name} is damaged: {error}"));
+            self.notes.push(format!("materials are ignored: {name} is damaged: {error}"));
         }
         loaded
     }
@@ -80,7 +80,10 @@ impl Library<'_> {
         let holes = is_opaque && (masked || alpha < 1.0);
         if is_opaque && alpha < CUTOFF {
             let name: String = material.name.chars().take(80).collect();
-            self.notes.push(format!("“{name}” is blended by its alpha {alpha}; below {CUTOFF} it is not seen here"));
+            self.notes.push(format!(
+                "“{name}” uses alpha blending with alpha {alpha}, which is not supported: alpha \
+                below {CUTOFF} is transparent"
+            ));
         }
         // A map is multiplied by the file's factor, which defaults to 1.
         let default = if material.diffuse_texture.is_some() { DVec3::ONE } else { DVec3::splat(0.8) };
@@ -111,7 +114,7 @@ impl Library<'_> {
             let bytes = library.folder.fetch(name, library.budget)?;
             ImageTexture::decode(&bytes, [wrap; 2], library.budget).map_err(|error| error.context(name))
         };
-        let read = read(self).map_err(|error| self.notes.push(format!("a texture is left out: {error}")));
+        let read = read(self).map_err(|error| self.notes.push(format!("a texture is ignored: {error}")));
         let read = read.ok().map(Arc::new);
         self.textures.insert(statement.to_string(), read.clone());
         read
@@ -120,7 +123,7 @@ impl Library<'_> {
     fn masked(&mut self, map: Option<Arc<ImageTexture>>, mask: &ImageTexture) -> Option<Arc<ImageTexture>> {
         let size = map.as_ref().map_or(mask.pixels.len(), |map| map.pixels.len());
         let taken = self.budget.take(size as u64, 4, "a texture with holes");
-        let taken = taken.map_err(|error| self.notes.push(format!("a texture is left out: {error}")));
+        let taken = taken.map_err(|error| self.notes.push(format!("a texture is ignored: {error}")));
         taken.ok().map(|()| Arc::new(with_alpha(map.as_deref(), mask)))
     }
 }

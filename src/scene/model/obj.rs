@@ -26,7 +26,7 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Scene
     budget.take(bytes.len() as u64, PARSED, "the text")?;
     let Plain { text, no_surface } = plain(bytes)?;
     if no_surface > 0 {
-        notes.push(format!("{no_surface} points, lines or curves are left out: they have no surface"));
+        notes.push(format!("{no_surface} points, lines or curves are ignored: they have no surface"));
     }
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let mut folder = Folder::of(path);
@@ -113,7 +113,7 @@ fn plain(bytes: &[u8]) -> Result<Plain> {
                     let word = String::from_utf8_lossy(word);
                     let Some(corner) = corner(&word, counts) else {
                         let word: String = word.chars().take(40).collect();
-                        return Err(Error::invalid(format!("line {number}: “{word}” is no corner of a face")));
+                        return Err(Error::invalid(format!("line {number}: “{word}” is not a face vertex")));
                     };
                     text.push(b' ');
                     text.extend_from_slice(corner.as_bytes());

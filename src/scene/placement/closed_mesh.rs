@@ -44,7 +44,7 @@ impl ClosedMesh {
             .filter(|[a, b, c]| a != b && b != c && c != a)
             .collect();
         let Some(bounds) = AxisBox::around(triangles.iter().flatten().copied()) else {
-            return Err(Error::invalid("a region needs a closed mesh, and this has no triangles"));
+            return Err(Error::invalid("a region needs a closed mesh, and this mesh has no triangles"));
         };
         let (open, turned) = wrong_edges(&triangles);
         if open > 0 {
@@ -54,8 +54,8 @@ impl ClosedMesh {
         }
         if turned > 0 {
             return Err(Error::invalid(format!(
-                "a region needs a mesh whose faces all point outwards, and at {turned} edges of this one neighbours point to \
-                 different sides; turn them alike"
+                "a region needs a mesh whose faces all point outwards, and at {turned} edges of this one neighbours \
+                point to different sides: flip them"
             )));
         }
         let bvh = Bvh::new(triangles.iter().copied());

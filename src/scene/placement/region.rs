@@ -40,7 +40,7 @@ impl Volume {
                     Ok(Volume::Ball(Sphere { center: DVec3::new(x, y, z), radius }))
                 }
                 Some(&[_, _, _, _]) => Err(wrong("a sphere's radius must be above 0")),
-                _ => Err(wrong("a sphere has four numbers, its middle and its radius")),
+                _ => Err(wrong("a sphere has four numbers, its centre and its radius")),
             };
         }
         match numbers(text).as_deref() {
@@ -53,7 +53,7 @@ impl Volume {
             }
             None if Path::new(text).exists() => Ok(Volume::Mesh(Box::new(ClosedMesh::open(Path::new(text))?))),
             None if text.contains(',') => Err(wrong("a box has six finite numbers, two of its corners")),
-            None => Err(wrong("there is no file of this name")),
+            None => Err(wrong("there is no such file")),
         }
     }
 
@@ -91,7 +91,7 @@ impl Region {
         let volumes = texts.iter().map(|text| Volume::parse(text.as_ref()));
         let region = Region { volumes: volumes.collect::<Result<_>>()? };
         if region.volumes.is_empty() {
-            return Err(Error::Usage("no region: `region` says where viewers may be".into()));
+            return Err(Error::Usage("no viewing region was given: set `region`".into()));
         }
         if !region.diagonal_m().is_finite() || region.diagonal_m() > 1e100 {
             return Err(Error::Usage("the region is too large: its corners must be less than 1e100 m apart".into()));

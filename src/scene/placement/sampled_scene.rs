@@ -57,7 +57,7 @@ impl SampledScene {
         }
         let all: f64 = points.iter().map(|point| point.weight).sum();
         if !(all > 0.0 && all.is_finite()) {
-            return Err(Error::invalid("the scene has no surface that cameras could see"));
+            return Err(Error::invalid("the scene has no surface for cameras to cover"));
         }
         points.iter_mut().for_each(|point| point.weight /= all);
         Ok(SampledScene { times, points })

@@ -143,7 +143,7 @@ impl<'a> Search<'a> {
         let (wanted, samples) = settings.counts();
         if (wanted as u64).saturating_mul(samples as u64) > MAX_VISIBILITY_BITS {
             return Err(Error::Usage(format!(
-                "{wanted} candidates times {samples} points on surfaces is more than {MAX_VISIBILITY_BITS}; ask for fewer of either"
+                "{wanted} candidates times {samples} surface samples exceed {MAX_VISIBILITY_BITS}: reduce either"
             )));
         }
         let sampled = SampledScene::new(times, samples)?;

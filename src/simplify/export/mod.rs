@@ -47,7 +47,7 @@ impl Outputs {
         if let Some(Ktx2Output { path, .. }) = &self.ktx2
             && (path == Path::new("-") || self.of_scene().iter().any(|other| absolute(other) == absolute(path)))
         {
-            return Err(Error::Usage(format!("{}: a file name of its own is needed for `ktx2`", path.display())));
+            return Err(Error::Usage(format!("{}: `ktx2` needs a different file name", path.display())));
         }
         Ok(())
     }
@@ -87,7 +87,7 @@ pub fn files(scene: &Scene, outputs: &Outputs) -> Result<Vec<OutputBytes>> {
     outputs.check()?;
     let mut beside = Vec::new();
     if outputs.scene == Path::new("-") && (scene.quads.light.is_some() || scene.surfaces.is_some()) {
-        return Err(Error::Usage("there are files beside the scene: give it a name, not -".into()));
+        return Err(Error::Usage("the scene has additional files: specify a file name instead of -".into()));
     }
     if let Some(light) = &scene.quads.light {
         beside.push(OutputBytes { path: outputs.beside("exr"), bytes: textures::exr(&scene.quads.texture, light)? });
@@ -161,8 +161,8 @@ mod tests {
         assert!(of("a.glb", Some("a.ktx2")).check().is_ok());
         for (outputs, words) in [
             (of("a.ply", None), "a.ply: a name that ends in .glb or .obj"),
-            (of("a.glb", Some("a.glb")), "a.glb: a file name of its own"),
-            (of("a.obj", Some("-")), "-: a file name of its own"),
+            (of("a.glb", Some("a.glb")), "a.glb: `ktx2` needs a different file name"),
+            (of("a.obj", Some("-")), "-: `ktx2` needs a different file name"),
         ] {
             let said = outputs.check().unwrap_err().to_string();
             assert!(said.contains(words), "{said}");

@@ -26,7 +26,7 @@ impl Folder {
     /// Creates the folder if it is missing, and locks it.
     pub fn open(path: &Path, kind: &'static SweepKind) -> Result<Folder> {
         create_folders(path).map_err(|error| Error::io(path, error))?;
-        let busy = || Error::busy(path, "another tradeoff measures into it; wait, or name another folder");
+        let busy = || Error::busy(path, "another tradeoff process writes to it: wait, or use another folder");
         let lock = path.join(LOCK);
         let _lock = open_locked(&lock).map_err(|error| Error::io(&lock, error))?.ok_or_else(busy)?.file;
         Ok(Folder { path: path.to_path_buf(), kind, _lock })
@@ -109,7 +109,7 @@ mod tests {
         let path = place.path().join("out");
         let first = Folder::open(&path, &CODING).unwrap();
         let said = Folder::open(&path, &CODING).err().unwrap().to_string();
-        assert!(said.contains("another tradeoff measures into it"), "{said}");
+        assert!(said.contains("another tradeoff process writes to it"), "{said}");
         drop(first);
         assert_eq!(std::fs::read_dir(&path).unwrap().count(), 0);
         drop(Folder::open(&path, &CODING).unwrap());

@@ -36,8 +36,8 @@ impl Sweep {
         let knob = KINDS.iter().find_map(|kind| kind.knob(name)).ok_or_else(|| {
             let [coding, placing, rendering, simplifying, interpolating] = KINDS.map(names);
             format!(
-                "'{name}' is none of the knobs {coding}, nor of those of placing cameras: {placing}, nor of those of \
-                 rendering: {rendering}, nor of those of simplifying: {simplifying}, nor of those of interpolating: {interpolating}"
+                "'{name}' is not a knob; knobs of coding: {coding}; of placing cameras: {placing}; of rendering: \
+                {rendering}; of simplifying: {simplifying}; of interpolating: {interpolating}"
             )
         })?;
         let given = values.is_some();
@@ -183,8 +183,8 @@ pub fn plan(request: &Request<'_>) -> Result<Plan> {
     swept(request, &mut plan)?;
     if plan.studies.is_empty() {
         return Err(Error::Usage(match plan.left_out.is_empty() {
-            true => "nothing to measure: name knobs with --sweep, or a --preset".to_owned(),
-            false => "nothing to measure: the input has no stream of a kind that the preset looks at".to_owned(),
+            true => "nothing to measure: add --sweep or --preset".to_owned(),
+            false => "nothing to measure: the input has no streams of the kinds that the preset measures".to_owned(),
         }));
     }
     Ok(plan)
@@ -201,8 +201,8 @@ fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
         }
         let kinds: Vec<_> = knob.streams.iter().map(|kind| kind.name()).collect();
         let why = match knob.stage {
-            Stage::Place => "it is about placing cameras: name a scene instead of footage".to_owned(),
-            _ => format!("it is about {} streams, and none was chosen or is there", kinds.join(" and ")),
+            Stage::Place => "it is for placing cameras: use a scene instead of footage".to_owned(),
+            _ => format!("it is for {} streams, and none is selected or exists", kinds.join(" and ")),
         };
         return Err(Error::Usage(format!("sweep of {}: {why}", knob.name)));
     }
@@ -233,9 +233,10 @@ fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
 fn refuse_twice(sweeps: &[Sweep]) -> Result<()> {
     match (1..sweeps.len()).find(|&at| sweeps[..at].iter().any(|other| other.knob.name == sweeps[at].knob.name)) {
         None => Ok(()),
-        Some(twice) => {
-            Err(Error::Usage(format!("sweep of {}: swept twice; name all values at once", sweeps[twice].knob.name)))
-        }
+        Some(twice) => Err(Error::Usage(format!(
+            "sweep of {}: given twice: list all values in one sweep",
+            sweeps[twice].knob.name
+        ))),
     }
 }
 
@@ -253,7 +254,11 @@ pub fn grid(kind: &'static SweepKind, sweeps: &[Sweep]) -> Result<Study> {
     };
     let axes = sweeps.iter().map(axis).collect::<Result<Vec<Axis>>>()?;
     if axes.is_empty() {
-        return Err(Error::Usage(format!("nothing to measure: name knobs of {} to sweep: {}", kind.stem, names(kind))));
+        return Err(Error::Usage(format!(
+            "nothing to measure: add --sweep with knobs of {}: {}",
+            kind.stem,
+            names(kind)
+        )));
     }
     let title = title(kind, kind.stem, &axes);
     Ok(Study { name: kind.stem.to_owned(), title, sweep: kind, stream: None, axes, fixed: Vec::new() })
@@ -278,7 +283,7 @@ fn with_fixed(study: Study, given: &[Setting]) -> Result<Study> {
     let mut fixed: Vec<Setting> = given.iter().filter(|(name, _)| concerns(name) && fits(name)).cloned().collect();
     if let Some((name, _)) = fixed.iter().find(|(name, _)| is_swept(name)) {
         return Err(Error::Usage(format!(
-            "--{name}: study {} sweeps it, so that it cannot be fixed as well",
+            "--{name}: study {} sweeps it, so it cannot be fixed: leave it out",
             study.name
         )));
     }
@@ -317,7 +322,7 @@ mod tests {
         assert_eq!((sweep.knob.name, sweep.values.join("|")), ("psnr", "30|40".to_owned()));
         assert_eq!(Sweep::parse("color-cell").unwrap().values, ["8", "16", "32", "64", "128"]);
         assert!(sweep.given && !Sweep::parse("color-cell").unwrap().given);
-        assert!(Sweep::parse("cells=8").unwrap_err().contains("'cells' is none of the knobs depth-codec, "));
+        assert!(Sweep::parse("cells=8").unwrap_err().contains("'cells' is not a knob; knobs of coding: depth-codec, "));
         assert!(Sweep::parse("color-cell=8,,16").unwrap_err().contains("empty value"));
         assert!(Sweep::parse("color-cell=").unwrap_err().contains("empty value"));
         assert!(Sweep::parse("color-cell=8,16,8").unwrap_err().contains("value 8 twice"));
@@ -358,7 +363,7 @@ mod tests {
     fn what_makes_no_sense_is_refused() {
         let said = |plan: Result<Plan>| plan.unwrap_err().to_string();
         assert!(said(of(&[Depth], &["psnr"], &[])).contains("about color streams"));
-        assert!(said(of(&[Color], &["psnr=1", "psnr=2"], &[])).contains("swept twice"));
+        assert!(said(of(&[Color], &["psnr=1", "psnr=2"], &[])).contains("given twice"));
         assert!(said(of(&[Color], &["psnr"], &[("psnr", "40")])).contains("cannot be fixed"));
         assert!(said(of(&[Color], &[], &[])).contains("nothing to measure"));
     }

@@ -54,10 +54,10 @@ impl Store {
         };
         let mut reader = csv::Reader::from_reader(text.as_bytes());
         let foreign =
-            |what: String| Error::invalid(format!("{what}; name another folder, or remove the file")).in_file(&path);
-        let heads = reader.headers().map_err(|error| foreign(format!("no CSV of tradeoff: {error}")))?.clone();
+            |what: String| Error::invalid(format!("{what}: use another folder, or remove the file")).in_file(&path);
+        let heads = reader.headers().map_err(|error| foreign(format!("not a CSV file of tradeoff: {error}")))?.clone();
         if let Some(missing) = store.columns().iter().find(|column| heads.iter().all(|head| head != **column)) {
-            return Err(foreign(format!("no CSV of this tradeoff: it has no column {missing}")));
+            return Err(foreign(format!("not a CSV file of this kind of tradeoff: it has no column {missing}")));
         }
         for (at, record) in reader.records().enumerate() {
             let wrong = |error: &dyn std::fmt::Display| foreign(format!("row {}: {error}", at + 2));
@@ -162,7 +162,7 @@ impl Cells<'_> {
         let text = self.text(name);
         match text.parse() {
             Ok(value) if fits(value) => Ok(Some(value)),
-            Ok(_) => Err(format!("{name} is '{text}', which no measurement gives")),
+            Ok(_) => Err(format!("{name} is '{text}', which is not a valid measurement")),
             Err(_) if text.is_empty() && !is_needed => Ok(None),
             Err(_) if text.is_empty() => Err(format!("it has no {name}")),
             Err(_) => Err(format!("{name} is '{text}', where a number was expected")),
@@ -192,7 +192,7 @@ impl Cells<'_> {
 
     fn row(&self, kind: &'static SweepKind) -> Result<StoredPoint, String> {
         let stream = self.text("kind");
-        let stream = StreamKind::from_name(stream).ok_or_else(|| format!("'{stream}' is no kind of stream"))?;
+        let stream = StreamKind::from_name(stream).ok_or_else(|| format!("'{stream}' is not a kind of stream"))?;
         let settings = kind.knobs.iter().map(|knob| (knob.name, self.text(knob.key()).to_owned()));
         let settings = settings.filter(|(_, value)| !value.is_empty()).collect();
         let mut measured = Measured::new(kind, Point::new(kind, Some(stream), settings));
@@ -205,7 +205,7 @@ impl Cells<'_> {
             measured,
             command: self.text("command").to_owned(),
             made_of: u32::from_str_radix(hash, 16)
-                .map_err(|_| format!("made_of is '{hash}', no configuration hash"))?,
+                .map_err(|_| format!("made_of is '{hash}', which is not a configuration hash"))?,
         })
     }
 }
@@ -307,7 +307,7 @@ mod tests {
         };
         for (text, said) in [
             ("a,b\n1,2\n".to_owned(), "no column studies"),
-            (line(&[("kind", "sound"), ("made_of", "1")]), "row 2: 'sound' is no kind of stream"),
+            (line(&[("kind", "sound"), ("made_of", "1")]), "row 2: 'sound' is not a kind of stream"),
             (line(&[("kind", "depth"), ("made_of", "1")]), "row 2: it has no bytes_raw"),
             (line(&[("kind", "depth"), ("bytes_raw", "many")]), "bytes_raw is 'many'"),
             (format!("{}depth,1,2\n", line(&[])), "row 2"),

@@ -55,14 +55,16 @@ fn early<T>(read: Result<T>) -> Result<T> {
 }
 
 fn size_differs(raw_bytes: u32) -> Error {
-    Error::invalid(format!("the chunk's Zstandard frame does not mean the {raw_bytes} bytes that the table says"))
+    Error::invalid(format!(
+        "the chunk's Zstandard frame does not decompress to the {raw_bytes} bytes that the chunk table states"
+    ))
 }
 
 /// Reads the header (RFC 8878, 3.1.1.1) and returns the window size in bytes. Checks the content size and the window, and
 /// that there is neither a dictionary nor a checksum.
 fn read_header(fields: &mut Fields<'_>, raw_bytes: u32, max_window: u64) -> Result<u64> {
     if early(fields.u32())? != MAGIC {
-        return Err(damaged("its magic number is other"));
+        return Err(damaged("its magic number is wrong"));
     }
     let descriptor = early(fields.u8())?;
     if descriptor & 0x1f != 0 {

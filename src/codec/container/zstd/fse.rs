@@ -86,7 +86,7 @@ impl Table {
             }
         }
         if left != 1 || counts.len() > limits.symbols {
-            return Err(damaged("the probabilities of a table have another sum"));
+            return Err(damaged("the probabilities of a table have a wrong sum"));
         }
         Ok((Table::new(accuracy, &counts), bits.used_bytes()))
     }

@@ -73,7 +73,7 @@ impl Table {
             bits.skip(used);
         }
         if bits.left() != 0 {
-            return Err(damaged("a stream of literals has another length"));
+            return Err(damaged("a stream of literals has a wrong length"));
         }
         Ok(())
     }

@@ -165,14 +165,14 @@ impl State {
             copy(out, distance(repeats, value, literal_length)?, match_length, bounds.window)?;
         }
         if bits.left() != 0 {
-            return Err(damaged("sequences have another length"));
+            return Err(damaged("sequences have a wrong length"));
         }
         Ok(())
     }
 }
 
 fn too_long() -> crate::error::Error {
-    damaged("a block has more bytes than it may")
+    damaged("a block exceeds its maximum size")
 }
 
 fn too_far() -> crate::error::Error {

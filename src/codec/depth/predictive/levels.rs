@@ -25,10 +25,10 @@ impl Levels {
             return Err(Error::invalid(format!("{} levels, 1 to {MAX_LEVELS} are legal", codes.len())));
         }
         if let Some(pair) = codes.windows(2).find(|pair| pair[0] >= pair[1]) {
-            return Err(Error::invalid(format!("level {} behind {}, levels ascend", pair[1], pair[0])));
+            return Err(Error::invalid(format!("level {} follows {}, but levels must ascend", pair[1], pair[0])));
         }
         match codes.last() {
-            Some(&last) if last > FAR_CODE => Err(Error::invalid("background as a level")),
+            Some(&last) if last > FAR_CODE => Err(Error::invalid("background cannot be a level")),
             _ => Ok(Levels(codes.into())),
         }
     }

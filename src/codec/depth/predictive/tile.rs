@@ -63,7 +63,9 @@ impl Tile {
         let columns = width.div_ceil(BLOCK);
         let blocks = columns * height.div_ceil(BLOCK);
         let mut pixels = Vec::new();
-        pixels.try_reserve_exact(stride * (height + 1)).map_err(|_| Error::invalid("no memory for a depth tile"))?;
+        pixels
+            .try_reserve_exact(stride * (height + 1))
+            .map_err(|_| Error::invalid("not enough memory for a depth tile"))?;
         pixels.resize(stride * (height + 1), Pixel::BACKGROUND);
         Ok(Tile {
             width,

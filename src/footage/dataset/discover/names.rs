@@ -127,7 +127,8 @@ fn take_probes(rows: &mut [Vec<String>]) -> Result<Vec<String>> {
     };
     if let Some(wrong) = probes.iter().find(|probe| !is_probe_name(probe)) {
         return Err(Error::invalid(format!(
-            "they differ in more than a probe and a face, such as by \"{wrong}\": name one folder or file after each probe"
+            "their names differ in more than a probe and a face, such as \"{wrong}\": use one folder or file name for \
+            each probe"
         )));
     }
     for row in rows.iter_mut() {

@@ -10,10 +10,10 @@ const ALIKE: f64 = 0.8;
 /// description.
 pub fn stereo((width, height): (u32, u32)) -> Option<(StereoLayout, &'static str)> {
     if width == height && width % 2 == 0 {
-        let words = "square images with equal halves were taken for panoramas of two eyes, the left above the right";
+        let words = "square images with similar halves were assumed to be stereo panoramas, left eye above right";
         Some((StereoLayout::OverUnder, words))
     } else if u64::from(width) == 4 * u64::from(height) {
-        let words = "images four times as wide as high were taken for panoramas of two eyes, the left beside the right";
+        let words = "images four times as wide as high were assumed to be stereo panoramas, left eye beside right";
         Some((StereoLayout::SideBySide, words))
     } else {
         None

@@ -98,7 +98,7 @@ pub fn find(folder: &Path, limits: &ReadLimits, unsure: &mut Vec<String>) -> Res
     }
     if let [first, others @ ..] = unnumbered.as_slice() {
         let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
-        unsure.push(format!("{first}{more} left out: there is no frame number in the name"));
+        unsure.push(format!("{first}{more} left out: the name has no frame number"));
     }
     let mut found = Vec::new();
     for ([place, before, after], numbers) in groups {
@@ -153,8 +153,10 @@ fn images_below(folder: &Path) -> Result<Vec<String>> {
             }
         }
         if files.len() > MAX_FILES {
-            return Err(Error::invalid(format!("more than {MAX_FILES} images are below it: choose a folder below"))
-                .in_file(folder));
+            return Err(Error::invalid(format!(
+                "the folder has more than {MAX_FILES} images: choose a folder inside it"
+            ))
+            .in_file(folder));
         }
     }
     files.sort();

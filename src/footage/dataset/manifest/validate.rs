@@ -33,7 +33,7 @@ impl Manifest {
             return wrong("\"faces\" is only for projection \"cubemap\"".into());
         }
         if self.stereo.is_some_and(|layout| eye_size(layout, self.size).is_none()) {
-            return wrong(format!("\"size\" is {width}x{height}, which \"stereo\" cannot halve"));
+            return wrong(format!("\"size\" is {width}x{height}, which \"stereo\" cannot split into halves"));
         }
         let [width, height] = self.picture_size();
         if self.has_face_files() && width != height {
@@ -93,7 +93,7 @@ impl Manifest {
                 return wrong(format!("depth \"background\" is \"{word}\", it must be a number or \"inf\""));
             }
             Background::Value(value) if !(*value as f32).is_finite() => {
-                return wrong(format!("depth \"background\" is {value}, which is no 32-bit float"));
+                return wrong(format!("depth \"background\" is {value}, which is not a 32-bit float"));
             }
             _ => {}
         }
@@ -131,7 +131,7 @@ impl Manifest {
                 self.probes[..at].iter().any(|other| self.stereo.is_none() || other.eye == probe.eye)
             });
             if shared && !has("{probe}") {
-                return wrong(format!("\"{text}\" has no {{probe}}, so several probes would share files"));
+                return wrong(format!("\"{text}\" has no {{probe}}, so all probes would share files"));
             }
             if self.has_face_files() && self.faces().len() > 1 && !has("{face}") {
                 return wrong(format!("\"{text}\" has no {{face}}, so all faces would share files"));

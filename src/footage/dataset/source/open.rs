@@ -130,7 +130,7 @@ impl Source {
         let frames: Vec<FrameRange> = source.probes.iter().map(|probe| probe.frames).collect();
         source.normals = NormalFiles::of(&manifest, folder, &first_faces, &frames)?;
         if source.groups.is_empty() {
-            return Err(Error::invalid("no probe has any of the frames asked for").in_file(file));
+            return Err(Error::invalid("no probe has any of the requested frames").in_file(file));
         }
         source.check_channels(options).map_err(|error| error.in_file(file))?;
         source.manifest = Some(manifest);
@@ -150,9 +150,7 @@ impl Source {
         match given.into_iter().find(|(kind, channel)| channel.is_some() && is_missing(*kind)) {
             Some((kind, _)) => {
                 let kind = kind.name();
-                Err(Error::Usage(format!(
-                    "`{kind}_channel`: there is no {kind} in \"files\", which names the images of each kind"
-                )))
+                Err(Error::Usage(format!("`{kind}_channel`: \"files\" in the manifest has no {kind}")))
             }
             None => Ok(()),
         }
@@ -167,14 +165,14 @@ impl Source {
         options: &SourceOptions,
     ) -> Result<Source> {
         if !is_probe_name(&layout.probe) {
-            let message = format!("\"{}\" is no probe name: use letters, digits, '.', '_' and '-'", layout.probe);
+            let message = format!("\"{}\" is not a probe name: use letters, digits, '.', '_' and '-'", layout.probe);
             return Err(Error::Usage(message));
         }
         if let Some(intrinsics) = layout.intrinsics {
             check_intrinsics(intrinsics).map_err(|error| Error::Usage(error.to_string()))?;
         }
         let files = FrameFiles::find(spec, options.frames, options.missing.unwrap_or_default())?;
-        let none = || Error::invalid("none of its frames is there").in_file(spec);
+        let none = || Error::invalid("none of its frames exists").in_file(spec);
         let first = files.files().next().ok_or_else(none)?;
         let size = if png::is_png(&first) {
             png::read_size(&first, &options.limits)
@@ -219,7 +217,9 @@ impl Source {
         if let Some(scale) = options.depth_scale
             && (!scale.is_finite() || scale == 0.0)
         {
-            return Err(Error::Usage(format!("the depth scale is {scale}, it is metres per unit and must not be 0")));
+            return Err(Error::Usage(format!(
+                "the depth scale is {scale}: metres per unit other than 0 were expected"
+            )));
         }
         if options.background.is_some_and(f32::is_nan) {
             return Err(Error::Usage("the background must be a number or inf".into()));

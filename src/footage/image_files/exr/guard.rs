@@ -88,7 +88,7 @@ fn refused_window(name: &str, [left, top, right, bottom]: [i32; 4]) -> Error {
 
 fn refused_size(name: &str, width: i64, height: i64) -> Error {
     Error::invalid(format!(
-        "the header claims a {name} of {width}x{height} pixels, where sides of up to {MAX_SIDE} pixels are read"
+        "the header states a {name} of {width}x{height} pixels, but at most {MAX_SIDE} a side are supported"
     ))
 }
 
@@ -148,7 +148,7 @@ fn check_lists(opened: &Opened) -> Result<()> {
     let channels: usize = opened.headers().iter().map(|header| header.channels.list.len()).sum();
     if channels > MAX_CHANNELS {
         return Err(Error::invalid(format!(
-            "the EXR file has {channels} channels, where up to {MAX_CHANNELS} are read"
+            "the EXR file has {channels} channels, but at most {MAX_CHANNELS} are supported"
         )));
     }
     for header in opened.headers() {
@@ -162,13 +162,14 @@ fn check_lists(opened: &Opened) -> Result<()> {
         }
         let views = own.multi_view_names.as_deref().unwrap_or_default();
         if views.len() > MAX_VIEWS {
-            let message = format!("the EXR file names {} views, where up to {MAX_VIEWS} are read", views.len());
+            let message = format!("the EXR file has {} views, but at most {MAX_VIEWS} are supported", views.len());
             return Err(Error::invalid(message));
         }
         let names = views.iter().chain(&own.layer_name).chain(&own.view_name);
         if let Some(length) = names.map(|name| name.bytes().len()).find(|length| *length > MAX_NAME_BYTES) {
             return Err(Error::invalid(format!(
-                "the name of a part or view of the EXR file has {length} bytes, where up to {MAX_NAME_BYTES} are read"
+                "the name of a part or view of the EXR file has {length} bytes, but at most {MAX_NAME_BYTES} are \
+                supported"
             )));
         }
         table_bytes = table_bytes.saturating_add((header.chunk_count as u64).saturating_mul(8));
@@ -195,7 +196,7 @@ pub(super) fn check(opened: &Opened, wanted_bytes: u64, limits: &ReadLimits) -> 
     let mut total = 0u64;
     for header in opened.headers() {
         if header.deep {
-            return Err(Error::unsupported("deep EXR images are not read: flatten the image first"));
+            return Err(Error::unsupported("deep EXR images are not supported: flatten the image first"));
         }
         let tile = header.max_block_pixel_size();
         let display = header.shared_attributes.display_window.size;

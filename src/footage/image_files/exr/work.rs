@@ -63,8 +63,8 @@ impl Work {
         self.steps = self.steps.saturating_add(steps);
         match self.steps > self.allowed {
             true => Err(format!(
-                "takes the search for codes and channels to {} steps, where {} are allowed to the bytes so far: save the image with \
-                 ZIP compression",
+                "raises the steps to decode codes and channels to {}, where {} are allowed for the bytes read: save \
+                the image with ZIP compression",
                 self.steps, self.allowed
             )),
             false => Ok(()),

@@ -34,7 +34,7 @@ pub struct ReprojectRenderer {
 impl Renderer for ReprojectRenderer {
     fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
         let distance_m = self.distances_m.pop_front();
-        let distance_m = distance_m.ok_or_else(|| Error::Usage("no true distances for this picture".into()))?;
+        let distance_m = distance_m.ok_or_else(|| Error::Usage("this picture has no true distances".into()))?;
         let views = ActiveViews::with_pyramids(stage.field, &Pyramids::default(), stage.views, camera.eye());
         reproject(&views, camera, &distance_m, self.options.holes, monitor)
     }

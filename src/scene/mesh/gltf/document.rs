@@ -130,7 +130,9 @@ fn check_preview(preview: &Preview) -> Result<()> {
         ("animations", &preview.animations),
     ];
     match counts.iter().find(|(_, list)| list.len() > MAX_COUNT) {
-        Some((name, list)) => Err(Error::unsupported(format!("{} {name}, where {MAX_COUNT} are the most", list.len()))),
+        Some((name, list)) => {
+            Err(Error::unsupported(format!("{} {name}, at most {MAX_COUNT} are supported", list.len())))
+        }
         None => Ok(()),
     }
 }
@@ -143,7 +145,7 @@ fn check(root: &json::Root) -> Result<()> {
             let positions = primitive.attributes.get(&Checked::Valid(json::mesh::Semantic::Positions));
             if positions.is_some_and(|accessor| accessor.value() >= root.accessors.len()) {
                 return Err(Error::invalid(format!(
-                    "mesh {number} has its positions in an accessor that is not there"
+                    "mesh {number} refers to an accessor for positions that does not exist"
                 )));
             }
         }
@@ -164,7 +166,7 @@ fn check(root: &json::Root) -> Result<()> {
     match first {
         None => Ok(()),
         Some((path, fault)) => Err(Error::invalid(match fault {
-            Fault::IndexOutOfBounds => format!("glTF: {path} is an index of something that is not there"),
+            Fault::IndexOutOfBounds => format!("glTF: {path} is an invalid index"),
             Fault::Missing => format!("glTF: {path} is missing"),
             _ => format!("glTF: {path} has a value that is not allowed"),
         })),

@@ -40,13 +40,11 @@ fn note_left_out(document: &gltf::Document, notes: &mut Vec<String>) {
     let normal = document.materials().filter(|material| material.normal_texture().is_some()).count();
     let occlusion = document.materials().filter(|material| material.occlusion_texture().is_some()).count();
     if normal + occlusion > 0 {
-        notes.push(format!(
-            "normal maps of {normal} materials and occlusion maps of {occlusion} are left out: surfaces are shaded without"
-        ));
+        notes.push(format!("normal maps of {normal} materials and occlusion maps of {occlusion} are ignored"));
     }
     let single = document.materials().filter(|material| material.index().is_some() && !material.double_sided()).count();
     if single > 0 && single < document.materials().count() {
-        notes.push(format!("{single} materials are single-sided in the file; here all are seen from both sides"));
+        notes.push(format!("{single} materials are single-sided in the file; all are rendered double-sided"));
     }
 }
 
@@ -76,7 +74,8 @@ fn read(material: &Material, buffers: &mut Buffers, textures: &mut Textures, not
         AlphaMode::Mask => Some(material.alpha_cutoff().map_or(0.5, f64::from)),
         AlphaMode::Blend => {
             notes.push(format!(
-                "“{name}” is blended by its alpha; here it is a hole below {BLEND_CUTOFF}, and solid above"
+                "“{name}” uses alpha blending, which is not supported: alpha below {BLEND_CUTOFF} is transparent, the \
+                rest opaque"
             ));
             Some(BLEND_CUTOFF)
         }
@@ -84,7 +83,10 @@ fn read(material: &Material, buffers: &mut Buffers, textures: &mut Textures, not
     let base_coordinates = surface.base_info.as_ref().filter(|_| base_texture.is_some()).map(coordinates);
     let emissive_coordinates = emissive_info.as_ref().filter(|_| emissive_texture.is_some()).map(coordinates);
     if base_coordinates.zip(emissive_coordinates).is_some_and(|(one, other)| one != other) {
-        notes.push(format!("“{name}” emits by texture coordinates of its own; here by those of its base colour"));
+        notes.push(format!(
+            "the emissive texture of “{name}” has its own texture coordinates, which are ignored: \
+            those of the base colour are used"
+        ));
     }
     Paint {
         material: PlainMaterial {

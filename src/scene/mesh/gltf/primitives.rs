@@ -74,7 +74,7 @@ pub fn read(
     let order = order.map(Vec::into_flattened);
     let most = order.as_ref().and_then(|order| order.iter().max());
     if let Some(most) = most.filter(|&&most| most as usize >= count) {
-        return Err(Error::invalid(format!("a triangle has corner {most}, where there are {count} corners")));
+        return Err(Error::invalid(format!("a triangle refers to vertex {most}, but there are {count}")));
     }
     let corners = order.as_ref().map_or(count, Vec::len);
     buffers.budget.take(corners as u64, 12, "triangles")?;

@@ -56,12 +56,12 @@ impl Textures {
     }
 
     fn noted(&mut self, image: usize, read: Result<Arc<ImageTexture>>) -> Option<Arc<ImageTexture>> {
-        read.map_err(|error| self.notes.push(format!("image {image} is left out: {error}"))).ok()
+        read.map_err(|error| self.notes.push(format!("image {image} is ignored: {error}"))).ok()
     }
 }
 
 fn read(texture: &Texture, wrap: [Wrap; 2], buffers: &mut Buffers) -> Result<ImageTexture> {
-    let image = buffers.root.images.get(texture.source().index()).ok_or_else(|| Error::invalid("it is not there"))?;
+    let image = buffers.root.images.get(texture.source().index()).ok_or_else(|| Error::invalid("it does not exist"))?;
     match (image.buffer_view, &image.uri) {
         (Some(view), _) => {
             let (bytes, range) = buffers.view(view.value())?;

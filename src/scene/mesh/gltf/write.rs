@@ -159,10 +159,10 @@ impl Document {
         let mut parts: BTreeMap<u32, Vec<u8>> = BTreeMap::new();
         for (corners, &material) in mesh.triangles.iter().zip(&mesh.material_of) {
             if corners.iter().any(|&corner| corner as usize >= mesh.positions.len()) {
-                return Err(Error::invalid("a triangle has a corner that is not there"));
+                return Err(Error::invalid("a triangle refers to a vertex that does not exist"));
             }
             if material as usize >= self.materials.len() {
-                return Err(Error::invalid(format!("a triangle has material {material}, which is not there")));
+                return Err(Error::invalid(format!("a triangle refers to material {material}, which does not exist")));
             }
             let indices = corners.iter().flat_map(|corner| corner.to_le_bytes().into_iter().take(component_bytes));
             parts.entry(material).or_default().extend(indices);

@@ -252,7 +252,7 @@ mod tests {
 
     #[test]
     fn budgets_that_cannot_be_kept_are_told_and_the_others_are_measured() {
-        let infeasible = "no selection of tiles keeps the budget of triangles: the least that would do is 12";
+        let infeasible = "no selection of tiles meets the budget of triangles: the minimum is 12";
         let (done, lines, csv) = run(infeasible);
         assert_eq!(lines[1], "simplify set --frames=2 --triangles=96 --effort=fast --json -o work/scene.glb");
         assert_eq!(lines.len(), 1 + 2, "what is infeasible is not tried in later rounds: {lines:?}");
