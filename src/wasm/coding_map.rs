@@ -29,12 +29,13 @@ fn number_of(writing: Writing) -> u8 {
         Writing::Values => 5,
         Writing::OneValue => 6,
         Writing::Blocks => 7,
-        Writing::Predicted(BlockCoding::Background) => 8,
+        // A block equals the frame before the first, which is background.
+        Writing::Predicted(BlockCoding::Background | BlockCoding::Same) => 8,
         Writing::Predicted(BlockCoding::Plane) => 9,
         Writing::Predicted(BlockCoding::ChangedPlane) => 10,
         Writing::Predicted(BlockCoding::Quarters) => 11,
         Writing::Predicted(BlockCoding::Pixels) => 12,
-        Writing::Predicted(BlockCoding::Same) | Writing::Blend | Writing::Transform | Writing::Palette => 0,
+        Writing::Blend | Writing::Transform | Writing::Palette => 0,
     }
 }
 

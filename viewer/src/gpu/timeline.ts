@@ -1,6 +1,6 @@
-// How frames of a color chunk are made, and what changes between them: of a chunk on a device (src/gpu/prepare.rs), and of a parsed one.
+// How frames of a color chunk on a device are made, and what changes between them (`Timeline` of src/gpu/prepare.rs).
 
-import type { Timeline } from "../types.ts";
+import type { Timeline } from "../decoder/types.ts";
 
 /** How a frame is made (formats/color.md 4). */
 export interface Blend {

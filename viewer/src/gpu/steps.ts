@@ -1,41 +1,4 @@
-// The table at the start of a chunk's payload, which leads from frames to records, and the steps of a decoder over it (formats/depth.md
-// 4). Chunks of boxes and of nodes share it.
-
-import type { Fields } from "../fields.ts";
-
-/** A row: a frame of the chunk, and the offset of its record in the payload. */
-export interface Row {
-  frame: number;
-  offset: number;
-}
-
-const ROW_BYTES = 8;
-
-/** Reads the table of a chunk of `frames` frames: at least one row, frame 0 first, frames ascending. */
-export function readRecordTable(fields: Fields, frames: number): Row[] {
-  const count = fields.u32();
-  if (count * ROW_BYTES > fields.remaining || count > frames || count === 0) {
-    throw fields.error(`${count} records for ${frames} frames do not fit`);
-  }
-  const rows: Row[] = [];
-  let before = -1;
-  for (let at = 0; at < count; at += 1) {
-    const row = { frame: fields.u32(), offset: fields.u32() };
-    if (row.frame <= before || row.frame >= frames || (at === 0 && row.frame !== 0)) {
-      throw fields.error(`Record ${at} is for frame ${row.frame}, out of order or out of range`);
-    }
-    before = row.frame;
-    rows.push(row);
-  }
-  return rows;
-}
-
-/** Checks that a record starts where its row says. */
-export function checkStart(fields: Fields, { frame, offset }: Row): void {
-  if (offset !== fields.at) {
-    throw fields.error(`The record of frame ${frame} was announced at offset ${offset}`);
-  }
-}
+// The records that lead a decoder from one frame to another (formats/depth.md 4). Mirrors src/codec/depth/record_table.rs.
 
 /** Indices of the records that lead to frame `target` from frame `at` (`undefined`: nothing is shown yet) in steps of at most `window`
  *  frames: a shorter one at the end. To go back, it starts again at frame 0. `frames` are those of records: they ascend from 0. With a

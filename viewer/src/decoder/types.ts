@@ -1,34 +1,38 @@
-// What codecs give: pictures of the CPU decoders, and chunks in the form of the kernels of shaders/.
+// What the decoder takes and gives: chunks, pictures, and chunks in the form of the kernels of shaders/.
 
-import type { Rect } from "../format/types.ts";
+import type { Chunk, Rect, StreamKind } from "../format/types.ts";
 
 /** A decoded picture of a unit, row by row: codes of depth or alpha; red, green, blue of material and 8-bit colour; bit patterns of
  *  three halves of colour. */
 export type Pixels = Uint16Array | Uint8Array;
 
-/** The area of a unit in its image, which prediction and projections count from. */
-export interface UnitArea {
-  /** Of the image. */
-  imageSize: [number, number];
+/** What the reading of a codec header needs to know of its stream. Sizes are in pixels. */
+export interface HeaderStream {
+  kind: StreamKind;
+  /** Four characters. */
+  codec: string;
+  /** 0 to 6. */
   face: number;
-  rect: Rect;
+  width: number;
+  height: number;
+  unitWidth: number;
+  unitHeight: number;
 }
 
 /** Whether a colour chunk may blend into the keyframe of a next one: formats/color.md 4. */
 export type ChunkPlace = "inner" | "last";
 
-/** What a decoder needs to know of a chunk besides its payload. */
+/** Where a chunk lies: the rectangle of its unit, and its place among the unit's chunks. */
 export interface ChunkArea {
-  area: UnitArea;
-  frames: number;
+  rect: Rect;
   place: ChunkPlace;
 }
 
-/** Decodes frames of one unit. Frames are counted from the start of the unit's chunk. */
-export interface ChunkDecoder {
-  /** The picture of a frame; the same array may be given again. `next` is the payload of the unit's next chunk, where the frame blends
-   *  into it. */
-  frame(frame: number, next?: () => Uint8Array): Pixels;
+/** A chunk, its stored bytes, and where it lies in its stream. */
+export interface StoredChunk {
+  chunk: Chunk;
+  stored: Uint8Array;
+  area: ChunkArea;
 }
 
 /** Rows of shaders/kernels.json with their members in words, one row behind the other. */
@@ -61,7 +65,7 @@ export interface Timeline {
   /** Frames of keyframes of colour; of the transform codec, frames that have a record. */
   keyframes: Uint32Array;
   /** Weights of the first frames; those of later ones are 0. */
-  weights: Uint8Array;
+  weights: Uint32Array;
   /** Of the transform codec: sets of frames, each four words of 128 bits, the lowest first, and the pixels that look the same in each. */
   frameSets: Uint32Array;
   framePixels: Uint32Array;

@@ -1,6 +1,6 @@
 // Little-endian fields of codec headers and payloads.
 
-import { FormatError } from "../format/types.ts";
+import { FormatError } from "./types.ts";
 
 /** Reads fields one after the other, never beyond the end; a field that is missing or wrong is a FormatError. */
 export class Fields {
