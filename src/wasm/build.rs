@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods)]
 
+use std::error::Error;
 use std::path::PathBuf;
 use std::{env, fs};
 
@@ -19,22 +20,21 @@ const CONSTANTS: [&str; 7] = [
     "STEP_ITERATIONS",
 ];
 
-/// Returns the members of a struct, each `name: type`, separated by commas.
-fn members(table: &Value, name: &str) -> String {
+/// Returns a struct with its members, each `name: type`.
+fn struct_source(table: &Value, name: &str) -> Result<String, String> {
     let rows = table["structs"].as_array().into_iter().flatten();
-    let row = rows.into_iter().find(|row| row["name"] == name).unwrap_or_else(|| panic!("{TABLE} has no {name}"));
+    let row = rows.into_iter().find(|row| row["name"] == name).ok_or(format!("{TABLE} has no struct {name}"))?;
     let members: Vec<&str> = row["members"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
-    members.join(", ")
+    Ok(format!("{name} {{ {} }}\n", members.join(", ")))
 }
 
-fn main() {
+fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed={TABLE}");
     println!("cargo::rerun-if-changed=build.rs");
-    let text = fs::read_to_string(TABLE).expect("shaders/kernels.json is there");
-    let table: Value = serde_json::from_str(&text).expect("shaders/kernels.json is JSON");
-    let structs = STRUCTS.map(|name| format!("{name} {{ {} }}\n", members(&table, name))).concat();
+    let table: Value = serde_json::from_str(&fs::read_to_string(TABLE)?)?;
+    let structs: String = STRUCTS.iter().map(|name| struct_source(&table, name)).collect::<Result<_, _>>()?;
     let constants = CONSTANTS.map(|name| format!("{name} = {};\n", table["constants"][name])).concat();
-    let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
     let source = format!("structs! {{\n{structs}}}\nconstants! {{\n{constants}}}\n");
-    fs::write(out.join("layout.rs"), source).expect("OUT_DIR can be written");
+    fs::write(PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default()).join("layout.rs"), source)?;
+    Ok(())
 }

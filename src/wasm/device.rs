@@ -37,8 +37,9 @@ pub fn prepared(stream: &Stream, payload: Payload, area: ChunkArea) -> Result<Ve
 }
 
 /// Returns the tables of streams of the transform codec: for each stream the first word of its table sets, then the words.
-pub fn transform_tables<'a>(streams: impl Iterator<Item = &'a Stream>) -> Vec<u32> {
+pub fn transform_tables(streams: &[&Stream]) -> Vec<u32> {
     let tables: Vec<&Tables> = streams
+        .iter()
         .filter_map(|stream| match &stream.header {
             CodecHeader::Color(header) => header.tables(),
             _ => None,

@@ -1,5 +1,7 @@
 //! Objects that the page knows by numbers.
 
+use codec::error::{Error, Result};
+
 pub struct Slots<T> {
     slots: Vec<Option<T>>,
 }
@@ -19,19 +21,21 @@ impl<T> Slots<T> {
         free as i32
     }
 
-    /// # Panics
-    /// If there is no object of this number.
-    pub fn get(&self, number: u32) -> &T {
-        self.slots[number as usize].as_ref().expect("an object of this number")
+    pub fn get(&self, number: u32) -> Result<&T> {
+        self.slots.get(number as usize).and_then(Option::as_ref).ok_or_else(|| missing(number))
     }
 
-    /// # Panics
-    /// As [`Self::get`].
-    pub fn get_mut(&mut self, number: u32) -> &mut T {
-        self.slots[number as usize].as_mut().expect("an object of this number")
+    pub fn get_mut(&mut self, number: u32) -> Result<&mut T> {
+        self.slots.get_mut(number as usize).and_then(Option::as_mut).ok_or_else(|| missing(number))
     }
 
     pub fn remove(&mut self, number: u32) {
-        self.slots[number as usize] = None;
+        if let Some(slot) = self.slots.get_mut(number as usize) {
+            *slot = None;
+        }
     }
+}
+
+fn missing(number: u32) -> Error {
+    Error::Usage(format!("there is no object of number {number}"))
 }

@@ -66,8 +66,8 @@ function startWith(name: string, stops: (call: number) => boolean): { start: () 
     const real = exports[name] as (...numbers: number[]) => number;
     const stopping = (...numbers: number[]): number => {
       calls += 1;
-      // A chunk that there is not: the real function panics.
-      return stops(calls - 1) ? (exports.show_frame as typeof real)(1_000_000, 0) : real(...numbers);
+      // More memory than there is: the real function panics.
+      return stops(calls - 1) ? (exports.input as typeof real)(-1) : real(...numbers);
     };
     instances.push(new Decoder({ exports: { ...exports, [name]: stopping } }));
     return instances.at(-1)!;

@@ -1,9 +1,9 @@
-// The decoder of the program as WebAssembly: an instance of lightfold.wasm, and what its functions take and give (src/wasm/lib.rs).
+// The decoder of the program as WebAssembly: an instance of lightfold.wasm, and what its functions take and give (src/wasm/exports.rs).
 
 import { type CodecHeader, FormatError, type Storage, UnsupportedError } from "../format/types.ts";
 import type { HeaderStream, Pixels, Prepared, StoredChunk } from "./types.ts";
 
-/** Functions of src/wasm/lib.rs. */
+/** Functions of src/wasm/exports.rs. */
 interface Exports {
   memory: WebAssembly.Memory;
   input(bytes: number): number;
@@ -19,7 +19,7 @@ interface Exports {
   show_frame(chunk: number, frame: number): number;
   close_chunk(chunk: number): void;
   prepare(stream: number, ...numbers: ChunkNumbers): number;
-  transform_tables(): void;
+  transform_tables(): number;
   log2_table(): void;
 }
 
@@ -153,7 +153,7 @@ export class Decoder {
   transformTables(streams: readonly DecoderStream[]): { words: Uint32Array; firstSets: number[] } {
     const numbers = Uint32Array.from(streams, ({ number }) => number);
     this.#write(new Uint8Array(numbers.buffer));
-    this.#run(() => this.#exports.transform_tables());
+    this.#call(() => this.#exports.transform_tables());
     const words = this.#words();
     return { words: words.slice(streams.length), firstSets: [...words.subarray(0, streams.length)] };
   }
