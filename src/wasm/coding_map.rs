@@ -89,6 +89,11 @@ impl CodingMaps {
         })
     }
 
+    /// True if each frame is complete in itself.
+    fn is_complete(&self) -> bool {
+        matches!(self.chunk, StreamChunk::Depth(DepthChunk::Blocks(_)))
+    }
+
     fn paint(&mut self, frame: u32) -> Result<()> {
         let new;
         let patches = match self.predicted.get(frame as usize) {
@@ -98,7 +103,7 @@ impl CodingMaps {
                 &new
             }
         };
-        if frame == 0 {
+        if frame == 0 || self.is_complete() {
             self.next_part = 1;
         }
         self.first_part = self.next_part;
@@ -117,10 +122,8 @@ impl CodingMaps {
 
 impl Frames for CodingMaps {
     fn show(&mut self, frame: u32) -> Result<Shown> {
-        // Each frame of BC4w blocks is complete in itself.
-        let is_complete = matches!(self.chunk, StreamChunk::Depth(DepthChunk::Blocks(_)));
         let first = match self.at {
-            _ if is_complete => frame,
+            _ if self.is_complete() => frame,
             Some(at) if at <= frame => at + 1,
             _ => 0,
         };

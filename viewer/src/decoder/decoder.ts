@@ -98,8 +98,10 @@ export class Decoder {
    *  stream. */
   openStream(stream: HeaderStream, headerBytes: Uint8Array): DecoderStream {
     const { kind, codec, face, width, height, unitWidth, unitHeight } = stream;
-    const letters = Array.from(codec, (letter) => letter.charCodeAt(0));
-    this.#write(Uint8Array.from([...letters, ...headerBytes]));
+    const bytes = new Uint8Array(codec.length + headerBytes.length);
+    bytes.set(Array.from(codec, (letter) => letter.charCodeAt(0)));
+    bytes.set(headerBytes, codec.length);
+    this.#write(bytes);
     const numbers: HeaderNumbers = [KINDS.indexOf(kind), face, width, height, unitWidth, unitHeight];
     const number = this.#call(() => this.#exports.open_stream(...numbers));
     return { number, header: JSON.parse(this.#text()) as CodecHeader };

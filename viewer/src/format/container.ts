@@ -70,8 +70,9 @@ export class Container {
   /** Reads head, foot and index, in three requests: a FormatError where they break a rule, an UnsupportedError where the file needs more
    *  than this player does; errors of the source as they are. */
   static async open(source: ByteSource, signal?: AbortSignal): Promise<Container> {
-    await loadDecoder();
-    const minor = readHead(await source.read(0, Math.min(HEAD_BYTES, source.byteCount), signal));
+    const head = source.read(0, Math.min(HEAD_BYTES, source.byteCount), signal);
+    await Promise.all([head, loadDecoder()]);
+    const minor = readHead(await head);
     if (source.byteCount < HEAD_BYTES + FOOT_BYTES) {
       throw new FormatError(`The container ends after its head, at byte ${source.byteCount} (container.md 7).`);
     }
