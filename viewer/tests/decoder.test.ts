@@ -13,6 +13,10 @@ import type { Job } from "../src/player/jobs.ts";
 import { MemorySource } from "./memory_source.ts";
 import { MODULE } from "./use_decoder.ts";
 import { storedChunk, valid, vectors } from "./vectors.ts";
+import { vectorOpcodes } from "./wasm_opcodes.ts";
+
+/** Opcode of the first relaxed instruction of vectors; none is beyond those. */
+const FIRST_RELAXED = 0x100;
 
 /** Asks for keys in turn; answers those whose decoders were made, and those that were closed. */
 function madeOf(cache: DecoderCache, keys: readonly string[], bytes = 10): [made: string[], closed: string[]] {
@@ -128,37 +132,22 @@ test("memory of closed chunks is used again", async () => {
   assert.equal(decoder.memoryBytes, before);
 });
 
-/** Reads a number of 7 bits a byte. */
-function leb(at: number): [value: number, next: number] {
-  let [value, shift, next] = [0, 0, at];
-  for (;;) {
-    const byte = MODULE[next];
-    next += 1;
-    value += (byte & 0x7f) * 2 ** shift;
-    shift += 7;
-    if (byte < 0x80) {
-      return [value, next];
-    }
-  }
-}
-
 test("the module imports nothing and has no relaxed instructions, which differ between machines", () => {
   assert.deepEqual(WebAssembly.Module.imports(decoderModule()), []);
-  let vectorOpcodes = 0;
-  for (let at = 8; at < MODULE.length;) {
-    const id = MODULE[at];
-    const [size, start] = leb(at + 1);
-    // In the section of code: the prefix of vector instructions, and its opcode; relaxed ones start at 0x100.
-    for (let byte = start; id === 10 && byte < start + size; byte += 1) {
-      if (MODULE[byte] === 0xfd && MODULE[byte + 1] >= 0x80 && MODULE[byte + 2] < 0x80) {
-        const [opcode] = leb(byte + 1);
-        assert.ok(opcode < 0x100 || opcode > 0x113, `opcode 0x${opcode.toString(16)} at byte ${byte}`);
-        vectorOpcodes += 1;
-      }
-    }
-    at = start + size;
-  }
-  assert.ok(vectorOpcodes > 100, `${vectorOpcodes} instructions of vectors`);
+  const opcodes = [...vectorOpcodes(MODULE)];
+  assert.ok(opcodes.length > 20, `${opcodes.length} kinds of vector instructions`);
+  assert.deepEqual(
+    opcodes.filter((opcode) => opcode >= FIRST_RELAXED),
+    [],
+  );
+});
+
+test("relaxed instructions are found", () => {
+  // A function of no locals: three vectors of zeros, and a relaxed multiplication and addition of them.
+  const zeros = [0xfd, 0x0c, ...Array<number>(16).fill(0)];
+  const body = [0, ...zeros, ...zeros, ...zeros, 0xfd, 0x85, 0x02, 0x1a, 0x0b];
+  const module = Uint8Array.from([...MODULE.subarray(0, 8), 10, body.length + 2, 1, body.length, ...body]);
+  assert.deepEqual([...vectorOpcodes(module)], [0x0c, 0x105]);
 });
 
 test("steps take the window, and skip records between", () => {
