@@ -7,7 +7,7 @@ const shared = {
   bundle: true,
   format: "esm",
   target: "es2022",
-  loader: { ".wgsl": "text", ".txt": "text" },
+  loader: { ".wgsl": "text" },
   logLevel: "warning",
   charset: "utf8",
 };
@@ -39,4 +39,6 @@ if (process.argv.includes("--tests")) {
   for (const name of ["index.html", "style.css", "narrow.css"]) {
     await copyFile(`src/ui/${name}`, `${outdir}/${name}`);
   }
+  // Built by scripts/build-wasm.
+  await copyFile("src/decoder/lightfold.wasm", `${outdir}/lightfold.wasm`);
 }

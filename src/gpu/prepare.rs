@@ -47,11 +47,11 @@ pub struct Timeline {
     /// Frames that have a record, with the number of pixels it writes. Empty for colour.
     pub records: Vec<(u32, u64)>,
     /// Colour only: the frames of keyframes; for the transform codec, the frames that have a record.
-    keyframes: Vec<u32>,
+    pub keyframes: Vec<u32>,
     /// Weights of the first frames; later frames have weight 0.
-    weights: Vec<u8>,
+    pub weights: Vec<u8>,
     /// Transform codec only: for each set of frames, the number of pixels that are equal in all its frames.
-    pixels_of_frames: Vec<(u128, u64)>,
+    pub pixels_of_frames: Vec<(u128, u64)>,
 }
 
 impl Timeline {

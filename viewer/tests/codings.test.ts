@@ -2,30 +2,32 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { chunkCodings, chunkDecoder } from "../src/codec/decode.ts";
-import { parseChunk } from "../src/codec/depth/chunk.ts";
-import { BORDER, type Coding, CODING_BITS, CODINGS, KEPT } from "../src/codec/depth/coding_map.ts";
-import { NodeChunk } from "../src/codec/depth/node_chunk.ts";
-import { functionOf, levelOf } from "../src/codec/depth/nodes.ts";
-import type { ChunkArea, Pixels } from "../src/codec/types.ts";
+import type { DecoderStream } from "../src/decoder/decoder.ts";
+import { decoder } from "../src/decoder/module.ts";
+import type { Pixels, StoredChunk } from "../src/decoder/types.ts";
 import { Container } from "../src/format/container.ts";
 import { MemorySource } from "./memory_source.ts";
-import { unpack } from "../src/format/payload.ts";
-import { FormatError, type DepthHeader, type Rect, type Stream, UnsupportedError } from "../src/format/types.ts";
-import { codingColors, CODING_LEGEND } from "../src/player/coding_colors.ts";
+import { FormatError, type DepthHeader, type Stream, UnsupportedError } from "../src/format/types.ts";
+import {
+  BORDER,
+  type Coding,
+  CODING_BITS,
+  CODING_LEGEND,
+  CODINGS,
+  codingColors,
+  KEPT,
+} from "../src/player/coding_colors.ts";
 import { CodingMaps, type SeenUnit } from "../src/player/coding_maps.ts";
 import type { DecodeContext } from "../src/player/unit_source.ts";
 import { lightfold, withoutProgram } from "./films.ts";
-import { chance, spoiled, vectors } from "./vectors.ts";
+import { chance, payloadOf, spoiled, storedChunk, vectors, withPayload } from "./vectors.ts";
 
 interface DepthChunk {
   file: string;
   stream: Stream;
   header: DepthHeader;
-  unit: number;
-  firstFrame: number;
-  payload: Uint8Array;
-  area: ChunkArea;
+  opened: DecoderStream;
+  stored: StoredChunk;
 }
 
 /** All chunks of depth of the valid vectors. */
@@ -36,10 +38,8 @@ async function depthChunks(): Promise<DepthChunk[]> {
     for (const [at, chunk] of container.chunks.entries()) {
       const stream = container.streams[chunk.stream];
       if (stream.header.kind === "depth") {
-        const payload = unpack(chunk, bytes.subarray(chunk.offset, chunk.offset + chunk.storedBytes));
-        const { unit, firstFrame } = chunk;
-        const area = container.areaOf(at);
-        found.push({ file: name, stream, header: stream.header, unit, firstFrame, payload, area });
+        const opened = decoder().openStream(stream, stream.headerBytes);
+        found.push({ file: name, stream, header: stream.header, opened, stored: storedChunk(container, bytes, at) });
       }
     }
   }
@@ -50,21 +50,25 @@ async function depthChunks(): Promise<DepthChunk[]> {
 const CHUNKS = await depthChunks();
 
 /** Maps of some frames of a chunk, in this order. */
-function mapsOf({ header, payload, area }: DepthChunk, frames: readonly number[]): Pixels[] {
-  const decoder = chunkCodings(header, payload, area);
-  return frames.map((frame) => decoder.frame(frame).slice());
+function mapsOf({ opened, stored }: DepthChunk, frames: readonly number[]): Pixels[] {
+  const maps = decoder().openCodings(opened, stored);
+  try {
+    return frames.map((frame) => maps.frame(frame).slice());
+  } finally {
+    maps.close();
+  }
 }
 
-function framesOf({ area }: DepthChunk): number[] {
-  return Array.from({ length: area.frames }, (_, frame) => frame);
+function framesOf({ stored }: DepthChunk): number[] {
+  return Array.from({ length: stored.chunk.frameCount }, (_, frame) => frame);
 }
 
 function codingOf(byte: number): Coding {
   return CODINGS[byte & CODING_BITS];
 }
 
-function sizeOf({ area }: DepthChunk): [number, number] {
-  const [, , width, height] = area.area.rect;
+function sizeOf({ stored }: DepthChunk): [number, number] {
+  const [, , width, height] = stored.area.rect;
   return [width, height];
 }
 
@@ -91,14 +95,15 @@ test("every pixel has a coding that its codec knows", () => {
 
 test("pixels that are kept have the code of the frame before", () => {
   for (const chunk of CHUNKS) {
-    const decoder = chunkDecoder(chunk.header, chunk.payload, chunk.area);
+    const pictures = decoder().openChunk(chunk.opened, chunk.stored);
     let before: Pixels | undefined;
     mapsOf(chunk, framesOf(chunk)).forEach((map, frame) => {
-      const picture = decoder.frame(frame).slice();
+      const picture = pictures.frame(frame).slice();
       const isRight = map.every((byte, at) => (byte & KEPT) === 0 || picture[at] === before?.[at]);
-      assert.ok(isRight, `${chunk.file}, unit ${chunk.unit}, frame ${frame}`);
+      assert.ok(isRight, `${chunk.file}, unit ${chunk.stored.chunk.unit}, frame ${frame}`);
       before = picture;
     });
+    pictures.close();
   }
 });
 
@@ -112,40 +117,22 @@ test("maps do not depend on the order in which they are asked for", () => {
   }
 });
 
-/** The pixels of a rectangle in a picture of `width` columns. */
-function* pixelsOf([left, top, columns, rows]: Rect, width: number): Generator<{ at: number; isEdge: boolean }> {
-  for (let y = top; y < top + rows; y += 1) {
-    for (let x = left; x < left + columns; x += 1) {
-      yield { at: y * width + x, isEdge: x === left || y === top };
-    }
-  }
-}
-
-test("nodes tile a unit, each with its function and its border", () => {
-  let nodes = 0;
-  for (const vector of CHUNKS) {
-    const chunk = parseChunk(vector.header, vector.payload, vector.area);
-    if (!(chunk instanceof NodeChunk) || chunk.frames.some(({ coarse }) => coarse !== undefined)) {
-      continue;
-    }
-    const [width] = sizeOf(vector);
-    const [map] = mapsOf(vector, [0]);
-    const covers = new Uint8Array(map.length);
-    chunk.forEachNode(chunk.frames[0], (place, coefficients, rect) => {
-      const wanted = functionOf(levelOf(place), chunk.words, coefficients);
-      for (const { at, isEdge } of pixelsOf(rect, width)) {
-        covers[at] += 1;
-        assert.deepEqual([codingOf(map[at]), map[at] & KEPT, (map[at] & BORDER) !== 0], [wanted, 0, isEdge]);
-      }
-      nodes += 1;
+test("each node, box or block begins with a border, and the unit has one", () => {
+  for (const chunk of CHUNKS) {
+    const [width] = sizeOf(chunk);
+    const [map] = mapsOf(chunk, [0]);
+    // A box has parts that are blocks, and parts that are values.
+    const kindOf = (byte: number) => codingOf(byte).replace("blocks", "values");
+    map.forEach((byte, at) => {
+      const isEdge = at % width === 0 || at < width;
+      const differs = !isEdge && [at - 1, at - width].some((other) => kindOf(map[other]) !== kindOf(byte));
+      assert.ok((byte & BORDER) !== 0 || !(isEdge || differs), `${chunk.file}, pixel ${at}`);
     });
-    assert.ok(covers.every((count) => count === 1));
   }
-  assert.ok(nodes > 100, `${nodes} nodes`);
 });
 
-function isTree({ header: { coding } }: DepthChunk): boolean {
-  return coding.name === "nodes" && coding.isTree;
+function isTree({ stream }: DepthChunk): boolean {
+  return stream.codec === "DQTR";
 }
 
 /** What `lightfold inspect --per-frame --json` says that is used here. */
@@ -168,7 +155,7 @@ test("pixels by coding and frame are as many as lightfold inspect counts", { ski
     for (const chunk of CHUNKS.filter((one) => one.file === file)) {
       mapsOf(chunk, framesOf(chunk)).forEach((map, at) => {
         for (const byte of map.filter((one) => (one & KEPT) === 0)) {
-          const [frame, coding] = [chunk.firstFrame + at, codingOf(byte)];
+          const [frame, coding] = [chunk.stored.chunk.firstFrame + at, codingOf(byte)];
           byFrame.set(frame, (byFrame.get(frame) ?? 0) + 1);
           byCoding.set(coding, (byCoding.get(coding) ?? 0) + Number(!isTree(chunk)));
         }
@@ -209,7 +196,8 @@ test("a changed payload has maps or is refused", () => {
   for (let change = 0; change < 2000; change += 1) {
     const chunk = CHUNKS[random(CHUNKS.length)];
     try {
-      mapsOf({ ...chunk, payload: spoiled(chunk.payload, random) }, [0, chunk.area.frames - 1]);
+      const stored = withPayload(chunk.stored, spoiled(payloadOf(chunk.stored), random));
+      mapsOf({ ...chunk, stored }, [0, stored.chunk.frameCount - 1]);
       mapped += 1;
     } catch (error) {
       assert.ok(error instanceof FormatError, `${chunk.file}: ${error instanceof Error ? error.stack : String(error)}`);
@@ -222,8 +210,11 @@ test("a changed payload has maps or is refused", () => {
 test("colors have no such maps", async () => {
   const { bytes } = vectors("valid").find(({ name }) => name === "color8-cells")!;
   const container = await Container.open(new MemorySource(bytes));
-  const { header } = container.streams.find(({ kind }) => kind === "color")!;
-  assert.throws(() => chunkCodings(header, new Uint8Array(), container.areaOf(0)), UnsupportedError);
+  const at = container.chunks.findIndex(({ stream }) => container.streams[stream].kind === "color");
+  const stream = container.streams[container.chunks[at].stream];
+  const opened = decoder().openStream(stream, stream.headerBytes);
+  assert.throws(() => decoder().openCodings(opened, storedChunk(container, bytes, at)), UnsupportedError);
+  decoder().closeStream(opened);
 });
 
 test("the legend has all codings once, and kept ones and borders are darker", () => {

@@ -1,11 +1,9 @@
 // Decodes on the graphics device of a browser, for gpu_decode.test.ts.
 
-import { prepare } from "../src/codec/decode.ts";
-import type { Pixels, Prepared } from "../src/codec/types.ts";
+import { decoder, loadDecoder } from "../src/decoder/module.ts";
+import type { Pixels, Prepared } from "../src/decoder/types.ts";
 import { Container } from "../src/format/container.ts";
-import { crc32 } from "../src/format/crc32.ts";
 import { MemorySource } from "./memory_source.ts";
-import { unpack } from "../src/format/payload.ts";
 import type { DepthHeader, Stream } from "../src/format/types.ts";
 import { FamilyDecoder } from "../src/gpu/decoder.ts";
 import type { Decoded, Wanted } from "../src/gpu/decoder.ts";
@@ -15,6 +13,7 @@ import { KERNEL_NAMES, kernelSource } from "../src/gpu/kernels.ts";
 import { CONSTANTS, memberOffset, putRow, rowsOf, rowWords } from "../src/gpu/layout.ts";
 import { readStream } from "./readback.ts";
 
+await loadDecoder();
 const gpu = await Gpu.open();
 const errors: string[] = [];
 gpu.onError = (message) => errors.push(message);
@@ -36,7 +35,7 @@ async function messages(): Promise<string[]> {
 
 function crcOf(pixels: Pixels): string {
   const bytes = new Uint8Array(pixels.buffer, pixels.byteOffset, pixels.byteLength);
-  return crc32(bytes).toString(16).padStart(8, "0");
+  return decoder().crc32(bytes).toString(16).padStart(8, "0");
 }
 
 /** Chunks of a container by key. */
@@ -50,11 +49,11 @@ class Chunks {
   async prepared(key: number): Promise<Prepared> {
     const chunk = this.#container.chunks[key - 1]!;
     const stored = await this.#container.source.read(chunk.offset, chunk.storedBytes);
-    return prepare(
-      this.#container.streams[chunk.stream]!.header,
-      unpack(chunk, stored),
-      this.#container.areaOf(key - 1),
-    );
+    const { [chunk.stream]: stream } = this.#container.streams;
+    const opened = decoder().openStream(stream!, stream!.headerBytes);
+    const prepared = decoder().prepare(opened, { chunk, stored, area: this.#container.areaOf(key - 1) });
+    decoder().closeStream(opened);
+    return prepared;
   }
 
   /** All units of streams that have a frame. */
@@ -140,9 +139,8 @@ async function vector({
 const WINDOW_OF_ONE: DepthHeader = {
   kind: "depth",
   range: { nearM: 1, farM: 2 },
-  background: 0,
   isDistance: false,
-  coding: { name: "boxes", window: 1, inBlocks: false, keyframeInterval: 1 << 20 },
+  coding: { name: "boxes", window: 1, inBlocks: false },
 };
 
 /** A depth stream of one unit of 2x2 pixels. */
@@ -178,7 +176,7 @@ function countingChunk(frames: number): Prepared {
       recordFrames: Uint32Array.from(numbers),
       recordPixels: new Uint32Array(frames).fill(4),
       keyframes: new Uint32Array(),
-      weights: new Uint8Array(),
+      weights: new Uint32Array(),
       frameSets: new Uint32Array(),
       framePixels: new Uint32Array(),
     },

@@ -12,7 +12,10 @@ const NAMES = readdirSync(VECTORS)
   .filter((name) => name.endsWith(".lfold"))
   .map((name) => name.slice(0, -".lfold".length));
 
-const FILES = new Map(NAMES.map((name) => [`/${name}.lfold`, readFileSync(`${VECTORS}/${name}.lfold`)]));
+const FILES = new Map([
+  ["/lightfold.wasm", readFileSync("src/decoder/lightfold.wasm")],
+  ...NAMES.map((name) => [`/${name}.lfold`, readFileSync(`${VECTORS}/${name}.lfold`)] as const),
+]);
 
 /** The lines of a vector. */
 function expected(name: string): string[] {

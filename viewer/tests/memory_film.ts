@@ -1,13 +1,11 @@
 // A container that is decoded and rendered on the processor, without workers and a page.
 
-import { chunkDecoder } from "../src/codec/decode.ts";
-import { parseCodecHeader } from "../src/codec/headers.ts";
-import type { Pixels } from "../src/codec/types.ts";
+import { decoder } from "../src/decoder/module.ts";
+import type { Pixels, StoredChunk } from "../src/decoder/types.ts";
 import { Field } from "../src/cpu/field.ts";
 import type { Rendered } from "../src/cpu/messages.ts";
 import { type OrderOptions, renderOrder } from "../src/cpu/order.ts";
 import { Container } from "../src/format/container.ts";
-import { unpack } from "../src/format/payload.ts";
 import type { Stream } from "../src/format/types.ts";
 import { WorkerTexels } from "../src/player/worker_texels.ts";
 import { activeViews } from "../src/views/active.ts";
@@ -17,6 +15,7 @@ import { unitsUnder } from "../src/views/rects.ts";
 import { ColorTexels, type UnitPixels } from "../src/views/straight.ts";
 import type { Shot } from "./films.ts";
 import { MemorySource } from "./memory_source.ts";
+import "./use_decoder.ts";
 
 /** One frame of a film in memory. */
 export class MemoryFilm {
@@ -102,13 +101,18 @@ export class MemoryFilm {
 
   async #decode(stream: Stream, unit: number): Promise<Pixels> {
     const at = this.container.chunkIndex(stream.index, unit, this.frame);
-    const payload = async (number: number): Promise<Uint8Array> => {
+    const stored = async (number: number): Promise<StoredChunk> => {
       const chunk = this.container.chunks[number];
-      return unpack(chunk, await this.source.read(chunk.offset, chunk.storedBytes));
+      const bytes = await this.source.read(chunk.offset, chunk.storedBytes);
+      return { chunk, stored: bytes, area: this.container.areaOf(number) };
     };
-    const area = this.container.areaOf(at);
-    const next = area.place === "last" ? undefined : await payload(at + 1);
-    const decoder = chunkDecoder(parseCodecHeader(stream, stream.headerBytes), await payload(at), area);
-    return decoder.frame(this.frame - this.container.chunks[at].firstFrame, () => next!).slice();
+    const chunk = await stored(at);
+    const next = chunk.area.place === "last" ? undefined : await stored(at + 1);
+    const opened = decoder().openStream(stream, stream.headerBytes);
+    const frames = decoder().openChunk(opened, chunk);
+    const pixels = frames.frame(this.frame - chunk.chunk.firstFrame, () => next).slice();
+    frames.close();
+    decoder().closeStream(opened);
+    return pixels;
   }
 }

@@ -1,6 +1,7 @@
 // The player of containers in headless Chromium, beside the program: pictures, bytes, servers that fail, files that are hostile.
 
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { after, before, describe, test } from "node:test";
 import { Container } from "../src/format/container.ts";
 import { MemorySource } from "./memory_source.ts";
@@ -47,8 +48,9 @@ describe("The player", { skip }, () => {
     films.encode("film.lfold", "--clip");
     files = pageFiles(
       PAGE,
-      new Map([
+      new Map<string, Uint8Array | string>([
         ["/worker.js", bundle("src/worker.ts")],
+        ["/lightfold.wasm", readFileSync("src/decoder/lightfold.wasm")],
         ["/cpu_worker.js", bundle("src/cpu/worker.ts")],
       ]),
     );

@@ -2,7 +2,8 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Answer, Job, StoredChunk } from "../src/player/jobs.ts";
+import type { StoredChunk } from "../src/decoder/types.ts";
+import type { Answer, Job } from "../src/player/jobs.ts";
 import { WorkerPool } from "../src/player/pool.ts";
 
 class FakeWorker {

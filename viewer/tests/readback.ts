@@ -1,6 +1,6 @@
 // Pictures for tests, read back from the graphics device, in the form of the CPU's decoders. Mirrors src/gpu/pictures.rs.
 
-import type { Pixels } from "../src/codec/types.ts";
+import type { Pixels } from "../src/decoder/types.ts";
 import type { Rect, Stream } from "../src/format/types.ts";
 import { unitCountOf, unitRectOf } from "../src/format/index_tables.ts";
 import type { FamilyDecoder, UnitPicture } from "../src/gpu/decoder.ts";

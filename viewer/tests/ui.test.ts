@@ -538,8 +538,8 @@ test("the page has no inline code or style, and its policy lets nothing else in"
   ]);
   const policy = /content="(default-src[^"]*)"/.exec(html)?.[1];
   const expected =
-    "default-src 'none'; script-src 'self'; worker-src 'self'; style-src 'self'; img-src 'self' blob: data:; " +
-    "connect-src 'self' blob:; base-uri 'none'; form-action 'none'";
+    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; style-src 'self'; " +
+    "img-src 'self' blob: data:; connect-src 'self' blob:; base-uri 'none'; form-action 'none'";
   assert.equal(policy, expected);
   assert.ok(
     !/https?:/.test(html + readFileSync("src/ui/style.css", "utf8") + readFileSync("src/ui/narrow.css", "utf8")),

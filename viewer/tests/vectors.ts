@@ -1,8 +1,11 @@
 // The files of tests/vectors, and small changes to them.
 
 import { readdirSync, readFileSync } from "node:fs";
+import { decoder } from "../src/decoder/module.ts";
+import type { StoredChunk } from "../src/decoder/types.ts";
+import type { Container } from "../src/format/container.ts";
 import type { ByteSource } from "../src/format/types.ts";
-import { crc32 } from "../src/format/crc32.ts";
+import "./use_decoder.ts";
 
 const FOLDER = "../tests/vectors";
 const FOOT_BYTES = 40;
@@ -29,6 +32,25 @@ export function vectors(folder: "valid" | "invalid" | "limits"): Vector[] {
 /** A valid vector. */
 export function valid(name: string): Uint8Array {
   return new Uint8Array(readFileSync(`${FOLDER}/valid/${name}.lfold`));
+}
+
+/** A chunk of a file with its stored bytes. */
+export function storedChunk(container: Container, file: Uint8Array, at: number): StoredChunk {
+  const chunk = container.chunks[at];
+  const stored = file.subarray(chunk.offset, chunk.offset + chunk.storedBytes);
+  return { chunk, stored, area: container.areaOf(at) };
+}
+
+/** The payload of a chunk. */
+export function payloadOf({ chunk, stored }: StoredChunk): Uint8Array {
+  return decoder().decompress(chunk.storage, stored, chunk.rawBytes);
+}
+
+/** A chunk with another payload, which is stored raw. */
+export function withPayload({ chunk, area }: StoredChunk, payload: Uint8Array): StoredChunk {
+  const [rawBytes, storedBytes] = [payload.length, payload.length];
+  const stored = { ...chunk, storage: "raw" as const, rawBytes, storedBytes, crc32: decoder().crc32(payload) };
+  return { chunk: stored, stored: payload, area };
 }
 
 /** A source that notes its reads as [offset, count]. */
@@ -75,8 +97,8 @@ export function indexRange(file: Uint8Array): [number, number] {
 export function seal(file: Uint8Array): Uint8Array {
   const [start, foot] = indexRange(file);
   const view = new DataView(file.buffer, file.byteOffset);
-  view.setUint32(foot + 16, crc32(file.subarray(start, foot)), true);
-  view.setUint32(foot + 32, crc32(file.subarray(foot, foot + 32)), true);
+  view.setUint32(foot + 16, decoder().crc32(file.subarray(start, foot)), true);
+  view.setUint32(foot + 32, decoder().crc32(file.subarray(foot, foot + 32)), true);
   return file;
 }
 

@@ -47,11 +47,11 @@ function stream(index: number, of: number, face: number, kind: StreamKind): Stre
     const coding = { name: "cells" } as const;
     return {
       ...place,
-      header: { kind, isHalf: false, transfer: "srgb", exposureEv: 1, minPsnrDb: 40, coding },
+      header: { kind, isHalf: false, transfer: "srgb", exposureEv: 1, coding },
     };
   }
   const range = { nearM: 0.5, farM: 20 };
-  return { ...place, header: { kind: "depth", range, background: 0, isDistance: true, coding: { name: "blocks" } } };
+  return { ...place, header: { kind: "depth", range, isDistance: true, coding: { name: "blocks" } } };
 }
 
 /** What a container says of probes that have images of these faces. */

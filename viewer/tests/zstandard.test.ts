@@ -1,19 +1,19 @@
-// One-bit changes of Zstandard frames: this decoder accepts those that are listed, as the others of the repository do
+// One-bit changes of Zstandard frames: the module accepts those that are listed, as the program does
 // (tests/vectors/README.md).
 
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { test } from "node:test";
-import { crc32 } from "../src/format/crc32.ts";
+import { decoder } from "../src/decoder/module.ts";
 import { FormatError } from "../src/format/types.ts";
-import { decompressZstd } from "../src/format/zstd.ts";
+import "./use_decoder.ts";
 
 const FOLDER = "../tests/vectors/zstandard";
 const NAMES = readdirSync(FOLDER).filter((name) => name.endsWith(".zst"));
 
 function decoded(stored: Uint8Array, rawBytes: number): Uint8Array | undefined {
   try {
-    return decompressZstd(stored, rawBytes);
+    return decoder().decompress("zstd", stored, rawBytes);
   } catch (error) {
     assert.ok(error instanceof FormatError, error instanceof Error ? error.stack : String(error));
     return undefined;
@@ -33,7 +33,7 @@ for (const name of NAMES.map((file) => file.slice(0, -".zst".length))) {
         changed[at] ^= 1 << bit;
         const found = decoded(changed, raw.length);
         if (found) {
-          lines += `${at} ${bit} ${crc32(found).toString(16).padStart(8, "0")}\n`;
+          lines += `${at} ${bit} ${decoder().crc32(found).toString(16).padStart(8, "0")}\n`;
         }
       }
     }

@@ -27,9 +27,11 @@ use footage::json;
 
 pub type Body = Either<Full<Bytes>, Channel<Bytes, io::Error>>;
 
-/// The page may load files of this server and images that it creates; nothing from other origins. No page may frame it.
-const CONTENT_POLICY: &str = "default-src 'none'; script-src 'self'; worker-src 'self'; style-src 'self'; \
-    img-src 'self' blob: data:; connect-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+/// The page may load files of this server, WebAssembly among them, and images that it creates; nothing from other origins. No
+/// page may frame it.
+const CONTENT_POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; \
+    style-src 'self'; img-src 'self' blob: data:; connect-src 'self' blob:; base-uri 'none'; form-action 'none'; \
+    frame-ancestors 'none'";
 /// Features with a permission that the page may use: gamepads and headsets.
 const PERMISSIONS: &str =
     "gamepad=(self), xr-spatial-tracking=(self), camera=(), display-capture=(), geolocation=(), microphone=(), usb=()";

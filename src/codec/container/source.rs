@@ -65,6 +65,12 @@ impl ByteSource for File {
         std::os::unix::fs::FileExt::read_exact_at(self, bytes, offset)
     }
 
+    /// WebAssembly has no files.
+    #[cfg(not(any(unix, windows)))]
+    fn read_at(&self, _offset: u64, _bytes: &mut [u8]) -> io::Result<()> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+
     #[cfg(windows)]
     fn read_at(&self, mut offset: u64, mut bytes: &mut [u8]) -> io::Result<()> {
         while !bytes.is_empty() {

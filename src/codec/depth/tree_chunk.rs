@@ -48,6 +48,12 @@ impl TreeChunk {
         Ok(TreeChunk { leaves, trees })
     }
 
+    /// Returns the functions of coarser places in a frame; none if the frame has no record.
+    pub fn functions(&self, frame: u32) -> impl Iterator<Item = &Node> {
+        let record = self.leaves.runtime.frames.binary_search_by_key(&frame, |row| row.frame).ok();
+        record.into_iter().flat_map(|at| &self.trees[at]).map(|found| &found.node)
+    }
+
     pub fn mode_statistics(&self) -> ModeStatistics {
         let mut statistics = self.leaves.mode_statistics();
         let grid = self.leaves.runtime.grid;

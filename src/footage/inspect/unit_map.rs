@@ -73,14 +73,14 @@ fn of_nodes(chunk: &NodeChunk, at: u32) -> Vec<Patch> {
 
 /// Returns the leaves of a tree, each with its coarsest function.
 fn of_tree(chunk: &TreeChunk, at: u32) -> Vec<Patch> {
-    let (grid, known) = (chunk.leaves.runtime.grid, chunk.known(at));
+    let grid = chunk.leaves.runtime.grid;
+    let functions: HashMap<Place, Function> = chunk.functions(at).map(|node| (node.place, node.function())).collect();
     let coarsest = |leaf: Place| {
         let above =
             |level: u8| Place { level, x: leaf.x.unbounded_shr(level.into()), y: leaf.y.unbounded_shr(level.into()) };
         let mut places = (1..=grid.root().level).rev().map(above);
-        places
-            .find_map(|place| known.tree.get(&place))
-            .map_or((leaf, Function::Raw), |f| (f.node.place, f.node.function()))
+        let found = places.find_map(|place| functions.get(&place).map(|&function| (place, function)));
+        found.unwrap_or((leaf, Function::Raw))
     };
     let mut leaves: Vec<(Place, Place, Function)> = nodes_at(&chunk.leaves.runtime, at)
         .into_iter()

@@ -1,6 +1,6 @@
 // Fields of a container and its index (formats/container.md 1), with errors that name their place in the file.
 
-import { Fields } from "../codec/fields.ts";
+import { Fields } from "./fields.ts";
 import { FormatError } from "./types.ts";
 
 const CONTROL = /[\u0000-\u001f\u007f-\u009f]/u;

@@ -1,9 +1,8 @@
 // An open container (formats/container.md): its index, and where the chunks of a frame lie.
 
-import { type HeaderStream, parseCodecHeader } from "../codec/headers.ts";
-import type { ChunkArea, ChunkPlace } from "../codec/types.ts";
+import { decoder, loadDecoder } from "../decoder/module.ts";
+import type { ChunkArea, ChunkPlace, HeaderStream } from "../decoder/types.ts";
 import { type Footage, readFootage, STREAM_KINDS } from "./attributes.ts";
-import { crc32 } from "./crc32.ts";
 import { findFoot, type Foot, FOOT_BYTES, readFoot, readHead, VERSION } from "./foot.ts";
 import { readCompact } from "./index_compact.ts";
 import { readRows } from "./index_rows.ts";
@@ -71,7 +70,9 @@ export class Container {
   /** Reads head, foot and index, in three requests: a FormatError where they break a rule, an UnsupportedError where the file needs more
    *  than this player does; errors of the source as they are. */
   static async open(source: ByteSource, signal?: AbortSignal): Promise<Container> {
-    const minor = readHead(await source.read(0, Math.min(HEAD_BYTES, source.byteCount), signal));
+    const head = source.read(0, Math.min(HEAD_BYTES, source.byteCount), signal);
+    await Promise.all([head, loadDecoder()]);
+    const minor = readHead(await head);
     if (source.byteCount < HEAD_BYTES + FOOT_BYTES) {
       throw new FormatError(`The container ends after its head, at byte ${source.byteCount} (container.md 7).`);
     }
@@ -82,7 +83,7 @@ export class Container {
       );
     }
     const bytes = await source.read(foot.indexOffset, foot.indexBytes, signal);
-    if (crc32(bytes) !== foot.indexCrc32) {
+    if (decoder().crc32(bytes) !== foot.indexCrc32) {
       throw new FormatError(
         `The index's CRC-32 does not match: the file is damaged at byte ${foot.indexOffset} (container.md 4).`,
       );
@@ -141,10 +142,8 @@ export class Container {
 
   /** What a decoder needs to know of a chunk. */
   areaOf(chunkIndex: number): ChunkArea {
-    const { stream, unit, frameCount } = this.chunks[chunkIndex];
-    const { width, height, face } = this.streams[stream];
-    const area = { imageSize: [width, height] as [number, number], face, rect: this.unitRect(stream, unit) };
-    return { area, frames: frameCount, place: this.placeOf(chunkIndex) };
+    const { stream, unit } = this.chunks[chunkIndex];
+    return { rect: this.unitRect(stream, unit), place: this.placeOf(chunkIndex) };
   }
 }
 
@@ -220,7 +219,9 @@ function readHeaders(rows: readonly StreamRow[]): CodecHeader[] {
 /** The header of a stream; errors name it. */
 function readHeader(stream: HeaderStream, at: number, bytes: Uint8Array): CodecHeader {
   try {
-    return parseCodecHeader(stream, bytes);
+    const opened = decoder().openStream(stream, bytes);
+    decoder().closeStream(opened);
+    return opened.header;
   } catch (error) {
     if (error instanceof FormatError || error instanceof UnsupportedError) {
       error.message = `Stream ${at}: ${error.message}`;

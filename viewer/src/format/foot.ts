@@ -1,7 +1,7 @@
 // The first 16 and the last 40 bytes of a container (formats/container.md 3 and 7).
 
 import { FileFields } from "./bytes.ts";
-import { crc32 } from "./crc32.ts";
+import { decoder } from "../decoder/module.ts";
 import { HEAD_BYTES } from "./index_tables.ts";
 import { FormatError, UnsupportedError } from "./types.ts";
 
@@ -44,7 +44,7 @@ export function readFoot(bytes: Uint8Array, fileBytes: number): Foot {
     throw new FormatError("The container has no foot: it was cut short, so copy or encode it again (container.md 7).");
   }
   const fields = new FileFields(bytes, SECTION, start);
-  if (crc32(bytes.subarray(0, 32)) !== new DataView(bytes.buffer, bytes.byteOffset).getUint32(32, true)) {
+  if (decoder().crc32(bytes.subarray(0, 32)) !== new DataView(bytes.buffer, bytes.byteOffset).getUint32(32, true)) {
     throw fields.error("The foot's CRC-32 does not match: the file is damaged");
   }
   const [indexOffset, indexBytes] = [fields.u64("The index's offset"), fields.u64("The index")];

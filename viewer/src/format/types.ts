@@ -73,20 +73,16 @@ export interface DepthRange {
   farM: number;
 }
 
-/** The tables of a stream's header, or built in; `undefined` where the codec has none. See `codec/entropy.ts`. */
-export type EntropyTables = import("../codec/entropy.ts").EntropyTables;
-
+/** What the player uses of a codec header of depth (`Stream::json` of src/wasm/stream.rs). */
 export interface DepthHeader {
   kind: "depth";
   range: DepthRange;
-  /** What the background is presented as. */
-  background: number;
   isDistance: boolean;
   coding:
-    | { name: "boxes"; window: number; inBlocks: boolean; keyframeInterval: number }
-    | { name: "nodes"; window: number; isTree: boolean; domain: DepthDomain; keyframeInterval: number }
+    | { name: "boxes"; window: number; inBlocks: boolean }
+    | { name: "nodes"; window: number; domain: DepthDomain }
     | { name: "blocks" }
-    | PredictiveCoding;
+    | { name: "predictive" };
 }
 
 /** Domain of modelling functions: `Unit.domain`, `base` and `scale` of shaders/shared/layout.wgsl. */
@@ -94,17 +90,6 @@ export interface DepthDomain {
   kind: number;
   base: number;
   scale: number;
-}
-
-export interface PredictiveCoding {
-  name: "predictive";
-  keyframeInterval: number;
-  bound: number;
-  epsilon: number;
-  /** Shape and exponents of planes: depth.md 14. Defined by `codec/depth/predictive.ts`. */
-  projection: import("../codec/depth/predictive.ts").Projection;
-  levels: import("../codec/depth/predictive.ts").Levels;
-  tables: EntropyTables;
 }
 
 export interface MaterialHeader {
@@ -115,7 +100,6 @@ export interface MaterialHeader {
 
 export interface AlphaHeader {
   kind: "alpha";
-  coding: PredictiveCoding;
 }
 
 export interface ColorHeader {
@@ -125,9 +109,7 @@ export interface ColorHeader {
   /** Of 8-bit codes: the curve from linear light, and the exposure before it in stops. */
   transfer: "srgb" | "linear";
   exposureEv: number;
-  /** What the encoder promises. */
-  minPsnrDb: number;
-  coding: { name: "cells"; blocks?: "bc1" | "bc7" | "bc6h" } | { name: "transform"; tables: EntropyTables };
+  coding: { name: "cells"; blocks?: "bc1" | "bc7" | "bc6h" } | { name: "transform" };
 }
 
 export type CodecHeader = DepthHeader | MaterialHeader | AlphaHeader | ColorHeader;

@@ -4,11 +4,8 @@
 // the next record of each unit and sums up the work; the decoding kernel, whose size the plan sets, finds its part by bisection. Units
 // more than a window behind take several rounds.
 
-import { blendOf, changedPixels } from "../codec/color/timeline.ts";
-import { transformTables } from "../codec/color/transform_tables.ts";
-import { LOG2_TABLE } from "../codec/depth/domain.ts";
-import { stepsOver } from "../codec/depth/record_table.ts";
-import type { Prepared, Timeline } from "../codec/types.ts";
+import { decoder } from "../decoder/module.ts";
+import type { Prepared, Timeline } from "../decoder/types.ts";
 import type { Stream } from "../format/types.ts";
 import { unitCountOf, unitRectOf } from "../format/index_tables.ts";
 import { DeviceError } from "./device.ts";
@@ -20,6 +17,8 @@ import type { KernelName } from "./kernels.ts";
 import { CONSTANTS, LIST_HEAD_WORDS, listOf, memberOffset, putRow, rowWords, rowsOf } from "./layout.ts";
 import { Resident } from "./resident.ts";
 import type { ResidentChunk } from "./resident.ts";
+import { stepsOver } from "./steps.ts";
+import { blendOf, changedPixels } from "./timeline.ts";
 
 /** Rounds of a call. A unit that needs more shows a frame in between, and goes on in the next call. */
 const ROUNDS_OF_CALL = 64;
@@ -152,6 +151,18 @@ function scratchWords(streams: readonly Stream[], { reader }: Kernels): number {
   return reader === undefined ? 0 : Math.max(0, ...regions) * CONSTANTS.SCRATCH_WORDS;
 }
 
+/** The tables of the transform codec of streams of one family (src/gpu/transform_tables.rs); without any other, there are no words. */
+function transformTables(streams: readonly Stream[]): { words: Uint32Array; firstSets: number[] } {
+  const transformed = streams.filter(({ header }) => header.kind === "color" && header.coding.name === "transform");
+  if (transformed.length === 0) {
+    return { words: new Uint32Array(), firstSets: [] };
+  }
+  const opened = transformed.map((stream) => decoder().openStream(stream, stream.headerBytes));
+  const tables = decoder().transformTables(opened);
+  opened.forEach((stream) => decoder().closeStream(stream));
+  return tables;
+}
+
 /** Streams of one family on the device. */
 export class FamilyDecoder {
   readonly streams: readonly Stream[];
@@ -183,7 +194,7 @@ export class FamilyDecoder {
     rowMultiple: number,
   ) {
     const family = familyOf(streams[0]!.header);
-    const tables = transformTables(streams.map(({ header }) => header).filter((header) => header.kind === "color"));
+    const tables = transformTables(streams);
     const words = familyWords(streams, rowMultiple);
     const count = streams.reduce((sum, stream) => sum + unitCountOf(stream), 0);
     gpu.check("pictures", words);
@@ -199,7 +210,7 @@ export class FamilyDecoder {
     this.#buffers = {
       units: gpu.filled("units", this.#units.rows),
       states: gpu.buffer("states", count * rowWords("State")),
-      log2_table: gpu.filled("log2_table", LOG2_TABLE),
+      log2_table: gpu.filled("log2_table", decoder().log2Table()),
       tables: gpu.filled("tables", tables.words),
       dispatch: gpu.buffer("dispatch", rowWords("Dispatch"), GPUBufferUsage.INDIRECT),
     };

@@ -2,7 +2,7 @@
 //
 // Dropped chunks leave gaps, which later ones fill; resident chunks never move.
 
-import type { Prepared, Timeline } from "../codec/types.ts";
+import type { Prepared, Timeline } from "../decoder/types.ts";
 import type { Gpu } from "./device.ts";
 import { memberOffset, putRow, rowWords } from "./layout.ts";
 

@@ -1,6 +1,32 @@
 // Colors of the overlay of nodes, those of the program's coding maps (src/report/coding_map/tints.rs), and what they stand for.
 
-import { BORDER, type Coding, CODING_BITS, CODINGS, KEPT } from "../codec/depth/coding_map.ts";
+/** Kinds of coding; their places in this list are their numbers in a map (src/wasm/coding_map.rs). */
+export const CODINGS = [
+  "none",
+  // Functions of nodes.
+  "raw",
+  "biquadratic",
+  "platelet",
+  "bc4w",
+  // Boxes.
+  "values",
+  "one value",
+  "blocks",
+  // Blocks of predictive coding.
+  "background",
+  "plane",
+  "changed plane",
+  "quarters",
+  "pixels",
+] as const;
+export type Coding = (typeof CODINGS)[number];
+
+/** Bits of a byte of a map that are the number of a kind. */
+export const CODING_BITS = 0x3f;
+/** Bit of pixels that an earlier frame of the chunk wrote. */
+export const KEPT = 0x40;
+/** Bit of pixels beside which, on the left or above, another node, box or block begins or the unit ends. */
+export const BORDER = 0x80;
 
 /** Red, green and blue, 0 to 255. */
 export type Color = [number, number, number];

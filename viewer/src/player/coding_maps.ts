@@ -2,7 +2,7 @@
 // few units at a time, and nothing waits for them.
 
 import type { Chunk } from "../format/types.ts";
-import type { StoredChunk } from "./jobs.ts";
+import type { StoredChunk } from "../decoder/types.ts";
 import { type DecodeContext, storedChunk, type UnitFrame } from "./unit_source.ts";
 
 /** Bytes of maps at most. Units of a picture beyond it have none. */
@@ -10,7 +10,7 @@ const MAX_BYTES = 64 << 20;
 /** Units that workers are asked for at once. */
 const MAX_ASKED = 8;
 
-/** How each pixel of a unit is coded in a frame (codec/depth/coding_map.ts), row by row. */
+/** How each pixel of a unit is coded in a frame (player/coding_colors.ts), row by row. */
 export interface UnitCodings {
   chunk: number;
   frame: number;

@@ -1,8 +1,6 @@
 // Messages between the page and its workers.
 
-import type { ChunkArea, Pixels, Prepared } from "../codec/types.ts";
-import type { HeaderStream } from "../codec/headers.ts";
-import type { Chunk } from "../format/types.ts";
+import type { HeaderStream, Pixels, Prepared, StoredChunk } from "../decoder/types.ts";
 
 /** What a worker needs of a stream to read its chunks. */
 export interface StreamOutline {
@@ -12,15 +10,10 @@ export interface StreamOutline {
 
 /** The first message to a worker. */
 export interface WorkerSettings {
+  /** The decoder. */
+  module: WebAssembly.Module;
   /** Bytes of the decoders that it keeps, at most. */
   keptBytes: number;
-}
-
-/** A chunk, its stored bytes, and where it lies in its stream. */
-export interface StoredChunk {
-  chunk: Chunk;
-  stored: Uint8Array;
-  area: ChunkArea;
 }
 
 /** Work on a chunk: to bring it into the form of the device, or, with `frame`, to decode a frame of it or to tell how that is coded. */
@@ -30,7 +23,7 @@ export interface Job extends StoredChunk {
   outline?: StreamOutline;
   /** The frame, counted from the chunk's first. */
   frame?: number;
-  /** The answer is how each pixel of the frame is coded (codec/depth/coding_map.ts), and not the pixels. */
+  /** The answer is how each pixel of the frame is coded (player/coding_colors.ts), and not the pixels. */
   asksCodings?: true;
   /** The unit's next chunk, into which the frame may blend. */
   next?: StoredChunk;

@@ -1,7 +1,7 @@
 // Workers, and the jobs that wait for them.
 
-import type { Pixels, Prepared } from "../codec/types.ts";
-import type { Answer, Job, StoredChunk, StreamOutline } from "./jobs.ts";
+import type { Pixels, Prepared, StoredChunk } from "../decoder/types.ts";
+import type { Answer, Job, StreamOutline } from "./jobs.ts";
 
 interface Waiting {
   job: Job;
@@ -69,7 +69,7 @@ export class WorkerPool {
     return answer && "pixels" in answer ? answer.pixels : undefined;
   }
 
-  /** How each pixel of a frame of depth is coded (codec/depth/coding_map.ts), like {@link WorkerPool.decode}. */
+  /** How each pixel of a frame of depth is coded (player/coding_colors.ts), like {@link WorkerPool.decode}. */
   async codings(chunk: StoredChunk, frame: number, isWanted: () => boolean): Promise<Uint8Array | undefined> {
     const answer = await this.run({ ...chunk, id: this.nextId++, frame, asksCodings: true }, isWanted);
     return answer && "pixels" in answer ? (answer.pixels as Uint8Array) : undefined;

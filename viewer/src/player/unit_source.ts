@@ -1,9 +1,8 @@
 // Where the units of a stream are decoded: on the device, or by workers.
 
-import type { Pixels } from "../codec/types.ts";
+import type { Pixels, StoredChunk } from "../decoder/types.ts";
 import type { Container } from "../format/container.ts";
 import type { Chunk } from "../format/types.ts";
-import type { StoredChunk } from "./jobs.ts";
 import type { WorkerPool } from "./pool.ts";
 import type { ChunkStore } from "./store.ts";
 

@@ -1,6 +1,6 @@
 // Units of a stream that workers decode: colors of the transform codec and of half floats, colors with alpha, alpha and materials.
 
-import type { Pixels } from "../codec/types.ts";
+import type { Pixels } from "../decoder/types.ts";
 import type { Chunk, Stream } from "../format/types.ts";
 import {
   type DecodeContext,

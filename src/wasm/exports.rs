@@ -1,0 +1,240 @@
+//! The functions that JavaScript calls. viewer/src/decoder/decoder.ts is the other side.
+//!
+//! The page writes the input of a call into the memory that [`input`] returns, calls a function, and reads its output at
+//! [`output_pointer`], which is valid until the next call. A negative result is an error, whose sentence is the output. A panic
+//! stops the instance, and the page starts another.
+
+// SAFETY: `no_mangle` is all that is unsafe here. No other function of the module has one of these names, and no function
+// reads or writes through a pointer.
+#![allow(unsafe_code)]
+
+use std::cell::RefCell;
+
+use crate::chunk_decoder::{Frames, Shown};
+use crate::coding_map::CodingMaps;
+use crate::slots::Slots;
+use crate::stream::{ChunkArea, Storage, Stream};
+use crate::{chunk_decoder, device};
+use codec::container::{ChunkPlace, Payload};
+use codec::depth::domain::LOG2_TABLE;
+use codec::error::{Error, Result};
+
+/// Results of functions that fail.
+const INVALID: i32 = -1;
+const UNSUPPORTED: i32 = -2;
+const FAILED: i32 = -3;
+
+enum Output {
+    Bytes(Vec<u8>),
+    Words(Vec<u32>),
+    /// Address and bytes of the picture of a chunk's decoder.
+    Picture(*const u8, usize),
+}
+
+struct State {
+    input: Vec<u8>,
+    output: Output,
+    streams: Slots<Stream>,
+    chunks: Slots<OpenChunk>,
+}
+
+struct OpenChunk {
+    frame_count: u32,
+    frames: Box<dyn Frames>,
+}
+
+thread_local! {
+    static STATE: RefCell<State> = const {
+        RefCell::new(State {
+            input: Vec::new(),
+            output: Output::Bytes(Vec::new()),
+            streams: Slots::new(),
+            chunks: Slots::new(),
+        })
+    };
+}
+
+fn with_state<T>(run: impl FnOnce(&mut State) -> T) -> T {
+    STATE.with(|state| run(&mut state.borrow_mut()))
+}
+
+/// Runs a fallible function; turns an error into its code and its sentence.
+fn call(run: impl FnOnce(&mut State) -> Result<i32>) -> i32 {
+    with_state(|state| match run(state) {
+        Ok(result) => result,
+        Err(error) => {
+            state.output = Output::Bytes(error.to_string().into_bytes());
+            match error {
+                Error::Invalid { .. } => INVALID,
+                Error::Unsupported { .. } => UNSUPPORTED,
+                _ => FAILED,
+            }
+        }
+    })
+}
+
+impl State {
+    fn take_input(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.input)
+    }
+
+    /// Returns the payload of the stored bytes in the input.
+    fn payload(&mut self, storage: Storage) -> Result<Payload> {
+        storage.payload(self.take_input())
+    }
+
+    fn open_chunk(&mut self, area: ChunkArea, frames: Box<dyn Frames>) -> i32 {
+        self.chunks.insert(OpenChunk { frame_count: area.frames, frames })
+    }
+}
+
+fn area_of(unit: u32, frames: u32, is_last: u32) -> ChunkArea {
+    let place = if is_last == 0 { ChunkPlace::Inner } else { ChunkPlace::Last };
+    ChunkArea { unit, frames, place }
+}
+
+/// Returns memory for the input of the next call.
+#[unsafe(no_mangle)]
+pub extern "C" fn input(bytes: usize) -> *mut u8 {
+    with_state(|state| {
+        state.input = vec![0; bytes];
+        state.input.as_mut_ptr()
+    })
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn output_pointer() -> *const u8 {
+    with_state(|state| match &state.output {
+        Output::Bytes(bytes) => bytes.as_ptr(),
+        Output::Words(words) => words.as_ptr().cast(),
+        Output::Picture(pointer, _) => *pointer,
+    })
+}
+
+/// Returns the number of bytes of the output.
+#[unsafe(no_mangle)]
+pub extern "C" fn output_bytes() -> usize {
+    with_state(|state| match &state.output {
+        Output::Bytes(bytes) => bytes.len(),
+        Output::Words(words) => size_of_val(words.as_slice()),
+        Output::Picture(_, bytes) => *bytes,
+    })
+}
+
+/// Returns the CRC-32 of the input, which stays.
+#[unsafe(no_mangle)]
+pub extern "C" fn crc32() -> u32 {
+    with_state(|state| crc32fast::hash(&state.input))
+}
+
+/// Decompresses the input.
+#[unsafe(no_mangle)]
+pub extern "C" fn decompress(method: u32, raw_bytes: u32) -> i32 {
+    call(|state| {
+        state.output = Output::Bytes(state.payload(Storage { method, raw_bytes })?.into_vec());
+        Ok(0)
+    })
+}
+
+/// Reads the codec of four characters and the codec header in the input. Returns the number of the stream; the output is the
+/// header as JSON.
+#[unsafe(no_mangle)]
+pub extern "C" fn open_stream(kind: u32, face: u32, width: u32, height: u32, unit_width: u32, unit_height: u32) -> i32 {
+    call(|state| {
+        let bytes = state.take_input();
+        let stream = Stream::read(&bytes, [kind, face], [width, height, unit_width, unit_height])?;
+        state.output = Output::Bytes(stream.json().into_bytes());
+        Ok(state.streams.insert(stream))
+    })
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn close_stream(stream: u32) {
+    with_state(|state| state.streams.remove(stream));
+}
+
+/// Parses the chunk whose stored bytes are the input. Returns its number.
+#[unsafe(no_mangle)]
+pub extern "C" fn open_chunk(stream: u32, unit: u32, frames: u32, is_last: u32, method: u32, raw_bytes: u32) -> i32 {
+    call(|state| {
+        let payload = state.payload(Storage { method, raw_bytes })?;
+        let area = area_of(unit, frames, is_last);
+        let decoder = chunk_decoder::open(state.streams.get(stream)?, payload, area)?;
+        Ok(state.open_chunk(area, decoder))
+    })
+}
+
+/// As [`open_chunk`]; the frames are maps of how pixels are coded.
+#[unsafe(no_mangle)]
+pub extern "C" fn open_codings(stream: u32, unit: u32, frames: u32, is_last: u32, method: u32, raw_bytes: u32) -> i32 {
+    call(|state| {
+        let payload = state.payload(Storage { method, raw_bytes })?;
+        let area = area_of(unit, frames, is_last);
+        let maps = CodingMaps::open(state.streams.get(stream)?, payload, area)?;
+        Ok(state.open_chunk(area, Box::new(maps)))
+    })
+}
+
+/// Parses the unit's next chunk, whose stored bytes are the input, for frames that blend into it.
+#[unsafe(no_mangle)]
+pub extern "C" fn set_next(chunk: u32, frames: u32, is_last: u32, method: u32, raw_bytes: u32) -> i32 {
+    call(|state| {
+        let payload = state.payload(Storage { method, raw_bytes })?;
+        state.chunks.get_mut(chunk)?.frames.set_next(payload, area_of(0, frames, is_last))?;
+        Ok(0)
+    })
+}
+
+/// Decodes a frame, counted from the chunk's first, into the output. Returns 1 if it needs [`set_next`] first.
+#[unsafe(no_mangle)]
+pub extern "C" fn show_frame(chunk: u32, frame: u32) -> i32 {
+    call(|state| {
+        let OpenChunk { frame_count, frames } = state.chunks.get_mut(chunk)?;
+        if frame >= *frame_count {
+            return Err(Error::Usage(format!("frame {frame} of a chunk of {frame_count}")));
+        }
+        if frames.show(frame)? == Shown::NeedsNext {
+            return Ok(1);
+        }
+        let (pointer, bytes) = frames.picture();
+        state.output = Output::Picture(pointer, bytes);
+        Ok(0)
+    })
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn close_chunk(chunk: u32) {
+    with_state(|state| {
+        state.output = Output::Bytes(Vec::new());
+        state.chunks.remove(chunk);
+    });
+}
+
+/// Checks the chunk whose stored bytes are the input; the output is its form for graphics devices ([`device::prepared`]).
+#[unsafe(no_mangle)]
+pub extern "C" fn prepare(stream: u32, unit: u32, frames: u32, is_last: u32, method: u32, raw_bytes: u32) -> i32 {
+    call(|state| {
+        let payload = state.payload(Storage { method, raw_bytes })?;
+        let words = device::prepared(state.streams.get(stream)?, payload, area_of(unit, frames, is_last))?;
+        state.output = Output::Words(words);
+        Ok(0)
+    })
+}
+
+/// Outputs the tables of the streams of the transform codec whose numbers are the input, four bytes each.
+#[unsafe(no_mangle)]
+pub extern "C" fn transform_tables() -> i32 {
+    call(|state| {
+        let numbers = state.take_input();
+        let streams = numbers.as_chunks().0.iter().map(|number| state.streams.get(u32::from_le_bytes(*number)));
+        let streams = streams.collect::<Result<Vec<&Stream>>>()?;
+        state.output = Output::Words(device::transform_tables(&streams));
+        Ok(0)
+    })
+}
+
+/// Outputs the table of logarithms (arithmetic.md 7).
+#[unsafe(no_mangle)]
+pub extern "C" fn log2_table() {
+    with_state(|state| state.output = Output::Words(LOG2_TABLE.to_vec()));
+}

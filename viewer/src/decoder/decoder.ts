@@ -1,0 +1,250 @@
+// The decoder of the program as WebAssembly: an instance of lightfold.wasm, and what its functions take and give (src/wasm/exports.rs).
+
+import { type CodecHeader, FormatError, type Storage, UnsupportedError } from "../format/types.ts";
+import type { HeaderStream, Pixels, Prepared, StoredChunk } from "./types.ts";
+
+/** Functions of src/wasm/exports.rs. */
+interface Exports {
+  memory: WebAssembly.Memory;
+  input(bytes: number): number;
+  output_pointer(): number;
+  output_bytes(): number;
+  crc32(): number;
+  decompress(method: number, rawBytes: number): number;
+  open_stream(...numbers: HeaderNumbers): number;
+  close_stream(stream: number): void;
+  open_chunk(stream: number, ...numbers: ChunkNumbers): number;
+  open_codings(stream: number, ...numbers: ChunkNumbers): number;
+  set_next(chunk: number, frames: number, isLast: number, method: number, rawBytes: number): number;
+  show_frame(chunk: number, frame: number): number;
+  close_chunk(chunk: number): void;
+  prepare(stream: number, ...numbers: ChunkNumbers): number;
+  transform_tables(): number;
+  log2_table(): void;
+}
+
+type HeaderNumbers = [kind: number, face: number, width: number, height: number, unitWidth: number, unitHeight: number];
+type ChunkNumbers = [unit: number, frames: number, isLast: number, method: number, rawBytes: number];
+
+/** In the order of their numbers (container.md 5 and 6). */
+const KINDS = ["color", "depth", "material", "alpha"] as const;
+const STORAGES: readonly Storage[] = ["raw", "lzma2", "zstd"];
+
+const INVALID = -1;
+const UNSUPPORTED = -2;
+/** Result of `show_frame`. */
+const NEEDS_NEXT = 1;
+/** Numbers before the arrays of a prepared chunk, and arrays. */
+const PREPARED_NUMBERS = 5;
+const PREPARED_ARRAYS = 9;
+
+/** Thrown where the instance stopped, as after a panic: it can do nothing more. */
+export class DecoderStopped extends Error {
+  override name = "DecoderStopped";
+}
+
+/** Thrown where a frame blends into the unit's next chunk, which is not there. */
+export class NextIsMissing extends Error {
+  override name = "NextIsMissing";
+}
+
+/** A stream whose codec header is legal. */
+export interface DecoderStream {
+  number: number;
+  header: CodecHeader;
+}
+
+/** The frames of a chunk; {@link ChunkDecoder.close} frees its memory. */
+export interface ChunkDecoder {
+  /** The picture of a frame, counted from the chunk's first: a view that is valid until the next call of any decoder. `next` is the unit's
+   *  next chunk, for a frame that blends into it. */
+  frame(frame: number, next?: () => StoredChunk | undefined): Pixels;
+  close(): void;
+}
+
+/** An instance. */
+export class Decoder {
+  readonly #exports: Exports;
+  #isStopped = false;
+
+  constructor(instance: WebAssembly.Instance) {
+    this.#exports = instance.exports as unknown as Exports;
+  }
+
+  /** True if another instance must take its place. */
+  get isStopped(): boolean {
+    return this.#isStopped;
+  }
+
+  /** Bytes of its memory, which never become fewer. */
+  get memoryBytes(): number {
+    return this.#exports.memory.buffer.byteLength;
+  }
+
+  /** The CRC-32 of bytes, 0 to 2^32 - 1. */
+  crc32(bytes: Uint8Array): number {
+    this.#write(bytes);
+    return this.#run(() => this.#exports.crc32()) >>> 0;
+  }
+
+  /** The bytes that stored ones mean, `rawBytes` of them; a FormatError where they are damaged. */
+  decompress(storage: Storage, stored: Uint8Array, rawBytes: number): Uint8Array {
+    this.#write(stored);
+    this.#call(() => this.#exports.decompress(STORAGES.indexOf(storage), rawBytes));
+    return this.#output().slice();
+  }
+
+  /** Reads a codec header: a FormatError where it breaks a rule, an UnsupportedError where the codec is unknown, or of another kind of
+   *  stream. */
+  openStream(stream: HeaderStream, headerBytes: Uint8Array): DecoderStream {
+    const { kind, codec, face, width, height, unitWidth, unitHeight } = stream;
+    const bytes = new Uint8Array(codec.length + headerBytes.length);
+    bytes.set(Array.from(codec, (letter) => letter.charCodeAt(0)));
+    bytes.set(headerBytes, codec.length);
+    this.#write(bytes);
+    const numbers: HeaderNumbers = [KINDS.indexOf(kind), face, width, height, unitWidth, unitHeight];
+    const number = this.#call(() => this.#exports.open_stream(...numbers));
+    return { number, header: JSON.parse(this.#text()) as CodecHeader };
+  }
+
+  closeStream({ number }: DecoderStream): void {
+    this.#run(() => this.#exports.close_stream(number));
+  }
+
+  /** A decoder of a chunk, whose payload is checked: a FormatError where it breaks a rule. Errors that show only when a frame is decoded
+   *  are FormatErrors of `frame`. */
+  openChunk({ number, header }: DecoderStream, chunk: StoredChunk): ChunkDecoder {
+    const numbers = this.#writeChunk(chunk);
+    const opened = this.#call(() => this.#exports.open_chunk(number, ...numbers));
+    return this.#decoderOf(opened, header.kind === "depth" || (header.kind === "color" && header.isHalf));
+  }
+
+  /** How each pixel of a chunk's frames is coded (player/coding_colors.ts), in place of their pictures; errors are as of
+   *  {@link Decoder.openChunk}. An UnsupportedError for colors, of which there are no such maps. */
+  openCodings({ number }: DecoderStream, chunk: StoredChunk): ChunkDecoder {
+    const numbers = this.#writeChunk(chunk);
+    return this.#decoderOf(
+      this.#call(() => this.#exports.open_codings(number, ...numbers)),
+      false,
+    );
+  }
+
+  /** A checked chunk in the form of the device: a FormatError where it breaks a rule, an UnsupportedError where it would take more than
+   *  128 MiB. */
+  prepare({ number }: DecoderStream, chunk: StoredChunk): Prepared {
+    const numbers = this.#writeChunk(chunk);
+    this.#call(() => this.#exports.prepare(number, ...numbers));
+    const words = this.#words();
+    const [isKeyframes, isNodes, weightsAt, weightCount, passes] = words;
+    let at = PREPARED_NUMBERS + PREPARED_ARRAYS;
+    const arrays = Array.from(words.subarray(PREPARED_NUMBERS, at), (length) => words.slice(at, (at += length)));
+    const [stream, records, boxes, recordFrames, recordPixels, keyframes, weights, frameSets, framePixels] = arrays;
+    return {
+      kernel: isKeyframes === 1 ? "keyframes" : "codec",
+      isNodes: isNodes === 1,
+      stream,
+      records,
+      boxes,
+      weights: [weightsAt, weightCount],
+      passes,
+      timeline: { recordFrames, recordPixels, keyframes, weights, frameSets, framePixels },
+    };
+  }
+
+  /** The tables of streams of the transform codec in one buffer, and the first word of the table sets of each stream. */
+  transformTables(streams: readonly DecoderStream[]): { words: Uint32Array; firstSets: number[] } {
+    const numbers = Uint32Array.from(streams, ({ number }) => number);
+    this.#write(new Uint8Array(numbers.buffer));
+    this.#call(() => this.#exports.transform_tables());
+    const words = this.#words();
+    return { words: words.slice(streams.length), firstSets: [...words.subarray(0, streams.length)] };
+  }
+
+  /** log2(1 + i/256) with 24 fraction bits, i = 0 to 256 (arithmetic.md 7). */
+  log2Table(): Uint32Array {
+    this.#run(() => this.#exports.log2_table());
+    return this.#words().slice();
+  }
+
+  #decoderOf(chunk: number, isWide: boolean): ChunkDecoder {
+    return {
+      frame: (frame, next) => {
+        if (this.#call(() => this.#exports.show_frame(chunk, frame)) === NEEDS_NEXT) {
+          this.#setNext(chunk, next?.());
+          this.#call(() => this.#exports.show_frame(chunk, frame));
+        }
+        const bytes = this.#output();
+        return isWide ? new Uint16Array(bytes.buffer, bytes.byteOffset, bytes.length / 2) : bytes;
+      },
+      close: () => this.#run(() => this.#exports.close_chunk(chunk)),
+    };
+  }
+
+  #setNext(chunk: number, next: StoredChunk | undefined): void {
+    if (next === undefined) {
+      throw new NextIsMissing("A frame blends into the next chunk of its cell, which is not there (color.md 4).");
+    }
+    const [, ...numbers] = this.#writeChunk(next);
+    this.#call(() => this.#exports.set_next(chunk, ...numbers));
+  }
+
+  /** Checks stored bytes (container.md 6), and makes them the input. */
+  #writeChunk({ chunk, stored, area }: StoredChunk): ChunkNumbers {
+    if (stored.length !== chunk.storedBytes || this.crc32(stored) !== chunk.crc32) {
+      const last = chunk.firstFrame + chunk.frameCount - 1;
+      throw new FormatError(
+        `The CRC-32 of stream ${chunk.stream}, unit ${chunk.unit}, frames ${chunk.firstFrame} to ${last} does not match: the file is ` +
+          `damaged at byte ${chunk.offset} (container.md 6).`,
+      );
+    }
+    const isLast = area.place === "last" ? 1 : 0;
+    return [chunk.unit, chunk.frameCount, isLast, STORAGES.indexOf(chunk.storage), chunk.rawBytes];
+  }
+
+  #write(bytes: Uint8Array): void {
+    const at = this.#run(() => this.#exports.input(bytes.length)) >>> 0;
+    new Uint8Array(this.#exports.memory.buffer, at, bytes.length).set(bytes);
+  }
+
+  #output(): Uint8Array {
+    const [at, count] = this.#run(() => [this.#exports.output_pointer() >>> 0, this.#exports.output_bytes() >>> 0]);
+    return new Uint8Array(this.#exports.memory.buffer, at, count);
+  }
+
+  #words(): Uint32Array {
+    const bytes = this.#output();
+    return new Uint32Array(bytes.buffer, bytes.byteOffset, bytes.length / 4);
+  }
+
+  #text(): string {
+    return new TextDecoder().decode(this.#output());
+  }
+
+  /** Runs a function that may answer an error, which is thrown. */
+  #call(run: () => number): number {
+    const result = this.#run(run);
+    if (result >= 0) {
+      return result;
+    }
+    const text = this.#text();
+    const sentence = `${text.slice(0, 1).toUpperCase()}${text.slice(1)}.`;
+    throw result === INVALID
+      ? new FormatError(sentence)
+      : result === UNSUPPORTED
+        ? new UnsupportedError(sentence)
+        : new Error(sentence);
+  }
+
+  #run<T>(run: () => T): T {
+    if (this.#isStopped) {
+      throw new DecoderStopped("The decoder has stopped.");
+    }
+    try {
+      return run();
+    } catch (error) {
+      // A trap, or a stack that overflowed.
+      this.#isStopped = true;
+      throw new DecoderStopped(`The decoder has stopped: ${error instanceof Error ? error.message : String(error)}.`);
+    }
+  }
+}
