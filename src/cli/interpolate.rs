@@ -184,6 +184,7 @@ fn fingerprint(
         render::SOURCES,
         evaluate::SOURCES,
         epipolar::SOURCES,
+        kernels::SOURCES,
         gpu::SOURCES,
     ]);
     fields.extend(args.options());

@@ -10,10 +10,10 @@ use crate::{ExitStatus, GlobalArgs, output};
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
 use gpu::device::{DeviceInfo, Gpu, Pick, list};
-use gpu::kernels::DRAWINGS;
 use gpu::selftest::drawings::test_drawing;
 use gpu::selftest::streams::{StreamsReport, test_streams};
 use gpu::selftest::{KernelReport, ROWS, SEED, test_kernel};
+use kernels::DRAWINGS;
 use verify::device::DeviceFigures;
 use verify::{CaseReport, CaseRow, Family, FamilyReport, FamilyRow, Inputs, family_rows};
 

@@ -21,6 +21,7 @@ pub mod metrics;
 pub mod monitor;
 pub mod ordered;
 pub mod streams;
+pub mod unit_map;
 
 /// Hash of the sources and tables of this package.
 pub const SOURCES: &str = env!("LIGHTFOLD_SOURCES");

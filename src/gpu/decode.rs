@@ -16,11 +16,7 @@ use std::time::Instant;
 use crate::Gpu;
 use crate::device::Pipeline;
 use crate::family::{Family, PixelWords};
-use crate::kernels::Kernel;
-use crate::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, SCRATCH_WORDS, State, Unit, list_of, words_of};
-use crate::prepare::{self, KernelOf, Prepared, Timeline};
 use crate::resident::{Growing, Resident, ResidentChunk};
-use crate::transform_tables::TransformTables;
 use codec::color::cells::MISSING_NEXT_KEYFRAME;
 use codec::color::transform::blocks::REGION;
 use codec::container::ChunkEntry;
@@ -29,6 +25,10 @@ use codec::depth::record_table;
 use codec::error::{Error, Result};
 use codec::monitor::{Monitor, Silent};
 use codec::ordered::try_map_ordered;
+use kernels::Kernel;
+use kernels::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, SCRATCH_WORDS, State, Unit, list_of, words_of};
+use kernels::prepare::{self, KernelOf, Prepared, Timeline};
+use kernels::transform_tables::TransformTables;
 
 /// Maximum number of units whose chunks are fetched and checked together.
 const FETCH_TOGETHER: usize = 32;

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use crate::kernels::{Binding, BindingKind, Kernel};
 use codec::error::{Error, Result};
+use kernels::{Binding, BindingKind, Kernel};
 
 /// Maximum size in bytes of a kernel's buffer on any device: byte offsets must fit 32 bits.
 const MAX_BUFFER_BYTES: u64 = 1 << 30;

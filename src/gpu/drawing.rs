@@ -4,9 +4,9 @@ use glam::DVec3;
 use half::f16;
 
 use crate::Gpu;
-use crate::kernels::{Blending, Drawing};
-use crate::layout::DrawnPicture;
 use codec::error::{Error, Result};
+use kernels::layout::DrawnPicture;
+use kernels::{Blending, Drawing};
 
 /// Linear RGB and alpha: the most precise format that every device can blend.
 pub const LIGHT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -250,10 +250,10 @@ pub struct Window {
     pub sample: [f64; 2],
 }
 
-impl DrawnPicture {
-    /// Creates the input for drawing a window with triangles up to `farthest_m` metres from the eye.
-    pub fn new(window: &Window, farthest_m: f64) -> DrawnPicture {
-        let Window { eye, axes, tangents, size, sample } = window;
+impl Window {
+    /// Returns the input for drawing the window with triangles up to `farthest_m` metres from the eye.
+    pub fn drawn(&self, farthest_m: f64) -> DrawnPicture {
+        let Window { eye, axes, tangents, size, sample } = self;
         let [forward, right, down] = axes.map(|axis| axis.as_vec3().to_array());
         // Scale and shift from tangents to clip coordinates; rows are flipped. A sample off the pixel centre shifts the
         // picture.

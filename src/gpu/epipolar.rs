@@ -14,9 +14,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::Gpu;
 use crate::harness::dispatch;
-use crate::layout::{SLICE_COLUMNS, SliceBlock, words_of};
-use crate::{Gpu, kernels};
 use block::{LineWords, color_of, coverage_of, places};
 use codec::error::Result;
 use codec::image::Plane;
@@ -28,6 +27,7 @@ use epipolar::erosion::Moves;
 use epipolar::interpolate::{Coverage, InterpolatedView, Interpolator};
 use epipolar::stages::Lap;
 use highlights::{Highlights, SplitWords};
+use kernels::layout::{SLICE_COLUMNS, SliceBlock, words_of};
 
 /// Maximum lines that are sent at once; a single scanline may have more. At most 64 MiB of runs, and as much of radiance.
 const LINES: usize = 4 << 20;

@@ -1,10 +1,10 @@
 //! Families of streams that one kernel decodes together.
 
-use crate::kernels::{self, Kernel};
-use crate::layout::Unit;
-use crate::pictures::code_stride;
 use codec::image::StreamKind;
 use codec::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding};
+use kernels::Kernel;
+use kernels::layout::Unit;
+use kernels::pictures::code_stride;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PixelWords {

@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
 use crate::Gpu;
-use crate::kernels::Kernel;
-use crate::layout::MAX_GROUPS;
 use codec::error::{Error, Result};
+use kernels::Kernel;
+use kernels::layout::MAX_GROUPS;
 
 /// One dispatch with its input and expected output; buffers are given as words by binding name.
 #[derive(Debug, Clone, Default)]

@@ -2,7 +2,7 @@
 //! winners of epipolar slices, bit-exact (Epipolar 3.3.2).
 //!
 //! Takes an open container; returns its pictures in the domain of their codecs, or rendered views of a light field. The kernels
-//! are in `shaders/`, each a mirror of a file of `depth`, `color`, `march` or `epipolar`. `kernels` is the kernel table, and
+//! are in `shaders/`, each a mirror of a file of `depth`, `color`, `march` or `epipolar`. The package `kernels` has the kernel table, and
 //! `selftest` compares each kernel with its CPU counterpart.
 //!
 //! Decoding kernels have no floats, and the host parses and rejects files with the same code as for the CPU, so a device
@@ -18,20 +18,17 @@ pub mod drawing;
 pub mod epipolar;
 pub mod family;
 pub mod harness;
-pub mod kernels;
-pub mod layout;
-pub mod pictures;
-pub mod prepare;
+#[cfg(test)]
+mod layout_tests;
 pub mod quads;
 pub mod render;
 pub mod resident;
 pub mod selftest;
-pub mod transform_tables;
 pub mod triangles;
 pub mod verify;
 
 pub use decode::GpuDecoder;
 pub use device::Gpu;
 
-/// Hash of the sources and shaders of this package.
+/// Hash of the sources of this package.
 pub const SOURCES: &str = env!("LIGHTFOLD_SOURCES");

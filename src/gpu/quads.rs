@@ -6,14 +6,14 @@
 use glam::DVec3;
 use half::f16;
 
+use crate::Gpu;
 use crate::drawing::{
     self, COUNT_FORMAT, DEPTH_FORMAT, DrawingPipeline, LIGHT_FORMAT, Window, cleared, farthest_m, read_halves,
 };
-use crate::layout::{DrawnPicture, words_of};
-use crate::{Gpu, kernels};
 use codec::error::Result;
 use codec::math::Camera;
 use codec::monitor::Monitor;
+use kernels::layout::{DrawnPicture, words_of};
 use simplify::quad_mesh::QuadMesh;
 use simplify::raster::{Compositing, DrawSettings, Drawn, Sample, light_of_codes, texture_coordinates};
 
@@ -163,7 +163,7 @@ impl<'a> GpuQuads<'a> {
         let depth_m = camera.depth_m().map(|metres| metres.min(f64::from(f32::MAX)) as f32);
         let tangents = [window.u, window.v];
         let window = Window { eye, axes: camera.axes(), tangents, size, sample: sample.offset };
-        let picture = DrawnPicture::new(&window, farthest_m(self.bounds, eye));
+        let picture = window.drawn(farthest_m(self.bounds, eye));
         DrawnPicture { near_m: depth_m[0], far_m: depth_m[1], threshold: sample.threshold, ..picture }
     }
 }

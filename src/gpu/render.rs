@@ -17,8 +17,6 @@ use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
 use crate::Gpu;
-use crate::kernels::{self, Kernel};
-use crate::layout::{Face, View, words_of};
 use crate::render::backend::{GpuBackend, UnitCost};
 use crate::render::scene::{FIRST_ROW_WORD, ImageId, ROWS_WORD, SceneRows};
 use crate::render::texels::{DeviceTexels, Transferred};
@@ -26,6 +24,8 @@ use codec::error::{Error, Result};
 use codec::image::StreamKind;
 use codec::math::Camera;
 use codec::monitor::Monitor;
+use kernels::Kernel;
+use kernels::layout::{Face, View, words_of};
 use render::march::render::has_secondary_rays;
 use render::march::specular::secondary_rays::MIN_SHARE;
 use render::march::{

@@ -8,9 +8,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::Gpu;
-use crate::layout::{BoxRow, Chunk, Record, words_of};
-use crate::prepare::{KernelOf, Prepared, Timeline};
 use codec::error::Result;
+use kernels::layout::{BoxRow, Chunk, Record, words_of};
+use kernels::prepare::{KernelOf, Prepared, Timeline};
 
 const FIRST_WORDS: usize = 1 << 14;
 

@@ -23,10 +23,10 @@ use std::time::Duration;
 use crate::Gpu;
 use crate::harness::Case;
 pub use crate::harness::KernelReport;
-use crate::kernels::{self, Kernel};
 use codec::color::{HalfKey, KeyframeBlocks};
 use codec::depth::block_tiles::Layout;
 use codec::error::Result;
+use kernels::Kernel;
 
 use Inputs::Words;
 use plans::Planned;
@@ -102,7 +102,7 @@ pub fn test_kernel(gpu: &Gpu, row: &Row, seed: u64) -> Result<KernelReport> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::{Binding, KERNELS};
+    use kernels::{Binding, KERNELS};
 
     #[test]
     fn every_kernel_has_inputs_that_fit_its_bindings() {

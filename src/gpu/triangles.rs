@@ -3,13 +3,13 @@
 
 use glam::DVec3;
 
+use crate::Gpu;
 use crate::drawing::{self, DEPTH_FORMAT, DrawingPipeline, INDEX_FORMAT, Window, cleared, farthest_m, read_indices};
 use crate::epipolar::compact::active_pixels;
-use crate::layout::{DrawnPicture, words_of};
-use crate::{Gpu, kernels};
 use codec::error::Result;
 use epipolar::compact::spread;
 use epipolar::drawing::{PixelWindow, TriangleDrawing, TriangleLayers, axes};
+use kernels::layout::{DrawnPicture, words_of};
 use scene::SceneAtTime;
 use scene::capture::Viewpoint;
 
@@ -188,7 +188,7 @@ impl TriangleDrawing for GpuTriangles<'_> {
             return Ok(Some(Vec::new()));
         }
         let seen = Window { eye: from.position, axes, tangents: window.tangents(from), size, sample: place };
-        let picture = DrawnPicture::new(&seen, farthest_m(self.bounds, from.position));
+        let picture = seen.drawn(farthest_m(self.bounds, from.position));
         let picture = self.gpu.filled("picture", &words_of(&[picture]))?;
         let targets = self.targets(size)?;
         self.clear(&targets.textures[1])?;

@@ -2,7 +2,6 @@
 
 use crate::decode::{UnitFrame, picture_words};
 use crate::family::{self, Family};
-use crate::pictures::mismatched_words;
 use crate::{Gpu, GpuDecoder};
 use codec::decode::{
     DecodeCost, DecodeSummary, Decoder, FaceDecoder, ImageSource, Images, Picture, Request, StreamFrames, StreamInfo,
@@ -11,6 +10,7 @@ use codec::decode::{
 use codec::error::{Error, Result};
 use codec::image::FrameRange;
 use codec::monitor::Monitor;
+use kernels::pictures::mismatched_words;
 
 /// Differences between two decoders.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]

@@ -9,9 +9,9 @@ use codec::math::random::Random;
 use codec::monitor::Monitor;
 use gpu::epipolar::GpuInterpolator;
 use gpu::family::{self, Family};
-use gpu::pictures::mismatched_words;
 use gpu::selftest::{pictures, slices};
 use gpu::{Gpu, GpuDecoder};
+use kernels::pictures::mismatched_words;
 
 /// Maximum number of pixels of the pictures held on the device at once.
 const PIXELS_TOGETHER: u64 = 8 << 20;

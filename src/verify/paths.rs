@@ -5,7 +5,7 @@ use crate::clip::{Clip, open};
 use codec::decode::Picture;
 use codec::error::{Error, Result};
 use codec::math::random::Random;
-use gpu::pictures::mismatched_words;
+use kernels::pictures::mismatched_words;
 
 /// Number of random paths, and of pictures per path.
 const RANDOM_PATHS: u32 = 12;

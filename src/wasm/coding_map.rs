@@ -10,9 +10,9 @@ use codec::error::{Error, Result};
 use codec::streams::{CodecHeader, DepthChunk, PictureChunk, StreamChunk};
 
 use crate::chunk_decoder::{Frames, Shown};
-use crate::inspect::patch::{Patch, Writing};
-use crate::inspect::patches;
 use crate::stream::{ChunkArea, Stream};
+use codec::unit_map::unit_map;
+use codec::unit_map::{Patch, Writing};
 
 /// Bit of pixels that an earlier frame of the chunk wrote.
 const KEPT: u8 = 0x40;
@@ -99,7 +99,7 @@ impl CodingMaps {
         let patches = match self.predicted.get(frame as usize) {
             Some(patches) => patches,
             None => {
-                new = patches(&self.chunk, self.size, frame)?;
+                new = unit_map(&self.chunk, self.size, frame)?.patches;
                 &new
             }
         };

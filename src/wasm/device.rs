@@ -5,10 +5,10 @@ use codec::container::Payload;
 use codec::error::Result;
 use codec::streams::CodecHeader;
 
-use crate::gpu::layout::words_of;
-use crate::gpu::prepare::{self, KernelOf, Prepared, Timeline};
-use crate::gpu::transform_tables::TransformTables;
 use crate::stream::{ChunkArea, Stream};
+use kernels::layout::words_of;
+use kernels::prepare::{self, KernelOf, Prepared, Timeline};
+use kernels::transform_tables::TransformTables;
 
 /// Checks a payload and returns it for the device: five numbers, the lengths in words of nine arrays, and the arrays.
 pub fn prepared(stream: &Stream, payload: Payload, area: ChunkArea) -> Result<Vec<u32>> {

@@ -4,7 +4,5 @@ mod chunk_decoder;
 mod coding_map;
 mod device;
 mod exports;
-mod gpu;
-mod inspect;
 mod slots;
 mod stream;

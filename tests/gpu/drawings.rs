@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use codec::monitor::Silent;
-use gpu::kernels::Drawing;
 use gpu::quads::GpuQuads;
 use gpu::selftest::drawings::{self, DrawingCase};
+use kernels::Drawing;
 use libtest_mimic::Failed;
 use lightfold::Error;
 use scene::mesh::ImageTexture;

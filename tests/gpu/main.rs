@@ -24,9 +24,9 @@ use codec::monitor::{Monitor, Silent};
 use codec::streams::{CodecHeader, DepthCoding, DepthHeader};
 use gpu::decode::GpuDecoder;
 use gpu::device::Pick;
-use gpu::kernels::{DRAWINGS, Kernel, ShaderFile};
 use gpu::selftest::{self, ROWS, SEED, streams};
 use gpu::{Gpu, device};
+use kernels::{DRAWINGS, Kernel, ShaderFile};
 use libtest_mimic::{Arguments, Failed, Trial};
 use lightfold::Error;
 

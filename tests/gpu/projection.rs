@@ -5,7 +5,7 @@ use codec::image::{Face, ImageProjection, TexelMap};
 use glam::{DMat3, DVec3, Vec3};
 use gpu::Gpu;
 use gpu::harness::groups;
-use gpu::kernels::{Binding, BindingKind, Kernel, ShaderFile};
+use kernels::{Binding, BindingKind, Kernel, ShaderFile};
 use libtest_mimic::Failed;
 use render::views::light_field::{ColorCoding, FaceTexels, View};
 

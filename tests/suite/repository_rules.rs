@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use cli::Cli;
-use gpu::kernels::{DRAWINGS, KERNELS, ShaderFile};
 use gpu::selftest::ROWS;
+use kernels::{DRAWINGS, KERNELS, ShaderFile};
 
 use crate::documents::DOCUMENTS;
 

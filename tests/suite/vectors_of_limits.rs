@@ -10,7 +10,7 @@ use codec::decode::Decoder;
 use codec::depth::predictive::UnitArea;
 use codec::monitor::Silent;
 use footage::inspect::{self, InspectSettings, coding_map, survey};
-use gpu::prepare;
+use kernels::prepare;
 
 use crate::samples;
 use crate::vectors::{one, shape};

@@ -22,6 +22,7 @@ pub fn fingerprint(args: &Args, settings: &Settings, capture: &Capture) -> Finge
         render::SOURCES,
         evaluate::SOURCES,
         simplify::SOURCES,
+        kernels::SOURCES,
         gpu::SOURCES,
     ]);
     fields.extend(args.options());

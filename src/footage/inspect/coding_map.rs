@@ -5,8 +5,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::inspect::patch::{Patch, Writing};
-use crate::inspect::unit_map::{survey_chunk, unit_map};
 use codec::container::ChunkEntry;
 use codec::decode::{Decoder, StreamInfo};
 use codec::error::{Error, Result};
@@ -14,6 +12,8 @@ use codec::image::StreamKind;
 use codec::monitor::Monitor;
 use codec::ordered::try_map_ordered;
 use codec::streams::StreamChunk;
+use codec::unit_map::{Patch, Writing};
+use codec::unit_map::{survey_chunk, unit_map};
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Extent {

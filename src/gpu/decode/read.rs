@@ -4,11 +4,11 @@ use half::f16;
 
 use crate::GpuDecoder;
 use crate::family::PixelWords;
-use crate::pictures::{leave_out, unpack_bytes, unpack_codes, unpack_halves};
 use codec::decode::{Picture, StreamInfo, UnitFilter};
 use codec::error::Result;
 use codec::image::{Plane, StreamKind};
 use codec::streams::convert::alpha_byte;
+use kernels::pictures::{leave_out, unpack_bytes, unpack_codes, unpack_halves};
 
 impl GpuDecoder<'_> {
     pub fn read(&mut self) -> Result<Vec<Picture>> {

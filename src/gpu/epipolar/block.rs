@@ -5,14 +5,14 @@ use std::ops::Range;
 use half::f16;
 use rayon::prelude::*;
 
-use crate::layout::{
-    LIGHT_GLOSS, LIGHT_TRACED, LineLight, RUN_FIRST, RUN_JOINS, RUN_LENGTH_BITS, SHOWN_HOLE, SHOWN_OPTICAL, SlicePlace,
-    SliceRun, words_of,
-};
-use crate::pictures::{pack_halves, unpack_halves};
 use epipolar::coalesce::{LineRuns, Run};
 use epipolar::interpolate::{Coverage, Interpolator};
 use epipolar::source::{Light, SourcePixel};
+use kernels::layout::{
+    LIGHT_GLOSS, LIGHT_TRACED, LineLight, RUN_FIRST, RUN_JOINS, RUN_LENGTH_BITS, SHOWN_HOLE, SHOWN_OPTICAL, SlicePlace,
+    SliceRun, words_of,
+};
+use kernels::pictures::{pack_halves, unpack_halves};
 
 /// Lines of some scanlines, and their runs.
 #[derive(Debug, Default)]

@@ -1,11 +1,11 @@
 //! Compaction on a device (Epipolar 3.3.2): reads back only the pixels of a layer that show a triangle.
 
+use crate::Gpu;
 use crate::drawing::{Band, copy_rows};
 use crate::harness::dispatch;
-use crate::layout::{PixelRows, words_of};
-use crate::{Gpu, kernels};
 use codec::error::Result;
 use epipolar::compact::ActivePixel;
+use kernels::layout::{PixelRows, words_of};
 
 /// Bytes per texel: the triangle number plus 1, and its depth.
 const TEXEL_BYTES: usize = 8;

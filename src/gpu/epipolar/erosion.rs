@@ -1,10 +1,10 @@
 //! Erosion on a device (Epipolar 3.3.1).
 
+use crate::Gpu;
 use crate::harness::dispatch;
-use crate::layout::{PixelRows, words_of};
-use crate::{Gpu, kernels};
 use codec::error::Result;
 use epipolar::erosion::Moves;
+use kernels::layout::{PixelRows, words_of};
 
 /// Maximum pixels that are processed at once; a single scanline may have more. 32 MiB of moves, and as much of edge counts.
 const PIXELS: usize = 8 << 20;

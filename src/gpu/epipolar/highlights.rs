@@ -5,10 +5,10 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::layout::{LineSplit, words_of};
 use epipolar::coalesce::LineRuns;
 use epipolar::interpolate::{Interpolator, Shader};
 use epipolar::lines::Line;
+use kernels::layout::{LineSplit, words_of};
 
 /// Maximum radiance of a split, which keeps single-precision results finite; far above the range of half floats.
 const MAX_RADIANCE: f64 = 1e30;

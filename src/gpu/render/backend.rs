@@ -11,15 +11,15 @@ use std::time::{Duration, Instant};
 
 use crate::decode::{self, UnitFrame};
 use crate::family::{self, Family};
-use crate::layout::Unit;
 use crate::render::depth_planes::{self, DepthPlanes, ROW_WORDS, TexelWords, TilePart, TileParts};
 use crate::render::scene::ImageId;
-use crate::{Gpu, GpuDecoder, kernels};
+use crate::{Gpu, GpuDecoder};
 use codec::decode::{Decoder, StreamInfo};
 use codec::error::{Error, Result};
 use codec::image::{DepthKind, StreamKind};
 use codec::math::add_members;
 use codec::streams::CodecHeader;
+use kernels::layout::Unit;
 use render::views::face_cache::{UnitId, units_under};
 use render::views::{CachedUnit, DepthPart, FaceChanges, FaceUpdate, NewFace, Rect, TexelBackend, overlap};
 

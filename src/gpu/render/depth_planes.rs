@@ -9,12 +9,12 @@ use std::sync::Arc;
 
 use crate::Gpu;
 use crate::harness::groups;
-use crate::kernels::Kernel;
-use crate::layout::{DepthJob, NONE, PyramidJob, Unit, Words, list_of};
 use crate::render::scene::NO_BOUND;
 use codec::error::Result;
 use codec::image::{DepthKind, Face};
 use codec::streams::DepthHeader;
+use kernels::Kernel;
+use kernels::layout::{DepthJob, NONE, PyramidJob, Unit, Words, list_of};
 use render::march::DepthPyramid;
 use render::views::{DepthPart, FaceTexels, InverseDepth, NewFace, Rect, UNKNOWN, bounds};
 

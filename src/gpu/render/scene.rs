@@ -2,9 +2,9 @@
 
 use std::mem::offset_of;
 
-use crate::layout::{Face, Scene, View};
 use codec::image::Transfer;
 use codec::math::{Camera, Window};
+use kernels::layout::{Face, Scene, View};
 use render::march::{Acceleration, ActiveViews, DepthPyramid, MAX_BOUNCES, Proxies, Refinements, RenderSettings};
 use render::rendered_image::{BackgroundFill, HoleFill};
 use render::views::{ColorCoding, FaceTexels};
@@ -198,9 +198,9 @@ mod tests {
     use wgpu::naga;
 
     use super::*;
-    use crate::kernels::{KERNELS, Kernel};
     use crate::render::{COUNTED, COUNTERS, GIVEN_UP, TILE};
     use codec::streams::convert::IOR_RANGE;
+    use kernels::{KERNELS, Kernel};
     use render::march::interpolate::{self, DEPTH_EPSILON};
     use render::march::specular::{material, normal, secondary_rays, solid};
     use render::march::{Footprint, active_views, layers, pyramid, ray, samples, segments};

@@ -1,11 +1,11 @@
 //! Inputs of the block-decoding kernels: random bits in every mode, and blocks from the encoders.
 
 use crate::harness::Case;
-use crate::pictures::{pack_bytes, pack_halves};
-use crate::prepare::words_from;
 use codec::block::{Bc1, Bc4, Bc5, Bc6h, Bc7, BlockEncoder, bc1, bc4, bc5, bc6h, bc7};
 use codec::effort::Effort;
 use codec::math::random::Random;
+use kernels::pictures::{pack_bytes, pack_halves};
+use kernels::prepare::words_from;
 
 /// Number of random blocks per mode.
 const EACH: usize = 2000;

@@ -2,14 +2,14 @@
 //! tiles.
 
 use crate::harness::Case;
-use crate::layout::{BoxRow, Record, Unit};
-use crate::pictures::{pack_bytes, pack_codes};
-use crate::prepare::{self, Prepared};
 use crate::selftest::gathered::Gathered;
 use codec::depth::block_tiles::{Layout, tiles_of};
 use codec::depth::record_table::builder::TableBuilder;
 use codec::depth::{PixelBox, TemporalChunk, Texel};
 use codec::math::random::Random;
+use kernels::layout::{BoxRow, Record, Unit};
+use kernels::pictures::{pack_bytes, pack_codes};
+use kernels::prepare::{self, Prepared};
 
 /// A pixel type that boxes store.
 pub trait BoxTexel: Texel {

@@ -2,13 +2,13 @@
 //! keyframes.
 
 use crate::harness::Case;
-use crate::layout::{Job, Record, Unit};
-use crate::pictures::{pack_bytes, pack_halves};
-use crate::prepare::{self, Prepared};
 use crate::selftest::gathered::Gathered;
 use codec::color::cells::builder::CellBuilder;
 use codec::color::{CellChunk, CellFormat, HalfKey, KeyframeBlocks, Sample};
 use codec::math::random::Random;
+use kernels::layout::{Job, Record, Unit};
+use kernels::pictures::{pack_bytes, pack_halves};
+use kernels::prepare::{self, Prepared};
 
 pub trait CellSample: Sample {
     /// Returns a random value, often an edge case.

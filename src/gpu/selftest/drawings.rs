@@ -7,12 +7,12 @@ use glam::DVec3;
 use super::rooms::Builder;
 use crate::Gpu;
 use crate::harness::KernelReport;
-use crate::kernels::{self, Drawing};
 use crate::quads::GpuQuads;
 use crate::render::agreement::Agreement;
 use codec::error::Result;
 use codec::math::{Camera, Lens};
 use codec::monitor::Silent;
+use kernels::Drawing;
 use simplify::quad_mesh::QuadMesh;
 use simplify::raster::{Compositing, DrawSettings, Drawn, draw_picture};
 

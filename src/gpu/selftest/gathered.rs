@@ -1,8 +1,8 @@
 //! Collects the units of one dispatch into the buffers of a decoding kernel.
 
 use crate::harness::Case;
-use crate::layout::{BoxRow, Job, Record, SCRATCH_WORDS, Unit, list_of, words_of};
 use codec::depth::domain::LOG2_TABLE;
+use kernels::layout::{BoxRow, Job, Record, SCRATCH_WORDS, Unit, list_of, words_of};
 
 #[derive(Default)]
 pub struct Gathered {

@@ -1,15 +1,15 @@
 //! Inputs of the node kernel: all functions on all levels, in units of odd sizes, in all domains.
 
 use crate::harness::Case;
-use crate::layout::{Record, Unit};
-use crate::pictures::pack_codes;
-use crate::prepare::words_from;
 use crate::selftest::gathered::Gathered;
 use codec::depth::DomainParts;
 use codec::depth::domain::{Domain, DomainKind};
 use codec::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of};
 use codec::depth::runtime::{LEVELS, Runtime};
 use codec::math::random::Random;
+use kernels::layout::{Record, Unit};
+use kernels::pictures::pack_codes;
+use kernels::prepare::words_from;
 
 fn push(all: &mut Gathered, grid: Grid, domain: &Domain, nodes: &[Node]) {
     let mut runtime = Runtime::new(grid);

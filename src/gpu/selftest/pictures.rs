@@ -6,7 +6,6 @@ use glam::{DQuat, DVec3};
 
 use crate::Gpu;
 use crate::harness::KernelReport;
-use crate::kernels::{self, Kernel};
 use crate::render::GpuRenderer;
 use crate::render::agreement::Agreement;
 use codec::container::ProbeEntry;
@@ -14,6 +13,7 @@ use codec::error::{Error, Result};
 use codec::image::{DepthKind, Face, ImageProjection, ToneMap, Transfer};
 use codec::math::{Camera, Lens};
 use codec::monitor::Silent;
+use kernels::Kernel;
 use render::march::render::render;
 use render::march::synthetic::set_alpha_of_blocks;
 use render::march::{Acceleration, ActiveViews, PictureOptions, Refinements, RenderSettings, Rendered, SpecularMode};

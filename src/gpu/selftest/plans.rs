@@ -2,13 +2,15 @@
 //! invocations.
 
 use crate::harness::Case;
-use crate::layout::{Chunk, Dispatch, Item, Job, MAX_GROUPS, NONE, Record, State, Unit, WORKGROUP, list_of, words_of};
-use crate::prepare::{self, Prepared};
 use crate::selftest::gathered::Gathered;
 use codec::color::cells::builder::CellBuilder;
 use codec::color::{CellChunk, CellFormat};
 use codec::depth::record_table;
 use codec::math::random::Random;
+use kernels::layout::{
+    Chunk, Dispatch, Item, Job, MAX_GROUPS, NONE, Record, State, Unit, WORKGROUP, list_of, words_of,
+};
+use kernels::prepare::{self, Prepared};
 
 #[derive(Default)]
 pub(super) struct Planned {

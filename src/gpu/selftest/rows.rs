@@ -1,10 +1,10 @@
 //! Inputs of the kernels that process rows of pixels: compaction and erosion (Epipolar 3.3).
 
 use crate::harness::Case;
-use crate::layout::{PixelRows, words_of};
 use codec::math::random::Random;
 use epipolar::compact::{compact, counts};
 use epipolar::erosion::{edges, eroded};
+use kernels::layout::{PixelRows, words_of};
 
 const WORKGROUP: u32 = 256;
 /// Widths and heights: one, odd, and around the size of a workgroup; the last one is timed.

@@ -9,10 +9,6 @@ use half::f16;
 use crate::epipolar::GpuInterpolator;
 use crate::epipolar::block::{LineWords, covered, places};
 use crate::harness::Case;
-use crate::layout::{
-    NONE, SHOWN_GLOSS, SHOWN_HOLE, SHOWN_OPTICAL, SLICE_COLUMNS, SLICE_WORKGROUP, SliceBlock, WINNER_AFTER,
-    WINNER_BEFORE, WINNER_OWN, words_of,
-};
 use crate::render::agreement::Agreement;
 use codec::error::Result;
 use codec::math::random::Random;
@@ -27,6 +23,10 @@ use epipolar::lines::Line;
 use epipolar::slice::{Slice, Winner};
 use epipolar::source::{Light, SourcePixel, SourceRow, SourceView};
 use epipolar::views::{OutputViews, Spread};
+use kernels::layout::{
+    NONE, SHOWN_GLOSS, SHOWN_HOLE, SHOWN_OPTICAL, SLICE_COLUMNS, SLICE_WORKGROUP, SliceBlock, WINNER_AFTER,
+    WINNER_BEFORE, WINNER_OWN, words_of,
+};
 
 /// Output views and their sources.
 #[derive(Debug, Clone)]

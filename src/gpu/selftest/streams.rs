@@ -5,8 +5,6 @@
 
 use crate::decode::UnitFrame;
 use crate::family::Family;
-use crate::kernels::{self, Kernel};
-use crate::prepare::prepared_bytes;
 use crate::selftest::boxes::{BoxTexel, put_random, random_boxes_in, random_picture};
 use crate::selftest::cells::{CellSample, push_random_keyframe};
 use crate::selftest::nodes::random_nodes;
@@ -38,6 +36,8 @@ use codec::streams::{
     AlphaHeader, CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCoding, DepthHeader,
     MaterialHeader, NodeHeader,
 };
+use kernels::Kernel;
+use kernels::prepare::prepared_bytes;
 
 /// Number of faces of a probe; each has a stream of depth, colour, material and alpha.
 const FACES: u8 = 6;

@@ -2,11 +2,11 @@
 //! odd sizes.
 
 use crate::harness::Case;
-use crate::layout::{DepthJob, NONE, PyramidJob, list_of};
-use crate::pictures::{code_stride, pack_codes};
 use codec::depth::DepthRange;
 use codec::image::{DepthKind, TexelMap, ToneMap};
 use codec::math::random::Random;
+use kernels::layout::{DepthJob, NONE, PyramidJob, list_of};
+use kernels::pictures::{code_stride, pack_codes};
 use render::march::{DepthPyramid, Level};
 use render::views::{BACKGROUND, ColorCoding, FaceTexels, InverseDepth, UNKNOWN};
 

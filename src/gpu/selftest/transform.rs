@@ -4,11 +4,8 @@
 use std::sync::Arc;
 
 use crate::harness::Case;
-use crate::layout::{BoxRow, Job, Record, Unit};
-use crate::prepare::{self, Prepared};
 use crate::selftest::cells::CellSample;
 use crate::selftest::gathered::Gathered;
-use crate::transform_tables::TransformTables;
 use codec::color::quality::{EightBit, Pu21, Quality};
 use codec::color::transform::authored::{ANY, PALETTES, USUAL, WHOLE, random_payload};
 use codec::color::transform::domain::ChromaSlopes;
@@ -20,6 +17,9 @@ use codec::color::{CellFormat, HalfKey, SearchSettings, Target};
 use codec::entropy::{Counts, TableSet};
 use codec::error::Result;
 use codec::math::random::Random;
+use kernels::layout::{BoxRow, Job, Record, Unit};
+use kernels::prepare::{self, Prepared};
+use kernels::transform_tables::TransformTables;
 
 /// Returns a random legal payload, which an encoder would not write.
 pub fn any_payload<S: Keyed>(size: [usize; 2], frames: u32, tables: &Tables, random: &mut Random) -> Result<Vec<u8>> {

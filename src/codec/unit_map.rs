@@ -1,30 +1,33 @@
 //! Coding map of one unit, by codec; rectangles are relative to the upper left pixel of the unit.
 
+mod patch;
+
 use std::collections::HashMap;
 
-use crate::inspect::patch::{Patch, Writing};
-use codec::color::transform::region::Content;
-use codec::color::transform::{Keyed, TransformChunk};
-use codec::color::{CellChunk, ColorChunk, Sample};
-use codec::depth::node_chunk::NodeChunk;
-use codec::depth::nodes::{Function, Grid, Place, function_of};
-use codec::depth::predictive::PredictiveChunk;
-use codec::depth::predictive::modes::BlockCoding;
-use codec::depth::records::{Body, TemporalChunk};
-use codec::depth::runtime::Runtime;
-use codec::depth::tree_chunk::TreeChunk;
-use codec::depth::{Texel, block_chunk};
-use codec::error::Result;
-use codec::streams::{DepthChunk, StreamChunk};
+use crate::color::transform::region::Content;
+use crate::color::transform::{Keyed, TransformChunk};
+use crate::color::{CellChunk, ColorChunk, Sample};
+use crate::depth::node_chunk::NodeChunk;
+use crate::depth::nodes::{Function, Grid, Place, function_of};
+use crate::depth::predictive::PredictiveChunk;
+use crate::depth::predictive::modes::BlockCoding;
+use crate::depth::records::{Body, TemporalChunk};
+use crate::depth::runtime::Runtime;
+use crate::depth::tree_chunk::TreeChunk;
+use crate::depth::{Texel, block_chunk};
+use crate::error::Result;
+use crate::streams::{DepthChunk, StreamChunk};
+
+pub use patch::{Patch, Writing};
 
 #[derive(Debug, Default)]
-pub(super) struct UnitMap {
+pub struct UnitMap {
     pub patches: Vec<Patch>,
     pub keyframe: bool,
 }
 
 #[derive(Debug, Default)]
-pub(super) struct ChunkSurvey {
+pub struct ChunkSurvey {
     pub keyframes_in_blocks: u64,
     pub keyframes_in_samples: u64,
     /// 1 for a chunk of the transform codec, whose first frame is a keyframe.
@@ -37,7 +40,7 @@ pub(super) struct ChunkSurvey {
 }
 
 /// Returns the map of frame `at` of a chunk; `size` is the width and height of the unit in pixels.
-pub(super) fn unit_map(chunk: &StreamChunk, size: [u32; 2], at: u32) -> Result<UnitMap> {
+pub fn unit_map(chunk: &StreamChunk, size: [u32; 2], at: u32) -> Result<UnitMap> {
     let grid = Grid { width: size[0], height: size[1] };
     let patches = match chunk {
         StreamChunk::Depth(DepthChunk::Boxes(chunk)) => of_record(chunk, at),
@@ -177,7 +180,7 @@ fn of_cell<S: Sample>(chunk: &CellChunk<S>, at: u32) -> UnitMap {
     UnitMap { patches: vec![Patch { rect: [0, 0, width, height], writing, part: 0 }], keyframe }
 }
 
-pub(super) fn survey_chunk(chunk: &StreamChunk, frames: u32) -> Result<ChunkSurvey> {
+pub fn survey_chunk(chunk: &StreamChunk, frames: u32) -> Result<ChunkSurvey> {
     let changed = match chunk {
         StreamChunk::Depth(DepthChunk::Boxes(chunk)) => changes(chunk),
         StreamChunk::Depth(DepthChunk::Nodes(chunk)) => node_changes(&chunk.runtime),

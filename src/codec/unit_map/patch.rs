@@ -1,7 +1,7 @@
 //! Rectangles of an image, and how they are coded.
 
-use codec::depth::nodes::Function;
-use codec::depth::predictive::modes::BlockCoding;
+use crate::depth::nodes::Function;
+use crate::depth::predictive::modes::BlockCoding;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Writing {
