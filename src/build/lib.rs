@@ -78,6 +78,5 @@ pub fn shared_folder(link: &str, path: &str) -> PathBuf {
     let linked = package_folder().join(link);
     let folder = if linked.is_dir() { linked } else { package_folder().join(path) };
     assert!(folder.is_dir(), "{} is no folder", folder.display());
-    println!("cargo::rerun-if-changed={}", folder.display());
     folder
 }

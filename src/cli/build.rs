@@ -11,6 +11,7 @@ const PLAYER: &str = "viewer/dist";
 /// Writes the files of the player as `FILES` of `serve/player.rs`.
 fn write_player() -> std::io::Result<()> {
     let folder = build::shared_folder("player", "../../viewer/dist");
+    println!("cargo::rerun-if-changed={}", folder.display());
     println!("cargo::rustc-env=LIGHTFOLD_PLAYER={}", folder.display());
     assert!(folder.join("index.html").is_file(), "{PLAYER}/index.html is not there: run `node build.mjs` in viewer/");
     let name = |path: &PathBuf| -> String {

@@ -20,7 +20,7 @@ fn name_and_type(value: &Value) -> (&str, &str) {
     text(value).split_once(": ").unwrap_or_else(|| panic!("shaders/kernels.json: {value} is not 'name: type'"))
 }
 
-/// Returns the structs and constants of the kernel table as input of the macros of `gpu/layout.rs`.
+/// Returns the structs and constants of the kernel table as input of the macros of `layout.rs`.
 fn layout_source(table: &Value) -> String {
     let member = |value| {
         let (name, kind) = name_and_type(value);
@@ -73,7 +73,7 @@ fn constant_name(name: &str) -> String {
     name.to_uppercase().replace('-', "_")
 }
 
-/// Returns the kernels of the kernel table as statics of `gpu/kernels.rs`, and `KERNELS`, which lists them.
+/// Returns the kernels of the kernel table as statics of `table.rs`, and `KERNELS`, which lists them.
 fn kernel_source(table: &Value) -> String {
     let (mut out, mut names) = (String::new(), Vec::new());
     for row in rows(&table["kernels"]) {
@@ -93,7 +93,7 @@ fn kernel_source(table: &Value) -> String {
     out + &format!("/// All kernels.\npub static KERNELS: [&Kernel; {}] = [{}];\n", names.len(), names.join(", "))
 }
 
-/// Returns the drawings of the kernel table as statics of `gpu/kernels.rs`, and `DRAWINGS`, which lists them.
+/// Returns the drawings of the kernel table as statics of `table.rs`, and `DRAWINGS`, which lists them.
 fn drawing_source(table: &Value) -> String {
     let (mut out, mut names) = (String::new(), Vec::new());
     for row in rows(&table["drawings"]) {
@@ -126,6 +126,7 @@ fn drawing_source(table: &Value) -> String {
 
 fn write_kernel_table() -> std::io::Result<()> {
     let shaders = build::shared_folder("shaders", "../../shaders");
+    println!("cargo::rerun-if-changed={}", shaders.display());
     println!("cargo::rustc-env=LIGHTFOLD_SHADERS={}", shaders.display());
     let table: Value = serde_json::from_str(&fs::read_to_string(shaders.join("kernels.json"))?)?;
     let folder = PathBuf::from(std::env::var_os("OUT_DIR").unwrap_or_default());

@@ -1275,7 +1275,7 @@ fn number(context: u32) -> u32 {
     }
     return (1u << count) + base + bits(count);
 }
-`;var Wn=`// Contexts of symbols (color.md 6.6), and offsets of the format's tables in \`tables\` (src/gpu/transform_tables.rs). Mirrors
+`;var Wn=`// Contexts of symbols (color.md 6.6), and offsets of the format's tables in \`tables\` (src/kernels/transform_tables.rs). Mirrors
 // src/codec/color/transform/contexts.rs. Needs \`tables\`.
 
 // First context of each symbol family.
@@ -2610,7 +2610,7 @@ fn decode_material(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgr
     let y = found.part / row.width;
     pictures[unit.picture + (row.y + y) * unit.stride + row.x + x] = box_value(row, x, y);
 }
-`;var fs=`// Occupancy of points: BetweenViewpointAndGeometry of algorithm 4 (CALF 6). Mirrors src/march/active_views.rs. Needs \`project\`,
+`;var fs=`// Occupancy of points: BetweenViewpointAndGeometry of algorithm 4 (CALF 6). Mirrors src/render/march/active_views.rs. Needs \`project\`,
 // \`inverse_depth_bits\` and the declarations of marched_views.wgsl.
 
 // Reach in texels of the footprint around a point: all texels that contain a point within this distance decide its occupancy.
@@ -2697,7 +2697,7 @@ fn is_surface(point: vec3<f32>) -> bool {
     }
     return behind || until_unknown;
 }
-`;var ms=`// Counters of rendering. Mirrors src/march/counters.rs.
+`;var ms=`// Counters of rendering. Mirrors src/render/march/counters.rs.
 
 const PRIMARY_RAYS = 0u;
 const MARCH_STEPS = 1u;
@@ -2716,7 +2716,7 @@ var<private> counted: array<u32, COUNTERS>;
 fn surface_light(ray: Ray, distance_m: f32, seen: Seen) -> vec3<f32> {
     return light_of(seen.color);
 }
-`;var ps=`// Interpolates the colour of a point: CalculateColor of algorithm 4 (CALF 6). Mirrors src/march/interpolate.rs. Needs \`project\`
+`;var ps=`// Interpolates the colour of a point: CalculateColor of algorithm 4 (CALF 6). Mirrors src/render/march/interpolate.rs. Needs \`project\`
 // and \`local_of\`.
 
 const DEPTH_EPSILON: f32 = 0.02;
@@ -2931,7 +2931,7 @@ fn background_color(direction: vec3<f32>) -> Seen {
     return seen_of(sum);
 }
 `;var bs=`// Intersection of a ray with a surface: RayIntersection of algorithm 4 (CALF 6), testing every point. Mirrors
-// src/march/intersect.rs. Needs \`is_surface\`.
+// src/render/march/intersect.rs. Needs \`is_surface\`.
 
 // Returns the first step at or after \`first\` that is on a surface; \`scene.distance_count\` if there is none.
 fn first_step(ray: Ray, first: u32) -> u32 {
@@ -2946,13 +2946,13 @@ fn first_step(ray: Ray, first: u32) -> u32 {
     return at;
 }
 `;var gs=`// Follows a primary ray through successive surfaces, each with its share of the ray, to the background. Mirrors
-// src/march/layers.rs. Needs \`first_step\`, \`refined\`, \`seen_from_eye\`, \`background_color\`, \`surface_light\` and \`light_of\`.
+// src/render/march/layers.rs. Needs \`first_step\`, \`refined\`, \`seen_from_eye\`, \`background_color\`, \`surface_light\` and \`light_of\`.
 
 const MIN_LAYER: f32 = 1.0 / 64.0;
 const MAX_LAYERS = 8u;
 const MAX_EXITS = 64u;
 
-// Result of a primary ray. Mirrors src/march/samples.rs.
+// Result of a primary ray. Mirrors src/render/march/samples.rs.
 struct RaySample {
     // Linear RGB times \`share\`.
     light: vec3<f32>,
@@ -3234,7 +3234,7 @@ const REFINE_THIN = 4u;
 @group(0) @binding(0) var<storage, read> scene: Scene;
 @group(0) @binding(1) var<storage, read> views: array<View>;
 @group(0) @binding(2) var<storage, read> faces: array<Face>;
-`;var ys=`// Texels, and the projection of points into the images of a view (CALF 6). Mirrors \`View::project\` of src/views/light_field.rs
+`;var ys=`// Texels, and the projection of points into the images of a view (CALF 6). Mirrors \`View::project\` of src/render/views/light_field.rs
 // over src/codec/image/texel_map.rs; tests/gpu/projection.rs compares the two.
 //
 // Inverse depths are read as the bits of floats: +inf marks unknown texels, and shaders may assume that no float is infinite.
@@ -3341,7 +3341,7 @@ fn remember_empty(view: u32) {
     empty_view = select(empty_view, view, alone == ALL_VIEWS);
 }
 `;var vs=`// Interpolates the material of a surface point: SampleMaterial of algorithm 4 (CALF 6.1). Mirrors
-// src/march/specular/material.rs. Needs \`project\`, \`local_of\`, \`taps_around\` and \`DEPTH_EPSILON\`.
+// src/render/march/specular/material.rs. Needs \`project\`, \`local_of\`, \`taps_around\` and \`DEPTH_EPSILON\`.
 
 @group(0) @binding(9) var materials: texture_2d_array<f32>;
 
@@ -3418,7 +3418,7 @@ fn at_angle(material: Material, cosine: f32) -> Material {
     return Material(true, reflected, whole - reflected, material.ior);
 }
 `;var xs=`// Estimates the normal and curvature of a surface point from the depths around it (CALF 6.1). Mirrors
-// src/march/specular/normal.rs. Needs \`project\`, \`local_of\`, \`texel_material\` and \`DEPTH_EPSILON\`.
+// src/render/march/specular/normal.rs. Needs \`project\`, \`local_of\`, \`texel_material\` and \`DEPTH_EPSILON\`.
 
 const SAME_SURFACE: f32 = 0.02;
 const MAX_REACH: i32 = 2;
@@ -3731,7 +3731,7 @@ fn patch_at(point: vec3<f32>) -> Patch {
     return Patch(true, bends, normal / size, curvature / select(1.0, bent_weight, bends), texel_m);
 }
 `;var ks=`// Computes the maximum inverse depths of squares of texels, one pyramid level per dispatch: \`DepthPyramid::update\` of
-// src/march/pyramid.rs. An invocation writes one square. Inverse depths are never negative, so their bits compare as integers.
+// src/render/march/pyramid.rs. An invocation writes one square. Inverse depths are never negative, so their bits compare as integers.
 // Needs \`job_of\`.
 
 @group(0) @binding(0) var<storage, read> jobs: PyramidJobs;
@@ -3755,7 +3755,7 @@ fn write_squares(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
     }
     planes[job.output + at.y * job.pitch + at.x] = min(greatest, job.limit);
 }
-`;var Es=`// Rays, in metres from the eye, and the distances of their samples. Mirrors src/march/ray.rs.
+`;var Es=`// Rays, in metres from the eye, and the distances of their samples. Mirrors src/render/march/ray.rs.
 
 @group(0) @binding(3) var<storage, read> distances_m: array<f32>;
 
@@ -3828,7 +3828,7 @@ fn refine(ray: Ray, from_m: f32, to_m: f32, times: u32) -> f32 {
     }
     return surface_m;
 }
-`;var Ss=`// Renders from any eye: Main of algorithm 4 (CALF 6). Mirrors src/march/render.rs.
+`;var Ss=`// Renders from any eye: Main of algorithm 4 (CALF 6). Mirrors src/render/march/render.rs.
 //
 // An invocation renders a pixel. Counters are summed over a workgroup. Needs \`follow\`.
 
@@ -3846,7 +3846,7 @@ const EDGE_CONTRAST: f32 = 0.1;
 const EDGE_BLACK: f32 = 0.02;
 
 // True if a ray of a pixel belongs to the first pass: the corners and the centre of the grid; all rays of a grid of at most two
-// rows. Mirrors src/march/samples.rs.
+// rows. Mirrors src/render/march/samples.rs.
 fn is_first(place: vec2<u32>) -> bool {
     let last = scene.samples - 1u;
     let is_corner = (place.x == 0u || place.x == last) && (place.y == 0u || place.y == last);
@@ -3920,7 +3920,7 @@ fn render(
     }
 }
 `;var Rs=`// Secondary rays of reflective and refractive surfaces: CalculateColor_RR of algorithm 4 (CALF 6.1). Mirrors
-// src/march/specular/secondary_rays.rs.
+// src/render/march/specular/secondary_rays.rs.
 //
 // Replaces diffuse.wgsl. WGSL has no recursion, so surfaces that are still to be shaded are kept on a stack. Needs
 // \`surface_material\`, \`patch_at\`, \`pass_through\`, \`intersect_from\`, \`surface_color\`, \`with_view\`, \`background_color\`,
@@ -4198,7 +4198,7 @@ fn surface_light(ray: Ray, distance_m: f32, seen: Seen) -> vec3<f32> {
     }
     return light;
 }
-`;var Ms=`// Marches over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4). Mirrors src/march/segments.rs.
+`;var Ms=`// Marches over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4). Mirrors src/render/march/segments.rs.
 // Needs \`occupancy\` and \`refine\`.
 
 @group(0) @binding(8) var pyramids: texture_2d_array<u32>;
@@ -4297,7 +4297,7 @@ fn is_segment_empty(view: u32, from_point: vec3<f32>, to_point: vec3<f32>, reach
     return greatest != UNKNOWN && bitcast<f32>(greatest) * farthest_m < SURELY_BELOW_ONE;
 }
 
-// Returns the step at which marching ends; \`scene.distance_count\` if the ray hits nothing. Mirrors src/march/segments.rs.
+// Returns the step at which marching ends; \`scene.distance_count\` if the ray hits nothing. Mirrors src/render/march/segments.rs.
 fn first_step(ray: Ray, first: u32) -> u32 {
     let count = scene.distance_count;
     let origin = greatest_coordinate(ray.origin);
@@ -4360,7 +4360,7 @@ fn first_step(ray: Ray, first: u32) -> u32 {
     }
     return count;
 }
-`;var As=`// Converts coded colours to linear RGB. Mirrors \`light_of\` of src/march/shading.rs.
+`;var As=`// Converts coded colours to linear RGB. Mirrors \`light_of\` of src/render/march/shading.rs.
 
 fn decoded(code: f32) -> f32 {
     if (scene.coding == CODING_LINEAR) {
@@ -4379,7 +4379,7 @@ fn light_of(color: vec3<f32>) -> vec3<f32> {
     }
     return vec3(decoded(color.r), decoded(color.g), decoded(color.b)) * scene.gain;
 }
-`;var Ts=`// Refraction through a solid (CALF 6.1). Mirrors src/march/specular/solid.rs. Needs \`patch_at\`, \`surface_material\`, \`fresnel\`,
+`;var Ts=`// Refraction through a solid (CALF 6.1). Mirrors src/render/march/specular/solid.rs. Needs \`patch_at\`, \`surface_material\`, \`fresnel\`,
 // \`is_surface\` and \`refine\`.
 
 const FLAT: f32 = 2e-3;
@@ -4406,7 +4406,7 @@ struct Back {
     normal: vec3<f32>,
 }
 
-// A sphere, or none. Mirrors src/march/specular/sphere.rs.
+// A sphere, or none. Mirrors src/render/march/specular/sphere.rs.
 struct Sphere {
     found: bool,
     centre: vec3<f32>,
@@ -4545,8 +4545,8 @@ fn pass_through(ray: Ray, front: Patch, ior: f32, whole: Sphere) -> array<Exit, 
     }
     return exits;
 }
-`;var Cs=`// Converts depth codes to inverse depths of the texels of a view (CALF 6.2): \`write_depth\` of src/views/face_cache.rs with
-// \`InverseDepth\` of src/views/inverse_depth.rs. An invocation writes a texel. Needs \`job_of\`.
+`;var Cs=`// Converts depth codes to inverse depths of the texels of a view (CALF 6.2): \`write_depth\` of src/render/views/face_cache.rs with
+// \`InverseDepth\` of src/render/views/inverse_depth.rs. An invocation writes a texel. Needs \`job_of\`.
 
 @group(0) @binding(0) var<storage, read> pictures: array<u32>;
 @group(0) @binding(1) var<storage, read> tables: array<u32>;

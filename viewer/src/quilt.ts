@@ -1,4 +1,4 @@
-// A quilt: views of a scene as the tiles of one PNG picture, shown as a film of its views. src/image_files/quilt.rs has the layout.
+// A quilt: views of a scene as the tiles of one PNG picture, shown as a film of its views. src/footage/image_files/quilt.rs has the layout.
 
 import { FormatError, UnsupportedError } from "./format/types.ts";
 import type { ByteSource } from "./format/types.ts";

@@ -1,4 +1,4 @@
-// Pictures for tests, read back from the graphics device, in the form of the CPU's decoders. Mirrors src/gpu/pictures.rs.
+// Pictures for tests, read back from the graphics device, in the form of the CPU's decoders. Mirrors src/kernels/pictures.rs.
 
 import type { Pixels } from "../src/decoder/types.ts";
 import type { Rect, Stream } from "../src/format/types.ts";

@@ -1,4 +1,4 @@
-// Contexts of symbols (color.md 6.6), and offsets of the format's tables in `tables` (src/gpu/transform_tables.rs). Mirrors
+// Contexts of symbols (color.md 6.6), and offsets of the format's tables in `tables` (src/kernels/transform_tables.rs). Mirrors
 // src/codec/color/transform/contexts.rs. Needs `tables`.
 
 // First context of each symbol family.

@@ -1,4 +1,4 @@
-// The color of a point: CalculateColor of algorithm 4 (CALF 6), with weights by angles and coverage. Mirrors src/march/interpolate.rs.
+// The color of a point: CalculateColor of algorithm 4 (CALF 6), with weights by angles and coverage. Mirrors src/render/march/interpolate.rs.
 
 import { HOLE_DIFFERENCE } from "../views/active.ts";
 import { BACKGROUND, type FaceTexels, UNKNOWN } from "./face_texels.ts";

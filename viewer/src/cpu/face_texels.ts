@@ -1,4 +1,4 @@
-// The texels of a face in memory, and the greatest inverse depths of squares of them (CALF 6.2). Mirrors src/march/pyramid.rs.
+// The texels of a face in memory, and the greatest inverse depths of squares of them (CALF 6.2). Mirrors src/render/march/pyramid.rs.
 
 import type { Rect } from "../format/types.ts";
 import type { TexelMap } from "../views/face.ts";

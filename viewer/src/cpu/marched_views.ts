@@ -1,5 +1,5 @@
 // The views that are marched: where points lie in their images, and whether they see past them (CALF 6, algorithm 4). Mirrors
-// src/march/active_views.rs and View::project of src/views/light_field.rs.
+// src/render/march/active_views.rs and View::project of src/render/views/light_field.rs.
 //
 // Points are in metres from the eye, along the axes of the world. Numbers of a point are written to fields and not returned: a picture
 // projects some millions of points.

@@ -1,5 +1,5 @@
 // Marching on the processor: rays, the surfaces that they meet one behind the other, and the background. Mirrors
-// src/march/layers.rs and src/march/render.rs (CALF 6), with their default settings and no secondary rays.
+// src/render/march/layers.rs and src/render/march/render.rs (CALF 6), with their default settings and no secondary rays.
 
 import { HOLE_DIFFERENCE, type Steps, stepsOf } from "../views/active.ts";
 import type { Camera } from "../views/camera.ts";

@@ -1,5 +1,5 @@
 // Where a ray from the eye meets a surface: RayIntersection of algorithm 4 (CALF 6), over segments that one view proves empty. Mirrors
-// src/march/segments.rs and src/march/intersect.rs.
+// src/render/march/segments.rs and src/render/march/intersect.rs.
 
 import { VIEW_FACE } from "../views/face.ts";
 import { MIN_M, segmentsOf, type Steps } from "../views/active.ts";

@@ -38,7 +38,7 @@ export interface StoredChunk {
 /** Rows of shaders/kernels.json with their members in words, one row behind the other. */
 export type Words = Uint32Array;
 
-/** A checked chunk in the form of the device (src/gpu/prepare.rs): offsets count from the chunk's own first byte, word or row. All arrays
+/** A checked chunk in the form of the device (src/kernels/prepare.rs): offsets count from the chunk's own first byte, word or row. All arrays
  *  are transferable between workers. */
 export interface Prepared {
   /** The kernel of keyframes of `CTR8` and `CTRH` chunks that have cells, else that of the codec. */
@@ -57,7 +57,7 @@ export interface Prepared {
   timeline: Timeline;
 }
 
-/** What the host keeps of a chunk on the device (`Timeline` of src/gpu/prepare.rs). */
+/** What the host keeps of a chunk on the device (`Timeline` of src/kernels/prepare.rs). */
 export interface Timeline {
   /** Frames that have a record, and the pixels that each writes; none of colour. */
   recordFrames: Uint32Array;

@@ -151,7 +151,7 @@ function scratchWords(streams: readonly Stream[], { reader }: Kernels): number {
   return reader === undefined ? 0 : Math.max(0, ...regions) * CONSTANTS.SCRATCH_WORDS;
 }
 
-/** The tables of the transform codec of streams of one family (src/gpu/transform_tables.rs); without any other, there are no words. */
+/** The tables of the transform codec of streams of one family (src/kernels/transform_tables.rs); without any other, there are no words. */
 function transformTables(streams: readonly Stream[]): { words: Uint32Array; firstSets: number[] } {
   const transformed = streams.filter(({ header }) => header.kind === "color" && header.coding.name === "transform");
   if (transformed.length === 0) {

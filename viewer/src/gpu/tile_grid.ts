@@ -1,4 +1,4 @@
-// Tiles of one size in the layers of texture arrays. Mirrors `TileGrid` of src/atlas/mod.rs.
+// Tiles of one size in the layers of texture arrays. Mirrors `TileGrid` of src/render/atlas/mod.rs.
 
 import { UnsupportedError } from "../format/types.ts";
 

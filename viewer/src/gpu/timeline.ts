@@ -1,4 +1,4 @@
-// How frames of a color chunk on a device are made, and what changes between them (`Timeline` of src/gpu/prepare.rs).
+// How frames of a color chunk on a device are made, and what changes between them (`Timeline` of src/kernels/prepare.rs).
 
 import type { Timeline } from "../decoder/types.ts";
 

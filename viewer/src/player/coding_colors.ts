@@ -1,4 +1,4 @@
-// Colors of the overlay of nodes, those of the program's coding maps (src/report/coding_map/tints.rs), and what they stand for.
+// Colors of the overlay of nodes, those of the program's coding maps (src/cli/report/coding_map/tints.rs), and what they stand for.
 
 /** Kinds of coding; their places in this list are their numbers in a map (src/wasm/coding_map.rs). */
 export const CODINGS = [

@@ -5,7 +5,7 @@ import { readBody } from "../format/http.ts";
 /** Kinds of files that the page shows. */
 export type FilmKind = "lfold" | "glb" | "quilt";
 
-/** The tiles of a quilt: src/image_files/quilt.rs. */
+/** The tiles of a quilt: src/footage/image_files/quilt.rs. */
 export interface QuiltLayout {
   columns: number;
   rows: number;

@@ -1,5 +1,5 @@
 // The views that take part in a picture, relative to its eye, and the distances at which rays are sampled. Mirrors
-// src/march/active_views.rs and src/march/ray.rs (CALF 6, equation 13).
+// src/render/march/active_views.rs and src/render/march/ray.rs (CALF 6, equation 13).
 //
 // Positions are subtracted in double precision, so that pictures far from the world's origin lose no precision.
 

@@ -1,4 +1,4 @@
-// The probes of a container that can be rendered: those with a face that has both depth and color. Mirrors src/views/catalogue.rs.
+// The probes of a container that can be rendered: those with a face that has both depth and color. Mirrors src/render/views/catalogue.rs.
 
 import type { Container } from "../format/container.ts";
 import type { ColorHeader, DepthHeader, Stream, StreamKind } from "../format/types.ts";

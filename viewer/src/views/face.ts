@@ -1,5 +1,5 @@
 // Images of probes: faces of cubes, and pinhole images. Mirrors src/codec/image/cube.rs, projection.rs and texel_map.rs, and
-// src/views/face_frustum.rs (formats/container.md 4 and 5).
+// src/render/views/face_frustum.rs (formats/container.md 4 and 5).
 
 import type { Probe, Vec3 } from "../format/types.ts";
 import type { Axes } from "../math.ts";

@@ -1,4 +1,4 @@
-// Depth codes to inverse depths. Mirrors src/views/inverse_depth.rs and src/codec/depth/quantise.rs (formats/depth.md 2).
+// Depth codes to inverse depths. Mirrors src/render/views/inverse_depth.rs and src/codec/depth/quantise.rs (formats/depth.md 2).
 
 import type { DepthRange } from "../format/types.ts";
 

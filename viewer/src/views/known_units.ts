@@ -1,4 +1,4 @@
-// Which units of loaded views have pictures that may be seen, and texels that are not up to date. Mirrors src/views/face_cache.rs
+// Which units of loaded views have pictures that may be seen, and texels that are not up to date. Mirrors src/render/views/face_cache.rs
 // (CALF 6.2).
 //
 // A texel has a depth once all its kinds have pictures: its tile, its color cell, and its units of alpha and material where there are

@@ -1,4 +1,4 @@
-// Pyramids above the texels of an image: each level has a square for two by two squares below. Mirrors src/march/pyramid.rs.
+// Pyramids above the texels of an image: each level has a square for two by two squares below. Mirrors src/render/march/pyramid.rs.
 
 import type { Rect } from "../format/types.ts";
 

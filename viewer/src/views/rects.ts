@@ -1,4 +1,4 @@
-// Rectangles of texels: what two have in common, what holds both, and many as few. Mirrors src/views/rects.rs.
+// Rectangles of texels: what two have in common, what holds both, and many as few. Mirrors src/render/views/rects.rs.
 
 import { unitRectOf } from "../format/index_tables.ts";
 import type { Rect, Stream } from "../format/types.ts";

@@ -1,4 +1,4 @@
-// Selection of active views (CALF 6.3), as src/march/playback/selection.rs does by default: the nearest ones. The order is a function of the
+// Selection of active views (CALF 6.3), as src/render/march/playback/selection.rs does by default: the nearest ones. The order is a function of the
 // eye alone.
 
 import type { Vec3 } from "../format/types.ts";

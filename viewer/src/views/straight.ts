@@ -1,5 +1,5 @@
-// Texels of color from decoded pixels: straight colors, where light was multiplied by alpha, and finite ones. Mirrors src/views/straight.rs
-// and what src/views/face_cache.rs does with colors (formats/color.md 1 and 2).
+// Texels of color from decoded pixels: straight colors, where light was multiplied by alpha, and finite ones. Mirrors src/render/views/straight.rs
+// and what src/render/views/face_cache.rs does with colors (formats/color.md 1 and 2).
 
 import type { Pixels } from "../decoder/types.ts";
 import type { Rect } from "../format/types.ts";

@@ -1,4 +1,4 @@
-// The units that rays from cameras can look up (CALF 6.2). Mirrors src/views/visible_set.rs and visibility.rs.
+// The units that rays from cameras can look up (CALF 6.2). Mirrors src/render/views/visible_set.rs and visibility.rs.
 //
 // A ray looks up points before and behind the surfaces of a probe. Points nearer to the probe than its near plane need no texel; from there
 // to any distance the unit under a point is needed. So frusta of units begin at near, and end nowhere.
