@@ -46,15 +46,10 @@ pub(super) fn depth_of_probe(
         return Ok(ProbeDepth { range, levels: Levels::default(), strays: None, scanned: None });
     }
     let probe = groups.first().map_or("", |group| plan.source.probes()[group.group.probe].name.as_str());
-    if let Some(known) = known {
-        let range = found_range(probe, given, known)?;
-        let strays = known.spread.strays(range);
-        return Ok(ProbeDepth { range, levels: known.levels(range), strays, scanned: None });
-    }
-    let scanned = scan_in_stage(plan, groups, monitor)?;
-    let scan = scanned.found.scan();
+    let scanned = if known.is_none() { Some(scan_in_stage(plan, groups, monitor)?) } else { None };
+    let scan = scanned.as_ref().map(|scanned| scanned.found.scan()).or_else(|| known.cloned()).unwrap_or_default();
     let range = found_range(probe, given, &scan)?;
-    Ok(ProbeDepth { range, levels: scan.levels(range), strays: scan.spread.strays(range), scanned: Some(scanned) })
+    Ok(ProbeDepth { range, levels: scan.levels(range), strays: scan.spread.strays(range), scanned })
 }
 
 /// Keeps the planar depth of perspective views unconverted if a sensor recorded few distinct values: converted to distance along

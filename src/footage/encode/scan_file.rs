@@ -84,8 +84,7 @@ impl ScannedFrames {
 impl ScanFile {
     /// Creates a scan without scanned frames.
     pub fn new(source: &dyn FrameSource) -> ScanFile {
-        let whole = source.groups().iter().map(|group| sequence(source, group)).collect();
-        let footage = footage(source);
+        let (footage, whole) = (footage(source), sequences(source));
         ScanFile { lightfold_scan: VERSION, footage, whole, is_unfinished: false, parts: Vec::new() }
     }
 
@@ -319,14 +318,14 @@ fn segments(plan: &Plan<'_>, shard: Option<Shard>) -> Result<Vec<Segment>> {
     segments_of_shard(plan, PART_FRAMES, shard.unwrap_or(Shard { number: 1, count: 1 }))
 }
 
-fn faces_of(group: &SourceGroup) -> String {
-    group.faces.iter().map(|face| face.name()).collect::<Vec<_>>().join(",")
-}
-
 fn sequence(source: &dyn FrameSource, group: &SourceGroup) -> Sequence {
     let probe = source.probes()[group.probe].name.clone();
-    let (kind, faces) = (group.kind.name().to_owned(), faces_of(group));
-    Sequence { kind, probe, faces, frames: [group.frames.first, group.frames.last] }
+    let faces = group.faces.iter().map(|face| face.name()).collect::<Vec<_>>().join(",");
+    Sequence { kind: group.kind.name().to_owned(), probe, faces, frames: [group.frames.first, group.frames.last] }
+}
+
+fn sequences(source: &dyn FrameSource) -> Vec<Sequence> {
+    source.groups().iter().map(|group| sequence(source, group)).collect()
 }
 
 /// Joins the first `MAX_NAMED` words; an ellipsis marks that more follow.
@@ -337,7 +336,7 @@ fn few(words: &[String]) -> String {
 }
 
 fn footage(source: &dyn FrameSource) -> String {
-    let groups: Vec<Sequence> = source.groups().iter().map(|group| sequence(source, group)).collect();
+    let groups = sequences(source);
     digest(
         format!(
             "{:?} {:?} {groups:?}",
