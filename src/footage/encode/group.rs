@@ -42,28 +42,22 @@ coded_pixel!(u16, Codes);
 coded_pixel!([u8; 3], Bytes);
 coded_pixel!([HalfKey; 3], Half);
 
+/// Nanoseconds over all threads.
 #[derive(Debug, Default)]
 pub(super) struct Times {
-    reading: AtomicU64,
-    coding: AtomicU64,
+    pub reading: AtomicU64,
+    pub coding: AtomicU64,
 }
 
 impl Times {
-    fn read<T>(&self, work: impl FnOnce() -> T) -> T {
-        timed(&self.reading, work)
-    }
-
-    pub fn code<T>(&self, work: impl FnOnce() -> T) -> T {
-        timed(&self.coding, work)
-    }
-
     /// Total times of reading and of coding, over all threads.
     pub fn durations(&self) -> [Duration; 2] {
         [&self.reading, &self.coding].map(|nanos| Duration::from_nanos(nanos.load(Ordering::Relaxed)))
     }
 }
 
-fn timed<T>(nanos: &AtomicU64, work: impl FnOnce() -> T) -> T {
+/// Adds the time of `work` to `nanos`.
+pub(super) fn timed<T>(nanos: &AtomicU64, work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let done = work();
     nanos.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
@@ -141,25 +135,25 @@ impl<'a> GroupCoder<'a> {
                 let Some(quantiser) = &self.quantiser else { return Ok((Vec::new(), 0)) };
                 let mut planes = match kept {
                     Some(planes) => planes,
-                    None => times.read(|| source.read_depth(group, frame))?,
+                    None => timed(&times.reading, || source.read_depth(group, frame))?,
                 };
                 let (rule, given) = (self.plan.settings.outside_depth, self.plan.given_range);
                 beyond = planes.iter_mut().map(|plane| rule.replace_outside(plane, given)).sum();
                 let code = |plane| self.numbers(convert::depth_codes(plane, quantiser)?).map(Coded::Codes);
-                times.code(|| planes.iter().map(code).collect())
+                timed(&times.coding, || planes.iter().map(code).collect())
             }
             StreamKind::Material => {
-                let planes = times.read(|| source.read_material(group, frame))?;
+                let planes = timed(&times.reading, || source.read_material(group, frame))?;
                 let code = |plane| convert::material_codes(plane).map(Coded::Bytes);
-                times.code(|| planes.iter().map(code).collect())
+                timed(&times.coding, || planes.iter().map(code).collect())
             }
             StreamKind::Alpha => {
-                let planes = times.read(|| source.read_alpha(group, frame))?;
+                let planes = timed(&times.reading, || source.read_alpha(group, frame))?;
                 let code = |plane| convert::alpha_codes(plane).map(Coded::Codes);
-                times.code(|| planes.iter().map(code).collect())
+                timed(&times.coding, || planes.iter().map(code).collect())
             }
             StreamKind::Color => {
-                let planes = times.read(|| source.read_color(group, frame))?;
+                let planes = timed(&times.reading, || source.read_color(group, frame))?;
                 let code = |plane| match &self.table {
                     Some(table) => {
                         let (codes, clipped) = convert::color_codes(plane, table);
@@ -168,7 +162,7 @@ impl<'a> GroupCoder<'a> {
                     }
                     None => Coded::Half(plane.map(|pixel| pixel.map(|value| HalfKey::from_bits(value.to_bits())))),
                 };
-                Ok(times.code(|| planes.iter().map(code).collect()))
+                Ok(timed(&times.coding, || planes.iter().map(code).collect()))
             }
         };
         coded.map(|coded| (coded, beyond)).map_err(named)

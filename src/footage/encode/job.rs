@@ -14,7 +14,7 @@ use serde::Serialize;
 use crate::dataset::manifest::Pose;
 use crate::dataset::{ProbeInfo, SourceGroup};
 use crate::encode::depth_range::{ProbeDepth, depth_of_probe};
-use crate::encode::group::{Coded, GroupCoder};
+use crate::encode::group::{Coded, GroupCoder, timed};
 use crate::encode::part::OF_FOOTAGE;
 use crate::encode::plan::{GroupPlan, Plan};
 use crate::encode::precision::ProbePrecision;
@@ -270,7 +270,7 @@ fn each_unit<R: Send>(
     units: &mut [UnitJob<'_>],
     work: impl Fn(&mut UnitJob<'_>) -> Result<Vec<R>> + Sync,
 ) -> Result<Vec<R>> {
-    let code = |unit: &mut UnitJob<'_>| coder.times.code(|| work(unit));
+    let code = |unit: &mut UnitJob<'_>| timed(&coder.times.coding, || work(unit));
     let done = try_map_at_once(units.iter_mut().collect(), coder.planned.need.units_at_once, code)?;
     Ok(done.into_iter().flatten().collect())
 }

@@ -1,6 +1,7 @@
 //! Encodes frames of a source into a container: `lightfold encode`, and [`Encoder`] for frames in memory.
 //!
-//! Input: a [`FrameSource`]. Output: a container, written front to back. A frame passes through these stages:
+//! Input: a [`FrameSource`]. Output: a container, written front to back. A [`Plan`] holds what is known before the first frame is
+//! read: the order of groups and the memory that each needs. A frame passes through these stages:
 //!
 //! 0. `first_frames` reads the first frame of each stream if the caller requests it, so that unreadable files are reported before
 //!    anything is encoded.

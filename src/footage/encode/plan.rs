@@ -78,8 +78,7 @@ impl<'a> Plan<'a> {
 
     /// Memory that a group, or some frames of one, needs under the settings.
     pub(super) fn need(&self, group: &SourceGroup) -> GroupNeed {
-        let reading = self.source.reading_bytes(group);
-        GroupNeed::new(group, self.settings, self.table_bytes, reading)
+        GroupNeed::new(group, self.settings, self.table_bytes, self.source.reading_bytes(group))
     }
 
     /// Limits of a scan of depth groups.

@@ -336,13 +336,6 @@ fn few(words: &[String]) -> String {
 }
 
 fn footage(source: &dyn FrameSource) -> String {
-    let groups = sequences(source);
-    digest(
-        format!(
-            "{:?} {:?} {groups:?}",
-            Fingerprint::of_program(&[codec::SOURCES, crate::SOURCES]),
-            source.configuration()
-        )
-        .as_bytes(),
-    )
+    let program = Fingerprint::of_program(&[codec::SOURCES, crate::SOURCES]);
+    digest(format!("{program:?} {:?} {:?}", source.configuration(), sequences(source)).as_bytes())
 }

@@ -46,9 +46,9 @@ struct UnitPicture<'a> {
 impl UnitPicture<'_> {
     /// Returns the pixels, row-major.
     fn pixels<T: CodedPixel>(&self) -> Result<Vec<T>> {
-        // Pictures and units of a group are built from the same header, so this does not occur.
-        let plane =
-            T::plane_of(self.picture).ok_or_else(|| Error::invalid("a picture of another kind than its unit"))?;
+        // Does not occur: pictures and units of a group are built from the same header.
+        let other = || Error::invalid("a picture of another kind than its unit");
+        let plane = T::plane_of(self.picture).ok_or_else(other)?;
         let [left, top, width, height] = self.rect;
         let mut pixels = Vec::with_capacity(width as usize * height as usize);
         for y in top..top + height {
