@@ -15,8 +15,8 @@ use codec::monitor::Monitor;
 use footage::dataset::manifest;
 use footage::dataset::source::{Source, SourceOptions};
 use footage::encode::{
-    self, EncodeReport, EncodeSettings, EncodeSummary, Footage, FrameSource, Kept, Part, Resumable, ScanFile, Scans,
-    Stopped,
+    self, EncodeReport, EncodeSettings, EncodeSummary, FirstFrames, Footage, FrameSource, Kept, Part, Plan, Resumable,
+    ScanFile, Scans, Stopped,
 };
 use footage::files::{IntactBytes, OutputFile};
 
@@ -160,7 +160,7 @@ fn with_footage<'a>(
     global: &GlobalArgs,
 ) -> Result<(Option<Part<'a>>, Option<Scans>)> {
     let known = match scan {
-        Some(path) => Some(ScanFile::read(path)?.scans(source, settings).map_err(|error| error.in_file(path))?),
+        Some(path) => Some(ScanFile::read(path)?.scans(source).map_err(|error| error.in_file(path))?),
         None => None,
     };
     Ok(match (part, known) {
@@ -168,7 +168,7 @@ fn with_footage<'a>(
         (None, Some((scans, footage))) => (Some(Part::whole(source, footage)), Some(scans)),
         (Some(part), Some((scans, footage))) => (Some(part.with_footage(footage)), Some(scans)),
         (Some(part), None) => {
-            let images = encode::selected_groups(source, settings).iter().map(encode::GroupRef::images).sum();
+            let images = Plan::new(source, settings).images();
             let progress = Progress::start(global, "reading footage", images)?;
             (Some(part.with_footage(Footage::read(source, settings, &progress)?)), None)
         }
@@ -237,25 +237,25 @@ impl Encode<'_> {
         }
         self.note_block_bound();
         // Checked before an earlier encode is replaced.
-        encode::check(self.frames(), self.settings)?;
+        let plan = Plan::new(self.frames(), self.settings);
+        plan.check()?;
         self.prepare_filters()?;
-        let first_frames = encode::first_frames(self.frames(), self.settings)?;
-        let progress = Progress::start(self.global, "reading first frames", first_frames)?;
-        encode::check_first_frames(self.frames(), self.settings, &progress)?;
+        let first_frames = FirstFrames::new(&plan)?;
+        let progress = Progress::start(self.global, "reading first frames", first_frames.images())?;
+        first_frames.check(&progress)?;
         drop(progress);
-        let images = encode::selected_groups(self.frames(), self.settings).iter().map(encode::GroupRef::images).sum();
-        let progress = Progress::start(self.global, "encoding", images)?;
+        let progress = Progress::start(self.global, "encoding", plan.images())?;
         let summary = if unfinished == Unfinished::Discard {
-            self.encode_whole(OutputFile::create(path)?, &progress)?
+            self.encode_whole(&plan, OutputFile::create(path)?, &progress)?
         } else {
             let file = OutputFile::open(path)?;
             if file.is_resumable() {
-                self.encode_resumable(file, &progress)?
+                self.encode_resumable(&plan, file, &progress)?
             } else {
                 if unfinished == Unfinished::Resume {
                     self.say("not a regular file, so there is nothing to resume");
                 }
-                self.encode_whole(file, &progress)?
+                self.encode_whole(&plan, file, &progress)?
             }
         };
         Ok(EncodeReport::new(summary, self.start.elapsed().as_secs_f64()))
@@ -270,7 +270,7 @@ impl Encode<'_> {
 
     /// Computes the filters of panoramas, as a separate progress stage.
     fn prepare_filters(&self) -> Result<()> {
-        let groups: Vec<_> = encode::selected_groups(self.frames(), self.settings).iter().map(|of| of.group).collect();
+        let groups = encode::selected_groups(self.frames(), self.settings);
         let maps = self.source.filtered_maps(&groups);
         if maps.is_empty() {
             return Ok(());
@@ -288,7 +288,7 @@ impl Encode<'_> {
     fn note_block_bound(&self) {
         let searched_db = self.settings.search.target.min_psnr_db();
         let has_color =
-            encode::selected_groups(self.frames(), self.settings).iter().any(|of| of.group.kind == StreamKind::Color);
+            encode::selected_groups(self.frames(), self.settings).iter().any(|group| group.kind == StreamKind::Color);
         if let Some(blocks) =
             self.settings.color_blocks.filter(|blocks| has_color && blocks.final_psnr_db < searched_db)
         {
@@ -305,8 +305,8 @@ impl Encode<'_> {
     }
 
     /// Encodes, and leaves no file on failure.
-    fn encode_whole(&self, file: OutputFile, progress: &Progress) -> Result<EncodeSummary> {
-        let done = encode::encode(self.frames(), self.settings, file, progress);
+    fn encode_whole(&self, plan: &Plan<'_>, file: OutputFile, progress: &Progress) -> Result<EncodeSummary> {
+        let done = plan.encode(file, progress);
         let (mut file, summary) = done.map_err(|error| output::name_output(error, self.target.path))?;
         self.commit(&mut file).map(|()| summary)
     }
@@ -319,7 +319,7 @@ impl Encode<'_> {
     }
 
     /// Resumes if requested, and keeps complete chunks on failure.
-    fn encode_resumable(&self, mut file: OutputFile, progress: &Progress) -> Result<EncodeSummary> {
+    fn encode_resumable(&self, plan: &Plan<'_>, mut file: OutputFile, progress: &Progress) -> Result<EncodeSummary> {
         if !file.is_locked() {
             self.say("the file system does not support locks: do not run two encodes to this file at the same time");
         }
@@ -329,25 +329,24 @@ impl Encode<'_> {
         let recovered = match (begun, self.target.unfinished) {
             (Some(begun), Unfinished::Resume) if !begun.chunks.is_empty() => {
                 // A shard of changed footage is encoded anew, even if it is complete.
-                if self.is_shard() && encode::is_of_changed_footage(self.frames(), self.settings, &begun, progress)? {
+                if self.is_shard() && plan.is_of_changed_footage(&begun, progress)? {
                     self.say("input files have changed since the unfinished encode; starting over");
-                    return self.encode_recovered(file, None, progress);
+                    return self.encode_recovered(plan, file, None, progress);
                 }
-                encode::check_recovered(self.frames(), self.settings, &begun)
-                    .map_err(|error| error.context(self.target.path.display()))?;
-                let words = encode::describe_recovered(self.frames(), self.settings, &begun).unwrap_or_default();
+                plan.check_recovered(&begun).map_err(|error| error.context(self.target.path.display()))?;
+                let words = plan.describe(begun.safe()).unwrap_or_default();
                 self.say(&format!("resuming after {words}"));
                 Some(begun)
             }
             (begun, Unfinished::Resume) => {
                 self.say("nothing to resume; starting from the beginning");
                 // The results of its scan may still be usable.
-                begun.filter(|begun| encode::check_recovered(self.frames(), self.settings, begun).is_ok())
+                begun.filter(|begun| plan.check_recovered(begun).is_ok())
             }
             (begun, _) => {
                 if let Some(begun) = begun.filter(|begun| !begun.chunks.is_empty()) {
                     let chunks = counted(begun.chunks.len() as u64, "chunk");
-                    let more = match encode::check_recovered(self.source, self.settings, &begun) {
+                    let more = match Plan::new(self.source, self.settings).check_recovered(&begun) {
                         Ok(()) => "; --resume would continue it",
                         Err(_) => " with other options",
                     };
@@ -356,7 +355,7 @@ impl Encode<'_> {
                 None
             }
         };
-        self.encode_recovered(file, recovered, progress)
+        self.encode_recovered(plan, file, recovered, progress)
     }
 
     fn is_shard(&self) -> bool {
@@ -366,6 +365,7 @@ impl Encode<'_> {
     /// Continues after the recovered chunks, if any.
     fn encode_recovered(
         &self,
+        plan: &Plan<'_>,
         mut file: OutputFile,
         recovered: Option<Recovered>,
         progress: &Progress,
@@ -375,7 +375,7 @@ impl Encode<'_> {
             recovered.as_ref().map(|found| IntactBytes { file: found.container_bytes, journal: found.journal_bytes });
         let journal = file.resume(intact).map_err(|error| if goes_on { stays(error, &file) } else { error })?;
         let resumable = Resumable { out: &mut file, journal: Some(journal), recovered };
-        let done = encode::encode_resumable(self.frames(), self.settings, resumable, progress);
+        let done = plan.encode_resumable(resumable, progress);
         let stopped = match done.map(|(_, summary)| summary) {
             Err(stopped) => stopped,
             Ok(summary) => match self.commit(&mut file) {

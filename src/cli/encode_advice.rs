@@ -73,7 +73,7 @@ pub fn note_size(
     // Several kinds may share files.
     let mut files = HashSet::new();
     for group in encode::selected_groups(source, settings) {
-        files.extend(group.group.frames.iter().flat_map(|frame| source.files(group.group, frame).unwrap_or_default()));
+        files.extend(group.frames.iter().flat_map(|frame| source.files(group, frame).unwrap_or_default()));
     }
     let source_bytes: u64 = files.iter().filter_map(|file| Some(std::fs::metadata(file).ok()?.len())).sum();
     if bytes > source_bytes && source_bytes > 0 {

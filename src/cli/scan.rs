@@ -98,7 +98,7 @@ fn scan(args: &Args, global: &GlobalArgs) -> Result<u64> {
     let (options, settings) = args.coding.settings(&args.store)?;
     let mut source = args.coding.dataset.open(input, &options)?;
     encode::keep_few_planar_depths(&mut source, &settings);
-    let mut scan = ScanFile::new(&source, &settings);
+    let mut scan = ScanFile::new(&source);
     if is_one_of(&args.output, source.files().chain([manifest::manifest_path(input)])) {
         return refuse(format!("{}: an input file would be overwritten", args.output.display()));
     }
@@ -106,7 +106,7 @@ fn scan(args: &Args, global: &GlobalArgs) -> Result<u64> {
     let in_file = args.output != Path::new("-") && std::fs::metadata(&args.output).map_or(true, |meta| meta.is_file());
     if args.resume && args.output.exists() {
         let earlier = ScanFile::read(&args.output)?;
-        if !earlier.is_of(&source, &settings) {
+        if !earlier.is_of(&source) {
             return refuse(format!(
                 "{}: this is a scan of other footage or with other settings: use the same ones, or leave out --resume \
                 to start over",

@@ -9,7 +9,7 @@ use crate::epipolar::compact::active_pixels;
 use codec::error::Result;
 use epipolar::compact::spread;
 use epipolar::drawing::{PixelWindow, TriangleDrawing, TriangleLayers, axes};
-use kernels::layout::{DrawnPicture, words_of};
+use kernels::layout::words_of;
 use scene::SceneAtTime;
 use scene::capture::Viewpoint;
 

@@ -406,7 +406,7 @@ pub fn scans() -> Vec<Vec<u8>> {
     let settings = EncodeSettings::default();
     [None, Some(Shard { number: 1, count: 2 })]
         .map(|shard| {
-            let mut scan = ScanFile::new(&source, &settings);
+            let mut scan = ScanFile::new(&source);
             scan.scan(&source, &settings, shard, &Silent, &mut |_| Ok(())).expect("a scan");
             scan.to_json().expect("a scan").into_bytes()
         })

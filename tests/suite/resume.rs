@@ -15,7 +15,7 @@ use codec::container::journal::{self, Recovered};
 use codec::image::{Plane, StreamKind};
 use codec::monitor::{Monitor, Silent};
 use footage::encode::{
-    self, DepthCodec, EncodeSettings, EncodeSummary, ErrorBound, Kept, Resumable, Stopped, TileSize,
+    self, DepthCodec, EncodeSettings, EncodeSummary, ErrorBound, Kept, Plan, Resumable, Stopped, TileSize,
 };
 use footage::image_files::exr;
 use lightfold::Error;
@@ -70,7 +70,7 @@ impl State {
         let container = of(&self.container, recovered.as_ref().map(|found| found.container_bytes));
         let journal = of(&self.journal, recovered.as_ref().map(|found| found.journal_bytes));
         let resumable = Resumable { out: container.clone(), journal: Some(Box::new(journal.clone())), recovered };
-        let done = encode::encode_resumable(&footage.source(), &footage.settings, resumable, monitor);
+        let done = Plan::new(&footage.source(), &footage.settings).encode_resumable(resumable, monitor);
         let state = State { container: container.bytes(), journal: journal.bytes() };
         (state, done.map(|(_, summary)| summary))
     }
@@ -274,7 +274,7 @@ fn write_errors_leave_what_is_safe() {
                 Failing { out: container.clone(), room: room(&whole.0.container, in_container, &mut random), code };
             let log = Failing { out: journal.clone(), room: room(&whole.0.journal, !in_container, &mut random), code };
             let resumable = Resumable { out: BufWriter::new(out), journal: Some(Box::new(log)), recovered: None };
-            let stopped = encode::encode_resumable(&footage.source(), &footage.settings, resumable, &Silent);
+            let stopped = Plan::new(&footage.source(), &footage.settings).encode_resumable(resumable, &Silent);
             // Dropping the buffered writer may or may not write the bytes that it holds.
             let Err(Stopped { error, kept: left }) = stopped.map(|_| ()) else { panic!("{name}: nothing failed") };
             let Error::Io { source, .. } = &error else { panic!("{name}: {error}") };
@@ -501,7 +501,7 @@ fn what_is_safe_is_told_in_words() {
     let footage = dataset();
     let whole = footage.whole();
     let recovered = whole.0.recovered().unwrap();
-    let words = encode::describe_recovered(&footage.source(), &footage.settings, &recovered).unwrap();
+    let words = Plan::new(&footage.source(), &footage.settings).describe(recovered.safe()).unwrap();
     let count = recovered.chunks.len();
     assert_eq!(words, format!("{count} chunks, the last of frames 19-19 of probe b, material ny"));
 }

@@ -157,7 +157,7 @@ fn scans_of_shards_merge_to_the_scan_of_all_and_serve_encodes() {
     let (source, settings) = (footage.source(), &footage.settings);
     let whole = encode::encode(&source, settings, Vec::new(), &Silent).unwrap().0;
     let scan = |shard: Option<Shard>| {
-        let mut scan = ScanFile::new(&source, settings);
+        let mut scan = ScanFile::new(&source);
         scan.scan(&source, settings, shard, &Silent, &mut |_| Ok(())).unwrap();
         scan
     };
@@ -169,9 +169,9 @@ fn scans_of_shards_merge_to_the_scan_of_all_and_serve_encodes() {
         assert_eq!(merged, scan(None), "{count}");
     }
     let first = scan(Some(Shard { number: 1, count: 3 }));
-    let message = first.scans(&source, settings).unwrap_err().to_string();
+    let message = first.scans(&source).unwrap_err().to_string();
     assert!(message.contains("the scan lacks frames 1"), "{message}");
-    let (scans, content) = scan(None).scans(&source, settings).unwrap();
+    let (scans, content) = scan(None).scans(&source).unwrap();
     let part = Part::whole(&source, content).with_scans(scans);
     assert!(encode::encode(&part, settings, Vec::new(), &Silent).unwrap().0 == whole, "a scan changes the container");
 }

@@ -55,7 +55,7 @@ fn shard_of(source: &dyn FrameSource, number: u32, by: ShardBy, scan: Option<&Sc
     let part = Part::shard(source, &settings, Shard { number, count: 2 }, by)?;
     let part = match scan {
         Some(scan) => {
-            let (scans, content) = scan.scans(source, &settings)?;
+            let (scans, content) = scan.scans(source)?;
             part.with_footage(content).with_scans(scans)
         }
         None => part.with_footage(Content::read(source, &settings, &Silent)?).scan(&settings, &Silent)?,
@@ -64,7 +64,7 @@ fn shard_of(source: &dyn FrameSource, number: u32, by: ShardBy, scan: Option<&Sc
 }
 
 fn scan(source: &Source) -> ScanFile {
-    let mut scan = ScanFile::new(source, &settings());
+    let mut scan = ScanFile::new(source);
     scan.scan(source, &settings(), None, &Silent, &mut |_| Ok(())).unwrap();
     scan
 }

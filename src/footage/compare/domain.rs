@@ -127,7 +127,7 @@ pub struct Converter {
 
 impl Converter {
     /// Creates a converter for a stream of `side`; colour is converted to `color.primaries`.
-    pub fn new(domain: Coding, (side, stream): (&Side, &SideStream), color: ComparedColor) -> Converter {
+    pub fn new(domain: Coding, side: &Side, stream: &SideStream, color: ComparedColor) -> Converter {
         let own = if side.form == SideForm::Container { stream.coding } else { None };
         let mut converter = Converter {
             domain,

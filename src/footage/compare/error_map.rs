@@ -63,7 +63,7 @@ pub fn error_map(sides: &[Side; 2], pair: &Pair<'_>, frame: u32) -> Result<Error
     let convert = |at: usize, frame: u32| {
         let image = SideReader::new(&sides[at], vec![streams[at]]).image(0, frame)?;
         let color = ComparedColor { primaries: domain.primaries(sides), allows_clipping: true };
-        Ok(Converter::new(domain.coding, (&sides[at], streams[at]), color).convert(image)?.image)
+        Ok(Converter::new(domain.coding, &sides[at], streams[at], color).convert(image)?.image)
     };
     let images = [convert(0, frame).map_err(named)?, convert(1, pair.other_frame(frame)).map_err(named)?];
     let (pixels, cells) = match (&images, domain.coding) {

@@ -227,7 +227,7 @@ impl PairComparison {
             _ => false,
         };
         let color = ComparedColor { primaries, allows_clipping: settings.allow_clipping };
-        let converters = [0, 1].map(|at| Converter::new(domain.coding, (&sides[at], pair.streams[at]), color));
+        let converters = [0, 1].map(|at| Converter::new(domain.coding, &sides[at], pair.streams[at], color));
         Ok(PairComparison { report, converters, metric, is_srgb })
     }
 

@@ -150,8 +150,8 @@ pub fn read(source: &Source, choice: &Choice, stated: &Stated, monitor: &dyn Mon
         let kept: Vec<Kept> = if group.kind == StreamKind::Depth {
             let probe = source.probes().get(group.probe);
             let faces = group.faces.iter().zip(source.read_depth_as_stored(&group, frame)?);
-            let kind = source.depth_in_files;
-            faces.map(|(face, plane)| depth_face((*face, frame), &plane, probe, (kind, stated))).collect()
+            let files = DepthFiles { probe, kind: source.depth_in_files, stated };
+            faces.map(|(face, plane)| depth_face(*face, frame, &plane, &files)).collect()
         } else {
             let faces = group.faces.iter().zip(source.read_color_unfiltered(&group, frame)?);
             faces.map(|(face, plane)| color_face(*face, &plane)).collect()
@@ -237,12 +237,15 @@ fn put_borders(all: &mut Vec<(String, CubeBorders)>, probe: &str, face: Face, bo
     }
 }
 
-fn depth_face(
-    (face, frame): (Face, u32),
-    plane: &DepthPlane,
-    probe: Option<&ProbeInfo>,
-    (kind, stated): (DepthKind, &Stated),
-) -> Kept {
+/// Meaning of the depth files of a probe.
+struct DepthFiles<'a> {
+    probe: Option<&'a ProbeInfo>,
+    kind: DepthKind,
+    stated: &'a Stated,
+}
+
+fn depth_face(face: Face, frame: u32, plane: &DepthPlane, files: &DepthFiles<'_>) -> Kept {
+    let &DepthFiles { probe, kind, stated } = files;
     let values = DepthValues::count(plane, stated);
     let hash = hash_of(plane, |value| value.to_bits().into());
     let farthest = stated.rules.farthest(plane);

@@ -305,7 +305,7 @@ impl Source {
         frame: u32,
         resample: fn(&ColorPlane, &FaceMap) -> Result<ColorPlane>,
     ) -> Result<Vec<ColorPlane>> {
-        self.read((StreamKind::Color, group, frame), [f16::ZERO; 3], |path| {
+        self.read(StreamKind::Color, group, frame, [f16::ZERO; 3], |path| {
             let mut plane = self.color_file(path, group)?;
             self.check_size(&plane)?;
             check_color(&mut plane, self.invalid_color)?;
@@ -363,7 +363,7 @@ impl Source {
 
     /// Reads the alpha of a frame, 0 to 1, one plane per face of the group.
     pub fn read_alpha(&self, group: &SourceGroup, frame: u32) -> Result<Vec<AlphaPlane>> {
-        self.read((StreamKind::Alpha, group, frame), 0.0, |path| {
+        self.read(StreamKind::Alpha, group, frame, 0.0, |path| {
             self.faces_of(self.alpha_file(path, group)?, group, resample_alpha)
         })
     }
@@ -383,7 +383,7 @@ impl Source {
     /// Reads the depth of a frame in metres, one plane per face of the group: +inf exactly for the background, 0.0 where
     /// [`InvalidDepth::Near`] was applied, all other values finite and positive.
     pub fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
-        self.read((StreamKind::Depth, group, frame), f32::INFINITY, |path| {
+        self.read(StreamKind::Depth, group, frame, f32::INFINITY, |path| {
             let mut plane = self.depth_file(path, group)?;
             let mut planes = if let Content::Faces(_) = self.content {
                 // Pixels outside the faces may have any value, so only the faces are checked.
@@ -424,12 +424,12 @@ impl Source {
     /// may be arbitrary, including NaN.
     pub fn read_depth_as_stored(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
         let read = |path: &Path| self.faces_of(self.depth_file(path, group)?, group, resample_nearest);
-        self.read((group.kind, group, frame), f32::INFINITY, read)
+        self.read(group.kind, group, frame, f32::INFINITY, read)
     }
 
     /// Reads the material of a frame, one plane per face of the group, with finite values.
     pub fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>> {
-        self.read((StreamKind::Material, group, frame), [0.0, 0.0, 1.0], |path| {
+        self.read(StreamKind::Material, group, frame, [0.0, 0.0, 1.0], |path| {
             if png::is_png(path) {
                 return Err(Error::unsupported("material must be EXR files"));
             }
@@ -458,7 +458,9 @@ impl Source {
     /// Reads the planes of a frame; they are filled with `blank` if its file is missing and no frame replaces it.
     fn read<T: Clone>(
         &self,
-        (kind, group, frame): (StreamKind, &SourceGroup, u32),
+        kind: StreamKind,
+        group: &SourceGroup,
+        frame: u32,
         blank: T,
         planes: impl FnOnce(&Path) -> Result<Vec<Plane<T>>>,
     ) -> Result<Vec<Plane<T>>> {

@@ -5,7 +5,6 @@
 //! accumulate over probes or groups, which are encoded one after the other.
 
 use crate::dataset::SourceGroup;
-use crate::encode::source::{FrameSource, GroupRef, selected_groups};
 use crate::encode::{ColorCodec, DepthCodec, EncodeSettings};
 use codec::color::SearchSettings;
 use codec::color::temporal::CLOSE_AT_BYTES as COLOR_CLOSE_AT_BYTES;
@@ -15,7 +14,7 @@ use codec::depth::open_chunk::close_at_bytes;
 use codec::depth::predictive::encoder::FRAME_BYTES_A_PIXEL;
 use codec::error::Result;
 use codec::image::{Face, StreamKind};
-use codec::memory::Need;
+use codec::memory::{Budget, Need};
 use codec::streams::CodecHeader;
 
 const BATCH_FRAMES: usize = 16;
@@ -66,31 +65,34 @@ pub(super) struct ColorMemory {
 }
 
 impl ColorMemory {
-    pub fn new(group: &SourceGroup, header: &CodecHeader, search: SearchSettings, unit_count: u32) -> ColorMemory {
-        let picture = group_pixels(group) * header.raw_pixel_bytes();
-        let lookahead = (PENDING_BYTES / picture.max(1)).clamp(1, u64::from(search.lookahead)) as u32;
-        let close_at_bytes = COLOR_CLOSE_AT_BYTES.min(OPEN_BYTES / unit_count.max(1) as usize);
+    pub fn new(group: &SourceGroup, settings: &EncodeSettings) -> ColorMemory {
+        let search = settings.search;
+        let picture = group_pixels(group) * CodecHeader::Color(settings.color_header()).raw_pixel_bytes();
+        let lookahead = (PENDING_BYTES / picture.max(1)).clamp(1, u64::from(search.lookahead.max(1))) as u32;
+        let close_at_bytes = COLOR_CLOSE_AT_BYTES.min(OPEN_BYTES / unit_count(group, settings).max(1) as usize);
         ColorMemory { search: SearchSettings { lookahead, ..search }, close_at_bytes }
     }
 }
 
-/// Memory needed to encode one group, in bytes.
+/// Memory needed to encode one group, in bytes, and the parallelism that follows from it.
 #[derive(Debug, Clone, Copy)]
-struct GroupNeed {
+pub(super) struct GroupNeed {
     /// Tables shared by all groups for reading.
     tables: u64,
-    /// `tables`, and the encoders with their open chunks.
-    held: u64,
-    /// Working memory of the units that are coded at the same time.
-    work: u64,
-    /// Number of units coded at the same time.
-    units_at_once: usize,
     /// One frame while it is read and converted.
     reading: u64,
-    /// One frame after conversion.
-    coded: u64,
     /// Depth images that a scan may keep.
-    keep: u64,
+    pub keep: u64,
+    /// Number of units coded at the same time.
+    pub units_at_once: usize,
+    /// Tables, encoders with their open chunks, depth images that a scan kept, and working memory of units.
+    fixed: u64,
+    /// One frame of a batch.
+    frame: u64,
+    /// Usual number of frames of a batch.
+    usual_frames: usize,
+    /// Advice other than allowing more memory; may be empty.
+    instead: &'static str,
 }
 
 /// Memory in bytes that the encoders of a group hold, and working memory of a thread for the unit that it codes.
@@ -100,107 +102,85 @@ struct State {
 }
 
 impl GroupNeed {
-    fn new(source: &dyn FrameSource, group: &SourceGroup, settings: &EncodeSettings) -> GroupNeed {
-        let coded = group_pixels(group)
+    /// Computes the need of a group. `tables` and `reading` are the bytes of tables and of reading a frame.
+    pub fn new(group: &SourceGroup, settings: &EncodeSettings, tables: u64, reading: u64) -> GroupNeed {
+        let (pixels, threads) = (group_pixels(group), rayon::current_num_threads());
+        let coded = pixels
             * match group.kind {
                 StreamKind::Depth | StreamKind::Alpha => 2,
                 StreamKind::Color => CodecHeader::Color(settings.color_header()).raw_pixel_bytes(),
                 StreamKind::Material => 3,
             };
-        let reading = source.reading_bytes(group) + coded;
+        let reading = reading + coded;
         let State { held, unit } = match (group.kind, settings.color_codec) {
             (StreamKind::Color, ColorCodec::Transform) => transform_state(group, settings),
             (StreamKind::Color, ColorCodec::Cells) => color_state(group, settings),
             _ => tile_state(group, settings),
         };
-        let selected: Vec<_> = selected_groups(source, settings).iter().map(|of| of.group).collect();
-        let tables = source.table_bytes(&selected);
         let held = tables + held;
         let units = Need { what: "", fixed: held + coded, each: unit, instead: "" };
         // At least one; if even one does not fit, a later check reports it.
-        let units_at_once = settings.memory.at_once(&units, rayon::current_num_threads()).unwrap_or(1);
+        let units_at_once = settings.memory.at_once(&units, threads).unwrap_or(1);
         let work = unit * units_at_once as u64;
-        let need = GroupNeed { tables, held, work, units_at_once, reading, coded, keep: 0 };
-        let least = need.need("", group.kind, settings).bytes(1);
-        let keep = settings.memory.bytes.map_or(KEEP_BYTES, |bytes| KEEP_BYTES.min(bytes.saturating_sub(least) / 2));
-        GroupNeed { keep, ..need }
-    }
-
-    fn need<'a>(&self, what: &'a str, kind: StreamKind, settings: &EncodeSettings) -> Need<'a> {
-        let kept = if kind == StreamKind::Depth { self.keep } else { 0 };
-        let instead = match (kind, settings.color_codec) {
-            (StreamKind::Color, ColorCodec::Transform) if settings.color_chunk > 1 => "a smaller `color_chunk`",
-            (StreamKind::Color, ColorCodec::Cells) if settings.search.lookahead > 1 => "a smaller `lookahead`",
-            (StreamKind::Depth | StreamKind::Material | StreamKind::Alpha, _)
-                if settings.temporal.keyframe_interval > 1 =>
-            {
-                "a smaller `keyframe_interval`"
-            }
-            _ => "",
-        };
         // A single thread reads all frames of a batch before any is coded.
-        match rayon::current_num_threads() {
-            1 => {
-                let fixed = self.held + kept + self.work.max(self.reading - self.coded);
-                Need { what, fixed, each: self.coded, instead }
-            }
-            _ => {
-                let fixed = self.held + kept + (self.work + self.coded).saturating_sub(self.reading);
-                Need { what, fixed, each: self.reading, instead }
-            }
+        let (fixed, frame) = match threads {
+            1 => (held + work.max(reading - coded), coded),
+            _ => (held + (work + coded).saturating_sub(reading), reading),
+        };
+        let least = fixed.saturating_add(frame);
+        let keep = settings.memory.bytes.map_or(KEEP_BYTES, |bytes| KEEP_BYTES.min(bytes.saturating_sub(least) / 2));
+        GroupNeed {
+            tables,
+            reading,
+            keep,
+            units_at_once,
+            fixed: fixed + if group.kind == StreamKind::Depth { keep } else { 0 },
+            frame,
+            usual_frames: (BATCH_PIXELS / (pixels as usize).max(1)).clamp(1, BATCH_FRAMES),
+            instead: smaller_setting(group.kind, settings),
         }
     }
-}
 
-/// Fails if a group does not fit into the memory budget of the settings.
-pub(super) fn check(source: &dyn FrameSource, settings: &EncodeSettings, groups: &[GroupRef<'_>]) -> Result<()> {
-    if settings.memory.bytes.is_none() {
-        return Ok(());
+    /// Bytes for batches of one frame.
+    pub fn least_bytes(&self) -> u64 {
+        self.need("").bytes(1)
     }
-    // Report the group that needs the most, so that the command fails only once.
-    let needs = groups.iter().map(|GroupRef { group, .. }| (GroupNeed::new(source, group, settings), *group));
-    if let Some((need, group)) = needs.max_by_key(|(need, group)| need.need("", group.kind, settings).bytes(1)) {
-        let what = format!("encoding the {} of probe {}", group.kind.name(), source.probes()[group.probe].name);
-        settings.memory.at_once(&need.need(&what, group.kind, settings), 1)?;
+
+    /// Number of frames that are read and coded as one batch. Fails if one frame does not fit; `what` names the work.
+    pub fn batch_frames(&self, memory: Budget, what: &str) -> Result<usize> {
+        memory.at_once(&self.need(what), self.usual_frames)
     }
-    Ok(())
-}
 
-/// Number of frames and units of a group that are processed at the same time.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Batches {
-    /// Frames that are read and coded as one batch.
-    pub frames: usize,
-    pub units_at_once: usize,
-}
-
-pub(super) fn batches(source: &dyn FrameSource, settings: &EncodeSettings, group: &SourceGroup) -> Result<Batches> {
-    let usual = (BATCH_PIXELS / (group_pixels(group) as usize).max(1)).clamp(1, BATCH_FRAMES);
-    let need = GroupNeed::new(source, group, settings);
-    let frames = settings.memory.at_once(&need.need("encoding", group.kind, settings), usual)?;
-    Ok(Batches { frames, units_at_once: need.units_at_once })
-}
-
-pub(super) fn scan_limits(
-    source: &dyn FrameSource,
-    settings: &EncodeSettings,
-    groups: &[GroupRef<'_>],
-) -> Result<ScanLimits> {
-    let mut limits = ScanLimits { finds_levels: settings.finds_levels(), ..ScanLimits::default() };
-    for GroupRef { group, .. } in groups {
-        let need = GroupNeed::new(source, group, settings);
-        let scanning = Need { what: "scanning", fixed: need.tables + need.keep, each: need.reading, instead: "" };
-        limits.keep_bytes = limits.keep_bytes.min(need.keep);
-        limits.frames_at_once = settings.memory.at_once(&scanning, limits.frames_at_once)?;
+    /// Number of frames, at most `most`, that a scan reads at the same time.
+    pub fn scanned_at_once(&self, memory: Budget, most: usize) -> Result<usize> {
+        let fixed = self.tables + self.keep;
+        memory.at_once(&Need { what: "scanning", fixed, each: self.reading, instead: "" }, most)
     }
-    Ok(limits)
+
+    fn need<'a>(&self, what: &'a str) -> Need<'a> {
+        Need { what, fixed: self.fixed, each: self.frame, instead: self.instead }
+    }
+}
+
+/// Advice on a setting that needs less memory if it is smaller; empty if there is none.
+fn smaller_setting(kind: StreamKind, settings: &EncodeSettings) -> &'static str {
+    match (kind, settings.color_codec) {
+        (StreamKind::Color, ColorCodec::Transform) if settings.color_chunk > 1 => "a smaller `color_chunk`",
+        (StreamKind::Color, ColorCodec::Cells) if settings.search.lookahead > 1 => "a smaller `lookahead`",
+        (StreamKind::Depth | StreamKind::Material | StreamKind::Alpha, _)
+            if settings.temporal.keyframe_interval > 1 =>
+        {
+            "a smaller `keyframe_interval`"
+        }
+        _ => "",
+    }
 }
 
 /// State of keyframe-and-weight cells: pending pictures and open chunks.
 fn color_state(group: &SourceGroup, settings: &EncodeSettings) -> State {
     let header = CodecHeader::Color(settings.color_header());
     let units = unit_count(group, settings);
-    let memory = ColorMemory::new(group, &header, settings.search, u32::try_from(units).unwrap_or(u32::MAX));
+    let memory = ColorMemory::new(group, settings);
     let picture = group_pixels(group) * header.raw_pixel_bytes();
     let frames = group.frames.count();
     // Includes the keyframe before the pending pictures; with blocks, also its stored and its decoded form.

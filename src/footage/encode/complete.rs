@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::SystemTime;
 
+use crate::dataset::SourceGroup;
 use crate::encode::job::EncodeSummary;
 use crate::encode::part::Part;
 use crate::encode::precision::ProbePrecision;
@@ -24,19 +25,12 @@ pub fn complete_shard(part: &Part<'_>, container: &Path) -> Option<EncodeSummary
     if index.attributes.get(SHARD)? != part.shard.as_ref()?.entry.write() {
         return None;
     }
-    let wanted: BTreeSet<_> = part
-        .groups
-        .iter()
-        .flat_map(|group| {
-            group.faces.iter().map(move |&face| (group.kind as u8, group.probe as u16, face as u8, group.frames))
-        })
-        .map(|(kind, probe, face, frames)| (kind, probe, face, frames.first, frames.count()))
-        .collect();
-    let there = index
-        .streams
-        .iter()
-        .map(|stream| (stream.kind, stream.probe, stream.face, stream.first_frame, u64::from(stream.frame_count)));
-    if there.collect::<BTreeSet<_>>() != wanted || has_newer_files(part, read_from) {
+    let wanted = part.groups.iter().flat_map(|SourceGroup { kind, probe, faces, frames, .. }| {
+        faces.iter().map(move |&face| (*kind as u8, *probe as u16, face as u8, frames.first, frames.count()))
+    });
+    let there = index.streams.iter();
+    let there = there.map(|of| (of.kind, of.probe, of.face, of.first_frame, u64::from(of.frame_count)));
+    if there.collect::<BTreeSet<_>>() != wanted.collect() || has_newer_files(part, read_from) {
         return None;
     }
     let footage = FootageInfo::read(index).ok()?;

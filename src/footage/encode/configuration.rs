@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use crate::dataset::SourceGroup;
-use crate::encode::source::{FrameSource, selected_groups};
+use crate::encode::source::FrameSource;
 use crate::encode::{
     ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize,
 };
@@ -25,7 +25,8 @@ pub(super) fn of(source: &dyn FrameSource, settings: &EncodeSettings) -> Fingerp
     fields.push(("the name of the dataset", source.name().to_owned()));
     fields.push(("the frame rate", source.fps().to_string()));
     fields.push(("the projection", source.projection().name().to_owned()));
-    let groups: Vec<_> = selected_groups(source, settings).iter().map(|group| (group.at, group.group)).collect();
+    let groups = source.groups().iter().enumerate();
+    let groups: Vec<_> = groups.filter(|(_, group)| settings.kinds.contains(&group.kind)).collect();
     fields.extend(words_of_groups(source, groups.iter().map(|(_, group)| *group)));
     fields.push(("the list of probes", digest(format!("{:?}", source.probes()).as_bytes())));
     fields.push(("the list of streams", digest(format!("{groups:?}").as_bytes())));

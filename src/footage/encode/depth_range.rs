@@ -7,9 +7,10 @@ use std::time::{Duration, Instant};
 
 use crate::dataset::{Source, SourceGroup};
 use crate::encode::EncodeSettings;
-use crate::encode::budget::{self, ScanLimits};
+use crate::encode::budget::ScanLimits;
+use crate::encode::plan::{GroupPlan, Plan, given_range};
 use crate::encode::scan::{Distances, FoundDepth, Scan};
-use crate::encode::source::{FrameSource, GroupRef, selected_groups};
+use crate::encode::source::{FrameSource, selected_groups};
 use codec::depth::DepthRange;
 use codec::depth::predictive::Levels;
 use codec::depth::quantise::metres_in_words;
@@ -31,36 +32,24 @@ pub(super) struct ProbeDepth {
     pub scanned: Option<ScannedProbe>,
 }
 
-/// Near and far in metres: those of the settings, or else those of the source.
-pub(super) fn given_range(source: &dyn FrameSource, settings: &EncodeSettings) -> [Option<f32>; 2] {
-    let [near, far] = source.stated_range();
-    [settings.near_m.or(near), settings.far_m.or(far)]
-}
-
 /// Determines near and far of a probe. `groups` holds all depth groups of the probe; `known` is an earlier scan of the same
 /// images.
 pub(super) fn depth_of_probe(
-    source: &dyn FrameSource,
-    settings: &EncodeSettings,
-    groups: &[GroupRef<'_>],
+    plan: &Plan<'_>,
+    groups: &[GroupPlan<'_>],
     known: Option<&Scan>,
     monitor: &dyn Monitor,
 ) -> Result<ProbeDepth> {
-    let given = given_range(source, settings);
+    let given = plan.given_range;
     if let [Some(near), Some(far)] = given {
         let range = DepthRange::new(near, far)?;
         return Ok(ProbeDepth { range, levels: Levels::default(), strays: None, scanned: None });
     }
-    let probe = groups.first().map_or("", |group| source.probes()[group.group.probe].name.as_str());
-    if let Some(known) = known {
-        let range = found_range(probe, given, known)?;
-        let strays = known.spread.strays(range);
-        return Ok(ProbeDepth { range, levels: known.levels(range), strays, scanned: None });
-    }
-    let scanned = scan_in_stage(source, groups, budget::scan_limits(source, settings, groups)?, monitor)?;
-    let scan = scanned.found.scan();
+    let probe = groups.first().map_or("", |group| plan.source.probes()[group.group.probe].name.as_str());
+    let scanned = if known.is_none() { Some(scan_in_stage(plan, groups, monitor)?) } else { None };
+    let scan = scanned.as_ref().map(|scanned| scanned.found.scan()).or_else(|| known.cloned()).unwrap_or_default();
     let range = found_range(probe, given, &scan)?;
-    Ok(ProbeDepth { range, levels: scan.levels(range), strays: scan.spread.strays(range), scanned: Some(scanned) })
+    Ok(ProbeDepth { range, levels: scan.levels(range), strays: scan.spread.strays(range), scanned })
 }
 
 /// Keeps the planar depth of perspective views unconverted if a sensor recorded few distinct values: converted to distance along
@@ -70,7 +59,7 @@ pub fn keep_few_planar_depths(source: &mut Source, settings: &EncodeSettings) {
         return;
     }
     let groups = selected_groups(source, settings);
-    let mut depths = groups.iter().map(|group| group.group).filter(|group| group.kind == StreamKind::Depth).peekable();
+    let mut depths = groups.into_iter().filter(|group| group.kind == StreamKind::Depth).peekable();
     let has_few = |group: &SourceGroup| {
         // A read error counts as no depth; the encoder reports it.
         let planes = source.read_depth_as_stored(group, group.frames.first).unwrap_or_default();
@@ -120,14 +109,10 @@ pub(super) struct ScannedProbe {
 }
 
 /// Runs [`scan_probe`] as its own stage of the monitor.
-pub(super) fn scan_in_stage(
-    source: &dyn FrameSource,
-    groups: &[GroupRef<'_>],
-    limits: ScanLimits,
-    monitor: &dyn Monitor,
-) -> Result<ScannedProbe> {
-    monitor.begin_stage("finding near and far", groups.iter().map(GroupRef::images).sum());
-    let scanned = scan_probe(source, groups, limits, monitor);
+pub(super) fn scan_in_stage(plan: &Plan<'_>, groups: &[GroupPlan<'_>], monitor: &dyn Monitor) -> Result<ScannedProbe> {
+    let limits = plan.scan_limits(groups)?;
+    monitor.begin_stage("finding near and far", groups.iter().map(GroupPlan::images).sum());
+    let scanned = scan_probe(plan.source, groups, limits, monitor);
     monitor.end_stage();
     scanned
 }
@@ -135,7 +120,7 @@ pub(super) fn scan_in_stage(
 /// Reads all depth images of a probe. The monitor advances by one per image.
 pub(super) fn scan_probe(
     source: &dyn FrameSource,
-    groups: &[GroupRef<'_>],
+    groups: &[GroupPlan<'_>],
     limits: ScanLimits,
     monitor: &dyn Monitor,
 ) -> Result<ScannedProbe> {
@@ -149,7 +134,7 @@ pub(super) fn scan_probe(
     let (kept_bytes, distances) = (AtomicU64::new(0), Distances::new(limits.finds_levels));
     let jobs: Vec<_> =
         groups.iter().flat_map(|&group| group.group.frames.iter().map(move |frame| (group, frame))).collect();
-    let frames = try_map_at_once(jobs, limits.frames_at_once, |(GroupRef { at, group }, frame)| {
+    let frames = try_map_at_once(jobs, limits.frames_at_once, |(GroupPlan { at, group, .. }, frame)| {
         monitor.check()?;
         let start = Instant::now();
         let planes = source.read_depth(group, frame)?;
@@ -197,10 +182,11 @@ mod tests {
         let spec = folder.path().join("z.%d.exr");
         let (layout, options) = (SequenceLayout::default(), SourceOptions::default());
         let source = Source::from_sequence(StreamKind::Depth, spec.to_str().unwrap(), &layout, &options).unwrap();
-        let groups = [GroupRef { at: 0, group: &source.groups()[0] }];
+        let settings = EncodeSettings::default();
+        let plan = Plan::new(&source, &settings);
         for threads in [1, 2, 8, 8, 8, 8] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let scan = || scan_probe(&source, &groups, ScanLimits::default(), &Silent);
+            let scan = || scan_probe(&source, &plan.groups, ScanLimits::default(), &Silent);
             let error = pool.install(scan).unwrap_err();
             assert!(error.to_string().contains("z.11.exr"), "{error}");
         }
@@ -213,12 +199,12 @@ mod tests {
         let spec = folder.path().join("z.%d.exr");
         let (layout, options) = (SequenceLayout::default(), SourceOptions::default());
         let source = Source::from_sequence(StreamKind::Depth, spec.to_str().unwrap(), &layout, &options).unwrap();
-        let groups = [GroupRef { at: 0, group: &source.groups()[0] }];
         let found = |codec, epsilon| {
             let mut settings = EncodeSettings::default();
             (settings.depth.codec, settings.temporal.epsilon) = (codec, epsilon);
-            let limits = budget::scan_limits(&source, &settings, &groups).unwrap();
-            scan_probe(&source, &groups, limits, &Silent).unwrap().found.scan().distances_m
+            let plan = Plan::new(&source, &settings);
+            let limits = plan.scan_limits(&plan.groups).unwrap();
+            scan_probe(&source, &plan.groups, limits, &Silent).unwrap().found.scan().distances_m
         };
         assert_eq!(found(DepthCodec::Predictive, 0), Some(vec![2.0]));
         assert_eq!(found(DepthCodec::Predictive, 1), None);

@@ -12,7 +12,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::dataset::SourceGroup;
 use crate::encode::EncodeSettings;
-use crate::encode::source::{FrameSource, GroupRef, name_frame, selected_groups};
+use crate::encode::source::{FrameSource, name_frame, selected_groups};
 use crate::fingerprint::digest_bytes;
 use codec::error::{Error, Result};
 use codec::image::{Face, Plane, StreamKind};
@@ -130,7 +130,7 @@ impl Footage {
     pub fn read(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dyn Monitor) -> Result<Footage> {
         let mut footage = Footage::empty("this encode began");
         let mut known = KnownFiles::default();
-        for GroupRef { group, .. } in selected_groups(source, settings) {
+        for group in selected_groups(source, settings) {
             let digests = known.read(source, group, monitor)?;
             footage.insert(group, digests);
         }

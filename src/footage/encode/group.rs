@@ -4,10 +4,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::dataset::SourceGroup;
-use crate::encode::EncodeSettings;
-use crate::encode::depth_range::given_range;
-use crate::encode::source::{FrameSource, name_frame};
+use crate::encode::budget::ColorMemory;
+use crate::encode::plan::{GroupPlan, Plan};
+use crate::encode::source::name_frame;
 use codec::color::HalfKey;
 use codec::color::quality::Pu21;
 use codec::color::transform::encode::PricedTables;
@@ -24,28 +23,41 @@ pub(super) enum Coded {
     Half(Plane<[HalfKey; 3]>),
 }
 
+/// Pixel of one kind of coded picture.
+pub(super) trait CodedPixel: Copy {
+    fn plane_of(picture: &Coded) -> Option<&Plane<Self>>;
+}
+
+macro_rules! coded_pixel {
+    ($pixel:ty, $kind:ident) => {
+        impl CodedPixel for $pixel {
+            fn plane_of(picture: &Coded) -> Option<&Plane<Self>> {
+                if let Coded::$kind(plane) = picture { Some(plane) } else { None }
+            }
+        }
+    };
+}
+
+coded_pixel!(u16, Codes);
+coded_pixel!([u8; 3], Bytes);
+coded_pixel!([HalfKey; 3], Half);
+
+/// Nanoseconds over all threads.
 #[derive(Debug, Default)]
 pub(super) struct Times {
-    reading: AtomicU64,
-    coding: AtomicU64,
+    pub reading: AtomicU64,
+    pub coding: AtomicU64,
 }
 
 impl Times {
-    fn read<T>(&self, work: impl FnOnce() -> T) -> T {
-        timed(&self.reading, work)
-    }
-
-    pub fn code<T>(&self, work: impl FnOnce() -> T) -> T {
-        timed(&self.coding, work)
-    }
-
     /// Total times of reading and of coding, over all threads.
-    pub fn into_durations(self) -> [Duration; 2] {
-        [self.reading, self.coding].map(|nanos| Duration::from_nanos(nanos.into_inner()))
+    pub fn durations(&self) -> [Duration; 2] {
+        [&self.reading, &self.coding].map(|nanos| Duration::from_nanos(nanos.load(Ordering::Relaxed)))
     }
 }
 
-fn timed<T>(nanos: &AtomicU64, work: impl FnOnce() -> T) -> T {
+/// Adds the time of `work` to `nanos`.
+pub(super) fn timed<T>(nanos: &AtomicU64, work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let done = work();
     nanos.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
@@ -53,9 +65,11 @@ fn timed<T>(nanos: &AtomicU64, work: impl FnOnce() -> T) -> T {
 }
 
 pub(super) struct GroupCoder<'a> {
-    pub group: &'a SourceGroup,
+    pub plan: &'a Plan<'a>,
+    pub planned: GroupPlan<'a>,
     pub header: CodecHeader,
-    pub settings: &'a EncodeSettings,
+    pub color_memory: ColorMemory,
+    pub times: Times,
     /// Quantiser of a depth group. Building its table takes longer than coding a small frame, so all faces of a probe share one.
     pub quantiser: Option<Arc<Quantiser>>,
     pu21: Option<Pu21>,
@@ -65,7 +79,7 @@ pub(super) struct GroupCoder<'a> {
 }
 
 impl<'a> GroupCoder<'a> {
-    pub fn new(group: &'a SourceGroup, header: CodecHeader, settings: &'a EncodeSettings) -> Result<GroupCoder<'a>> {
+    pub fn new(plan: &'a Plan<'a>, planned: GroupPlan<'a>, header: CodecHeader) -> Result<GroupCoder<'a>> {
         let (mut table, mut pu21, mut tables) = (None, None, None);
         if let CodecHeader::Color(header) = &header {
             match header.format {
@@ -74,7 +88,9 @@ impl<'a> GroupCoder<'a> {
             }
             tables = header.tables().map(|tables| Arc::new(PricedTables::new(tables.clone())));
         }
-        Ok(GroupCoder { group, header, settings, quantiser: None, pu21, tables, table })
+        let color_memory = ColorMemory::new(planned.group, plan.settings);
+        let times = Times::default();
+        Ok(GroupCoder { plan, planned, header, color_memory, times, quantiser: None, pu21, tables, table })
     }
 
     /// Returns the perceptual metric of half-float colour.
@@ -104,58 +120,51 @@ impl<'a> GroupCoder<'a> {
 
     /// Reads a frame of all faces and converts it; planes that a scan `kept` are not read again. Also returns the number of
     /// clipped colour pixels, or of depth pixels outside near and far.
-    pub fn read(
-        &self,
-        source: &dyn FrameSource,
-        frame: u32,
-        kept: Option<Vec<DepthPlane>>,
-        times: &Times,
-    ) -> Result<(Vec<Coded>, u64)> {
+    pub fn read(&self, frame: u32, kept: Option<Vec<DepthPlane>>) -> Result<(Vec<Coded>, u64)> {
+        let (source, group, times) = (self.plan.source, self.planned.group, &self.times);
         let named = |error: Error| {
-            let error = error.context(name_frame(source, self.group, frame));
-            match source.files(self.group, frame).unwrap_or_default().first() {
+            let error = error.context(name_frame(source, group, frame));
+            match source.files(group, frame).unwrap_or_default().first() {
                 Some(file) => error.in_file(file),
                 None => error,
             }
         };
-        let coded: Result<Vec<Coded>> = match self.group.kind {
+        let mut beyond = 0;
+        let coded: Result<Vec<Coded>> = match group.kind {
             StreamKind::Depth => {
                 let Some(quantiser) = &self.quantiser else { return Ok((Vec::new(), 0)) };
                 let mut planes = match kept {
                     Some(planes) => planes,
-                    None => times.read(|| source.read_depth(self.group, frame))?,
+                    None => timed(&times.reading, || source.read_depth(group, frame))?,
                 };
-                let (rule, given) = (self.settings.outside_depth, given_range(source, self.settings));
-                let outside = planes.iter_mut().map(|plane| rule.replace_outside(plane, given)).sum();
+                let (rule, given) = (self.plan.settings.outside_depth, self.plan.given_range);
+                beyond = planes.iter_mut().map(|plane| rule.replace_outside(plane, given)).sum();
                 let code = |plane| self.numbers(convert::depth_codes(plane, quantiser)?).map(Coded::Codes);
-                let coded: Result<Vec<Coded>> = times.code(|| planes.iter().map(code).collect());
-                return coded.map(|coded| (coded, outside)).map_err(named);
+                timed(&times.coding, || planes.iter().map(code).collect())
             }
             StreamKind::Material => {
-                let planes = times.read(|| source.read_material(self.group, frame))?;
+                let planes = timed(&times.reading, || source.read_material(group, frame))?;
                 let code = |plane| convert::material_codes(plane).map(Coded::Bytes);
-                times.code(|| planes.iter().map(code).collect())
+                timed(&times.coding, || planes.iter().map(code).collect())
             }
             StreamKind::Alpha => {
-                let planes = times.read(|| source.read_alpha(self.group, frame))?;
+                let planes = timed(&times.reading, || source.read_alpha(group, frame))?;
                 let code = |plane| convert::alpha_codes(plane).map(Coded::Codes);
-                times.code(|| planes.iter().map(code).collect())
+                timed(&times.coding, || planes.iter().map(code).collect())
             }
             StreamKind::Color => {
-                let planes = times.read(|| source.read_color(self.group, frame))?;
-                let mut clipped = 0;
+                let planes = timed(&times.reading, || source.read_color(group, frame))?;
                 let code = |plane| match &self.table {
                     Some(table) => {
-                        let (codes, of_plane) = convert::color_codes(plane, table);
-                        clipped += of_plane;
+                        let (codes, clipped) = convert::color_codes(plane, table);
+                        beyond += clipped;
                         Coded::Bytes(codes)
                     }
                     None => Coded::Half(plane.map(|pixel| pixel.map(|value| HalfKey::from_bits(value.to_bits())))),
                 };
-                let coded = times.code(|| planes.iter().map(code).collect());
-                return Ok((coded, clipped));
+                Ok(timed(&times.coding, || planes.iter().map(code).collect()))
             }
         };
-        coded.map(|coded| (coded, 0)).map_err(named)
+        coded.map(|coded| (coded, beyond)).map_err(named)
     }
 }

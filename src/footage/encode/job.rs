@@ -13,14 +13,13 @@ use serde::Serialize;
 
 use crate::dataset::manifest::Pose;
 use crate::dataset::{ProbeInfo, SourceGroup};
-use crate::encode::budget::{self, ColorMemory};
-use crate::encode::depth_range::{ProbeDepth, depth_of_probe, given_range};
-use crate::encode::group::{GroupCoder, Times};
-use crate::encode::order::Order;
+use crate::encode::depth_range::{ProbeDepth, depth_of_probe};
+use crate::encode::group::{Coded, GroupCoder, timed};
 use crate::encode::part::OF_FOOTAGE;
+use crate::encode::plan::{GroupPlan, Plan};
 use crate::encode::precision::ProbePrecision;
 use crate::encode::resume::{Completed, FrameNote, Note, ScanNote, SearchNote, Stamp, stamps};
-use crate::encode::source::{FrameSource, GroupRef, missing_frames, selected_groups};
+use crate::encode::source::{FrameSource, missing_frames};
 use crate::encode::unit::{Batch, Closed, Pace, UnitJob, UnitPlace};
 use crate::encode::{EncodeSettings, configuration};
 use crate::fingerprint::Fingerprint;
@@ -99,6 +98,7 @@ impl EncodeReport {
     }
 }
 
+/// Error of an encode that failed, and the work that it keeps.
 #[derive(Debug)]
 pub struct Stopped {
     pub error: Error,
@@ -115,17 +115,6 @@ pub enum Kept {
     Chunks(String),
 }
 
-/// Encodes the streams of `source` into `out`, front to back. The monitor advances by one per image.
-pub fn encode<W: Write>(
-    source: &dyn FrameSource,
-    settings: &EncodeSettings,
-    out: W,
-    monitor: &dyn Monitor,
-) -> Result<(W, EncodeSummary)> {
-    let plain = Resumable { out, journal: None, recovered: None };
-    encode_resumable(source, settings, plain, monitor).map_err(|stopped| stopped.error)
-}
-
 pub struct Resumable<W> {
     /// The container: empty, or truncated to the intact bytes that were recovered. Output is appended.
     pub out: W,
@@ -135,139 +124,125 @@ pub struct Resumable<W> {
     pub recovered: Option<Recovered>,
 }
 
-/// Fails if settings are out of range, the source lacks the requested streams, or the memory budget is too small.
-pub fn check(source: &dyn FrameSource, settings: &EncodeSettings) -> Result<()> {
-    settings.check()?;
-    let groups = selected_groups(source, settings);
-    if groups.is_empty() {
-        return Err(Error::Usage(format!("'{}' has no stream of the selected kinds", source.name())));
-    }
-    budget::check(source, settings, &groups)
-}
-
-pub fn check_recovered(source: &dyn FrameSource, settings: &EncodeSettings, recovered: &Recovered) -> Result<()> {
-    let order = Order::of(source, settings);
-    Completed::of(recovered, &configuration::of(source, settings), &order, settings).map(|_| ())
-}
-
-/// Returns true if an interrupted encode of a shard has the same settings as this one, but its footage has changed since.
-pub fn is_of_changed_footage(
+/// Encodes the streams of `source` into `out`, front to back. The monitor advances by one per image.
+pub fn encode<W: Write>(
     source: &dyn FrameSource,
     settings: &EncodeSettings,
-    recovered: &Recovered,
+    out: W,
     monitor: &dyn Monitor,
-) -> Result<bool> {
-    let now = configuration::of(source, settings);
-    let begun = serde_json::from_slice(&recovered.head).map(Fingerprint).unwrap_or_else(|_| now.clone());
-    let differing = begun.differing(&now);
-    if !differing.is_empty() {
-        return Ok(differing.iter().all(|name| OF_FOOTAGE.contains(name)));
-    }
-    match prepare(source, settings, Some(recovered), &Order::of(source, settings), monitor) {
-        Err(Error::Usage(_)) => Ok(true),
-        prepared => prepared.map(|_| false),
-    }
+) -> Result<(W, EncodeSummary)> {
+    Plan::new(source, settings).encode(out, monitor)
 }
 
-/// Describes the complete chunks of an interrupted encode; `None` if there are none.
-pub fn describe_recovered(
-    source: &dyn FrameSource,
-    settings: &EncodeSettings,
-    recovered: &Recovered,
-) -> Option<String> {
-    Order::of(source, settings).describe(source, recovered.safe())
-}
-
-/// As [`encode`], with a journal: an encode that was interrupted at any time resumes after the last complete chunk, and the
-/// container has the same bytes as that of an uninterrupted encode.
-pub fn encode_resumable<W: Write>(
-    source: &dyn FrameSource,
-    settings: &EncodeSettings,
-    resumable: Resumable<W>,
-    monitor: &dyn Monitor,
-) -> Result<(W, EncodeSummary), Stopped> {
-    let order = Order::of(source, settings);
-    let recovered = resumable.recovered.as_ref();
-    let kept = |safe| order.describe(source, safe).map_or(Kept::Nothing, Kept::Chunks);
-    let before = recovered.map(Recovered::safe).unwrap_or_default();
-    let continues = recovered.is_some();
-    let completed = prepare(source, settings, recovered, &order, monitor).map_err(|error| {
-        let kept = match (&error, continues) {
-            (_, false) => Kept::Nothing,
-            (Error::Usage(_), true) => Kept::Unchanged,
-            (_, true) => kept(before),
-        };
-        Stopped { error, kept }
-    })?;
-    let summary = EncodeSummary { resumed_chunks: completed.chunks, ..EncodeSummary::default() };
-    let writer = open(source, settings, resumable).map_err(|error| Stopped { error, kept: kept(before) })?;
-    let mut job = Job { source, settings, writer, monitor, completed, summary, footage: FootageInfo::default() };
-    let ran = job.run(&selected_groups(source, settings));
-    let Job { mut writer, mut summary, mut footage, .. } = job;
-    footage.clipped_pixels = Some(summary.clipped_pixels).filter(|count| *count > 0);
-    for (name, value) in footage.to_values() {
-        writer.set_attribute(name, value);
+impl Plan<'_> {
+    /// Encodes all streams into `out`, front to back. The monitor advances by one per image.
+    pub fn encode<W: Write>(&self, out: W, monitor: &dyn Monitor) -> Result<(W, EncodeSummary)> {
+        let plain = Resumable { out, journal: None, recovered: None };
+        self.encode_resumable(plain, monitor).map_err(|stopped| stopped.error)
     }
-    let written = kept(writer.safe());
-    match ran.and_then(|()| writer.finish_checked(streams::check_written)) {
-        Ok((out, bytes)) => {
-            summary.bytes = bytes;
-            Ok((out, summary))
+
+    /// Fails if an interrupted encode has other settings or footage than this one.
+    pub fn check_recovered(&self, recovered: &Recovered) -> Result<()> {
+        Completed::of(self, recovered).map(|_| ())
+    }
+
+    /// Returns true if an interrupted encode of a shard has the same settings as this one, but its footage has changed since.
+    pub fn is_of_changed_footage(&self, recovered: &Recovered, monitor: &dyn Monitor) -> Result<bool> {
+        let now = configuration::of(self.source, self.settings);
+        let begun = serde_json::from_slice(&recovered.head).map(Fingerprint).unwrap_or_else(|_| now.clone());
+        let differing = begun.differing(&now);
+        if !differing.is_empty() {
+            return Ok(differing.iter().all(|name| OF_FOOTAGE.contains(name)));
         }
-        // Running the same command again would fail in the same way.
-        Err(error @ Error::Usage(_)) if continues => Err(Stopped { error, kept: Kept::Unchanged }),
-        Err(error) => Err(Stopped { error, kept: written }),
-    }
-}
-
-/// Runs all checks that are possible before anything is written.
-fn prepare(
-    source: &dyn FrameSource,
-    settings: &EncodeSettings,
-    recovered: Option<&Recovered>,
-    order: &Order<'_>,
-    monitor: &dyn Monitor,
-) -> Result<Completed> {
-    check(source, settings)?;
-    let Some(recovered) = recovered else { return Ok(Completed::default()) };
-    let mut completed = Completed::of(recovered, &configuration::of(source, settings), order, settings)?;
-    completed.check_files(source, settings, order, monitor)?;
-    Ok(completed)
-}
-
-/// Opens a writer at the start of the container, or after the recovered chunks, and adds the probes.
-fn open<W: Write>(source: &dyn FrameSource, settings: &EncodeSettings, to: Resumable<W>) -> Result<Writer<W>> {
-    let projection = u8::from(source.projection() == Projection::Perspective);
-    let (name, fps) = (source.name(), source.fps());
-    let mut writer = match (to.journal, to.recovered) {
-        (Some(journal), Some(recovered)) => {
-            let journal = Journal::go_on(journal, &recovered);
-            Writer::go_on(to.out, name, fps, projection, (recovered, journal))
+        match self.prepare(Some(recovered), monitor) {
+            Err(Error::Usage(_)) => Ok(true),
+            prepared => prepared.map(|_| false),
         }
-        (Some(journal), None) => {
-            let head = configuration::to_bytes(&configuration::of(source, settings).0)?;
-            Writer::new(to.out, name, fps, projection)?.with_journal(Journal::start(journal, &head))
-        }
-        (None, _) => Writer::new(to.out, name, fps, projection)?,
-    };
-    for (name, value) in source.attributes().iter() {
-        writer.set_attribute(name, value.to_vec());
     }
-    for probe in source.probes() {
-        writer.add_probe(ProbeEntry {
-            name: probe.name.clone(),
-            position: probe.position,
-            orientation: probe.orientation,
-            frames: [probe.frames.first, probe.frames.last],
-            intrinsics: probe.intrinsics.unwrap_or_default(),
+
+    /// As [`Self::encode`], with a journal: an encode that was interrupted at any time resumes after the last complete chunk, and
+    /// the container has the same bytes as that of an uninterrupted encode.
+    pub fn encode_resumable<W: Write>(
+        &self,
+        resumable: Resumable<W>,
+        monitor: &dyn Monitor,
+    ) -> Result<(W, EncodeSummary), Stopped> {
+        let recovered = resumable.recovered.as_ref();
+        let kept = |safe| self.describe(safe).map_or(Kept::Nothing, Kept::Chunks);
+        let before = recovered.map(Recovered::safe).unwrap_or_default();
+        let continues = recovered.is_some();
+        let completed = self.prepare(recovered, monitor).map_err(|error| {
+            let kept = match (&error, continues) {
+                (_, false) => Kept::Nothing,
+                (Error::Usage(_), true) => Kept::Unchanged,
+                (_, true) => kept(before),
+            };
+            Stopped { error, kept }
         })?;
+        let summary = EncodeSummary { resumed_chunks: completed.chunks, ..EncodeSummary::default() };
+        let writer = self.open(resumable).map_err(|error| Stopped { error, kept: kept(before) })?;
+        let mut job = Job { plan: self, writer, monitor, completed, summary, footage: FootageInfo::default() };
+        let ran = job.run();
+        let Job { mut writer, mut summary, mut footage, .. } = job;
+        footage.clipped_pixels = Some(summary.clipped_pixels).filter(|count| *count > 0);
+        for (name, value) in footage.to_values() {
+            writer.set_attribute(name, value);
+        }
+        let written = kept(writer.safe());
+        match ran.and_then(|()| writer.finish_checked(streams::check_written)) {
+            Ok((out, bytes)) => {
+                summary.bytes = bytes;
+                Ok((out, summary))
+            }
+            // Running the same command again would fail in the same way.
+            Err(error @ Error::Usage(_)) if continues => Err(Stopped { error, kept: Kept::Unchanged }),
+            Err(error) => Err(Stopped { error, kept: written }),
+        }
     }
-    Ok(writer)
+
+    /// Runs all checks that are possible before anything is written.
+    fn prepare(&self, recovered: Option<&Recovered>, monitor: &dyn Monitor) -> Result<Completed> {
+        self.check()?;
+        let Some(recovered) = recovered else { return Ok(Completed::default()) };
+        let mut completed = Completed::of(self, recovered)?;
+        completed.check_files(self, monitor)?;
+        Ok(completed)
+    }
+
+    /// Opens a writer at the start of the container, or after the recovered chunks, and adds the probes.
+    fn open<W: Write>(&self, to: Resumable<W>) -> Result<Writer<W>> {
+        let source = self.source;
+        let projection = u8::from(source.projection() == Projection::Perspective);
+        let (name, fps) = (source.name(), source.fps());
+        let mut writer = match (to.journal, to.recovered) {
+            (Some(journal), Some(recovered)) => {
+                let journal = Journal::go_on(journal, &recovered);
+                Writer::go_on(to.out, name, fps, projection, (recovered, journal))
+            }
+            (Some(journal), None) => {
+                let head = configuration::to_bytes(&configuration::of(source, self.settings).0)?;
+                Writer::new(to.out, name, fps, projection)?.with_journal(Journal::start(journal, &head))
+            }
+            (None, _) => Writer::new(to.out, name, fps, projection)?,
+        };
+        for (name, value) in source.attributes().iter() {
+            writer.set_attribute(name, value.to_vec());
+        }
+        for probe in source.probes() {
+            writer.add_probe(ProbeEntry {
+                name: probe.name.clone(),
+                position: probe.position,
+                orientation: probe.orientation,
+                frames: [probe.frames.first, probe.frames.last],
+                intrinsics: probe.intrinsics.unwrap_or_default(),
+            })?;
+        }
+        Ok(writer)
+    }
 }
 
 struct Job<'a, W: Write> {
-    source: &'a dyn FrameSource,
-    settings: &'a EncodeSettings,
+    plan: &'a Plan<'a>,
     writer: Writer<W>,
     monitor: &'a dyn Monitor,
     completed: Completed,
@@ -275,124 +250,142 @@ struct Job<'a, W: Write> {
     footage: FootageInfo,
 }
 
-/// The streams of a group, and the frames at which their units resume.
-struct Part {
-    at: usize,
-    /// One stream per face, with its number.
-    streams: Vec<(u32, StreamEntry)>,
-    /// Number of frames of each unit that an earlier run has coded, face by face.
-    starts: Vec<u32>,
+/// Depth images that a scan kept, and stamps of their files, by group index and frame.
+#[derive(Default)]
+struct KeptDepth {
+    planes: HashMap<(usize, u32), Vec<DepthPlane>>,
+    stamps: HashMap<(usize, u32), Stamp>,
 }
 
-impl Part {
-    /// Number of frames that an earlier run has coded in all units.
-    fn complete_frames(&self) -> u32 {
-        self.starts.iter().min().copied().unwrap_or(0)
+impl KeptDepth {
+    fn take(&mut self, group: usize, frame: u32) -> Option<(Stamp, Vec<DepthPlane>)> {
+        let planes = self.planes.remove(&(group, frame))?;
+        Some((*self.stamps.get(&(group, frame))?, planes))
     }
+}
+
+/// Works on units in parallel, and returns their results in the order of units.
+fn each_unit<R: Send>(
+    coder: &GroupCoder<'_>,
+    units: &mut [UnitJob<'_>],
+    work: impl Fn(&mut UnitJob<'_>) -> Result<Vec<R>> + Sync,
+) -> Result<Vec<R>> {
+    let code = |unit: &mut UnitJob<'_>| timed(&coder.times.coding, || work(unit));
+    let done = try_map_at_once(units.iter_mut().collect(), coder.planned.need.units_at_once, code)?;
+    Ok(done.into_iter().flatten().collect())
+}
+
+/// Returns the last frame that a chunk depends on. A colour cell looks ahead to the frame that closed the chunk; chunks of other
+/// kinds depend only on their own frames.
+fn last_frame(kind: StreamKind, chunk: &PackedChunk, closed_by: u32) -> u32 {
+    match kind {
+        StreamKind::Color => closed_by,
+        StreamKind::Depth | StreamKind::Material | StreamKind::Alpha => chunk.key().last_frame(),
+    }
+}
+
+/// Number of frames of a group that an earlier run has coded in all units.
+fn complete_frames(places: &[UnitPlace]) -> u32 {
+    places.iter().map(|place| place.start).min().unwrap_or(0)
 }
 
 impl<W: Write> Job<'_, W> {
-    fn run(&mut self, groups: &[GroupRef<'_>]) -> Result<()> {
-        for probe in 0..self.source.probes().len() {
-            for kind in StreamKind::ALL {
-                let is_next = |group: &&GroupRef<'_>| group.group.probe == probe && group.group.kind == kind;
-                let groups: Vec<GroupRef<'_>> = groups.iter().filter(is_next).copied().collect();
-                match kind {
-                    StreamKind::Depth => self.encode_depth(&groups)?,
-                    StreamKind::Color => {
-                        self.encode_others(&groups, CodecHeader::Color(self.settings.color_header()))?
-                    }
-                    StreamKind::Material => {
-                        self.encode_others(&groups, CodecHeader::Material(self.settings.material_header()))?;
-                    }
-                    StreamKind::Alpha => {
-                        self.encode_others(&groups, CodecHeader::Alpha(self.settings.alpha_header()))?;
-                    }
+    fn run(&mut self) -> Result<()> {
+        let (plan, settings) = (self.plan, self.plan.settings);
+        for groups in plan.groups.chunk_by(|a, b| (a.group.probe, a.group.kind) == (b.group.probe, b.group.kind)) {
+            let header = match groups[0].group.kind {
+                StreamKind::Depth => {
+                    self.encode_depth(groups)?;
+                    continue;
                 }
+                StreamKind::Color => CodecHeader::Color(settings.color_header()),
+                StreamKind::Material => CodecHeader::Material(settings.material_header()),
+                StreamKind::Alpha => CodecHeader::Alpha(settings.alpha_header()),
+            };
+            for &planned in groups {
+                let Some(places) = self.begin(planned, &header)? else { continue };
+                let coder = GroupCoder::new(plan, planned, header.clone())?;
+                self.encode_group(&coder, &places, &mut KeptDepth::default())?;
             }
         }
         Ok(())
     }
 
-    fn encode_others(&mut self, groups: &[GroupRef<'_>], header: CodecHeader) -> Result<()> {
-        for &group in groups {
-            let Some(part) = self.begin(group, &header)? else { continue };
-            self.encode_group(&part, &GroupCoder::new(group.group, header.clone(), self.settings)?, |_| None)?;
-        }
-        Ok(())
-    }
-
-    fn encode_depth(&mut self, groups: &[GroupRef<'_>]) -> Result<()> {
-        let Some(first) = groups.first() else { return Ok(()) };
-        let probe = first.group.probe;
-        let noted = || self.completed.scans.get(&probe).map(|note| note.scan.clone());
-        let known = self.source.scans().and_then(|scans| scans.get(&probe).cloned()).or_else(noted);
-        // Stamps must be taken before the files are read.
-        let scans = known.is_none() && given_range(self.source, self.settings).contains(&None);
-        let files = if scans { stamps(self.source, groups)? } else { HashMap::new() };
-        let ProbeDepth { range, levels, strays, scanned } =
-            depth_of_probe(self.source, self.settings, groups, known.as_ref(), self.monitor)?;
-        let (mut kept, mut note) = (HashMap::new(), None);
-        if let Some(scanned) = scanned {
-            let scan_note = ScanNote { scan: scanned.found.scan(), files };
-            self.writer.note(&scan_note.to_bytes(probe)?);
-            self.writer.checkpoint()?;
-            self.summary.reading += scanned.reading;
-            self.summary.scanning += scanned.scanning;
-            (kept, note) = (scanned.kept, Some(scan_note));
-        }
+    /// Encodes the depth groups of a probe.
+    fn encode_depth(&mut self, groups: &[GroupPlan<'_>]) -> Result<()> {
+        let (plan, probe) = (self.plan, groups[0].group.probe);
+        let (ProbeDepth { range, levels, strays, .. }, mut kept) = self.find_range(groups)?;
         let mut quantiser = None;
-        for &group in groups {
-            let header = CodecHeader::Depth(DepthHeader {
+        for &planned in groups {
+            let coding = plan.settings.depth_coding(range, self.shape_of(planned.group), &levels);
+            let header = DepthHeader {
                 range,
-                background: presented_background(self.source.background(), range),
-                kind: self.source.depth_kind(),
-                coding: self
-                    .settings
-                    .depth_coding(range, self.shape_of(group.group), &levels)
-                    .map_err(|error| error.context(format!("probe {}", self.source.probes()[probe].name)))?,
-            });
-            if group.at == first.at
-                && let CodecHeader::Depth(header) = &header
-            {
-                self.summary.depth.push(ProbePrecision::new(self.source, probe, header, strays.as_ref()));
+                background: presented_background(plan.source.background(), range),
+                kind: plan.source.depth_kind(),
+                coding: coding.map_err(|error| error.context(format!("probe {}", plan.source.probes()[probe].name)))?,
+            };
+            if planned.at == groups[0].at {
+                self.summary.depth.push(ProbePrecision::new(plan.source, probe, &header, strays.as_ref()));
             }
-            let Some(part) = self.begin(group, &header)? else { continue };
-            let mut coder = GroupCoder::new(group.group, header, self.settings)?;
+            let header = CodecHeader::Depth(header);
+            let Some(places) = self.begin(planned, &header)? else { continue };
+            let mut coder = GroupCoder::new(plan, planned, header)?;
             coder.quantiser = Some(Arc::clone(quantiser.get_or_insert_with(|| Arc::new(Quantiser::new(range)))));
-            self.encode_group(&part, &coder, |frame| {
-                let planes = kept.remove(&(group.at, frame))?;
-                Some((*note.as_ref()?.files.get(&(group.at, frame))?, planes))
-            })?;
+            self.encode_group(&coder, &places, &mut kept)?;
         }
         Ok(())
+    }
+
+    /// Determines near and far of a probe, and notes a scan of its images in the journal.
+    fn find_range(&mut self, groups: &[GroupPlan<'_>]) -> Result<(ProbeDepth, KeptDepth)> {
+        let (plan, probe) = (self.plan, groups[0].group.probe);
+        let noted = || self.completed.scans.get(&probe).map(|note| note.scan.clone());
+        let known = plan.source.scans().and_then(|scans| scans.get(&probe).cloned()).or_else(noted);
+        // Stamps must be taken before the files are read.
+        let scans = known.is_none() && plan.finds_range();
+        let stamps = if scans { stamps(plan.source, groups)? } else { HashMap::new() };
+        let mut found = depth_of_probe(plan, groups, known.as_ref(), self.monitor)?;
+        let Some(scanned) = found.scanned.take() else { return Ok((found, KeptDepth::default())) };
+        let note = ScanNote { scan: scanned.found.scan(), files: stamps };
+        self.writer.note(&note.to_bytes(probe)?);
+        self.writer.checkpoint()?;
+        self.summary.reading += scanned.reading;
+        self.summary.scanning += scanned.scanning;
+        Ok((found, KeptDepth { planes: scanned.kept, stamps: note.files }))
     }
 
     /// Relation of a pixel's depth to the viewing axis; unknown for the distances of a perspective view.
     fn shape_of(&self, group: &SourceGroup) -> Shape {
-        match (self.source.depth_kind(), group.faces == [Face::View]) {
+        match (self.plan.source.depth_kind(), group.faces == [Face::View]) {
             (DepthKind::Planar, _) => Shape::Planar,
             (DepthKind::Distance, false) if group.width == group.height => Shape::CubeDistance,
             _ => Shape::None,
         }
     }
 
-    /// Declares the streams of a group; returns `None` if an earlier run has completed it.
-    fn begin(&mut self, group_ref: GroupRef<'_>, header: &CodecHeader) -> Result<Option<Part>> {
-        let GroupRef { at, group } = group_ref;
-        let streams = self.declare_streams(group, header)?;
+    /// Declares the streams of a group. Returns its units face by face; `None` if an earlier run has completed them.
+    fn begin(&mut self, planned: GroupPlan<'_>, header: &CodecHeader) -> Result<Option<Vec<UnitPlace>>> {
+        let GroupPlan { at, group, .. } = planned;
         let first = group.frames.first;
-        let units = streams.iter().flat_map(|(stream, entry)| (0..entry.unit_count()).map(move |unit| (*stream, unit)));
-        let starts = units.map(|(stream, unit)| self.completed.start(stream, unit, first) - first).collect();
-        let part = Part { at, streams, starts };
-        let complete = part.complete_frames();
+        let mut places = Vec::new();
+        for (face, (stream, entry)) in self.declare_streams(group, header)?.into_iter().enumerate() {
+            places.extend((0..entry.unit_count()).map(|unit| UnitPlace {
+                face,
+                stream,
+                unit,
+                rect: entry.unit_rect(unit),
+                start: self.completed.start(stream, unit, first) - first,
+                search: self.completed.search(stream, unit),
+            }));
+        }
+        let complete = complete_frames(&places);
         let before = group.frames.iter().take(complete as usize);
         let beyond = before.map(|frame| self.completed.beyond(at, frame)).sum();
         self.count_beyond(group.kind, beyond);
         if u64::from(complete) < group.frames.count() {
-            return Ok(Some(part));
+            return Ok(Some(places));
         }
-        self.monitor.advance(group_ref.images());
+        self.monitor.advance(planned.images());
         self.monitor.check().map(|()| None)
     }
 
@@ -403,85 +396,68 @@ impl<W: Write> Job<'_, W> {
         }
     }
 
-    fn encode_group(
-        &mut self,
-        part: &Part,
-        coder: &GroupCoder<'_>,
-        mut kept: impl FnMut(u32) -> Option<(Stamp, Vec<DepthPlane>)>,
-    ) -> Result<()> {
-        let group = coder.group;
-        let mut units = self.unit_jobs(part, coder)?;
-        let batches = budget::batches(self.source, self.settings, group)?;
-        let frames: Vec<u32> = group.frames.iter().skip(part.complete_frames() as usize).collect();
-        let last_used = self.completed.last_frame(part.streams.iter().map(|(stream, _)| *stream));
-        let times = Times::default();
+    /// Encodes the frames of a group that are left, in batches.
+    fn encode_group(&mut self, coder: &GroupCoder<'_>, places: &[UnitPlace], kept: &mut KeptDepth) -> Result<()> {
+        let GroupPlan { group, need, .. } = coder.planned;
+        let mut units = places.iter().map(|&place| UnitJob::new(coder, place)).collect::<Result<Vec<_>>>()?;
+        let batch_frames = need.batch_frames(self.plan.settings.memory, "encoding")?;
         let pace = Pace::new(self.monitor, units.len(), group.faces.len());
-        pace.advance(part.starts.iter().copied().map(u64::from).sum());
-        // A colour cell looks ahead; chunks of other kinds depend only on their own frames.
-        let last_frame = |chunk: &PackedChunk, closed_by: u32| match group.kind {
-            StreamKind::Color => closed_by,
-            StreamKind::Depth | StreamKind::Material | StreamKind::Alpha => chunk.key().last_frame(),
-        };
-        for frames in frames.chunks(batches.frames) {
-            let inputs: Vec<_> = frames.iter().map(|&frame| (frame, kept(frame))).collect();
-            let read = try_map_ordered(inputs, |(frame, kept)| {
-                self.monitor.check()?;
-                let (stamp, kept) = match kept {
-                    Some((stamp, planes)) => (stamp, Some(planes)),
-                    None => (Stamp::of(self.source, group, frame)?, None),
-                };
-                if last_used.is_some_and(|last| frame <= last) {
-                    self.completed.check_file(self.source, GroupRef { at: part.at, group }, frame, stamp)?;
-                }
-                let (picture, beyond) = coder.read(self.source, frame, kept, &times)?;
-                Ok((FrameNote { stamp, beyond }, picture))
-            })?;
-            let (notes, pictures): (Vec<_>, Vec<_>) = read.into_iter().unzip();
-            self.count_beyond(group.kind, notes.iter().map(|note| note.beyond).sum());
-            self.writer.note(&configuration::to_bytes(&Note::Frames { group: part.at, first: frames[0], notes })?);
+        pace.advance(places.iter().map(|place| u64::from(place.start)).sum());
+        let frames: Vec<u32> = group.frames.iter().skip(complete_frames(places) as usize).collect();
+        for frames in frames.chunks(batch_frames) {
+            let pictures = self.read_batch(coder, frames, kept)?;
             let batch = Batch { first: frames[0] - group.frames.first, pictures };
-            let packed = try_map_at_once(units.iter_mut().collect(), batches.units_at_once, |unit: &mut UnitJob| {
-                times.code(|| unit.push(&batch, coder, &pace))
-            })?;
-            // Sort by frame, then by unit, so that the order does not depend on the size of the batch.
-            let mut packed: Vec<_> = packed.into_iter().flatten().collect();
-            packed.sort_by_key(|closed| closed.by);
-            let searches: Vec<_> = packed.iter().filter_map(SearchNote::of).collect();
-            if !searches.is_empty() {
-                self.writer.note(&configuration::to_bytes(&Note::Searches(searches))?);
-            }
-            let push =
-                |closed: &Closed| self.writer.push_after(&closed.chunk, last_frame(&closed.chunk, frames[closed.by]));
-            packed.iter().try_for_each(push)?;
-            self.writer.checkpoint()?;
+            let closed = each_unit(coder, &mut units, |unit| unit.push(&batch, &pace))?;
+            self.write_batch(closed, group.kind, frames)?;
         }
         for units in units.chunks_mut(FINISH_UNITS) {
             self.monitor.check()?;
-            let finish = |unit: &mut UnitJob| times.code(|| unit.finish(coder));
-            let packed = try_map_at_once(units.iter_mut().collect(), batches.units_at_once, finish)?;
-            let push = |chunk: &PackedChunk| self.writer.push_after(chunk, last_frame(chunk, group.frames.last));
-            packed.iter().flatten().try_for_each(push)?;
+            for chunk in each_unit(coder, units, |unit| unit.finish())? {
+                self.writer.push_after(&chunk, last_frame(group.kind, &chunk, group.frames.last))?;
+            }
             self.writer.checkpoint()?;
         }
-        let [reading, coding] = times.into_durations();
+        let [reading, coding] = coder.times.durations();
         self.summary.reading += reading;
         self.summary.coding += coding;
         Ok(())
     }
 
-    fn unit_jobs(&self, part: &Part, coder: &GroupCoder<'_>) -> Result<Vec<UnitJob>> {
-        let unit_count = part.streams.iter().map(|(_, entry)| entry.unit_count()).sum();
-        let memory = ColorMemory::new(coder.group, &coder.header, self.settings.search, unit_count);
-        let units = part.streams.iter().enumerate().flat_map(|(face, (stream, entry))| {
-            (0..entry.unit_count()).map(move |unit| (face, *stream, unit, entry.unit_rect(unit)))
-        });
-        units
-            .zip(&part.starts)
-            .map(|((face, stream, unit, rect), &start)| {
-                let search = self.completed.search(stream, unit);
-                UnitJob::new(coder, memory, UnitPlace { face, stream, unit, rect, start, search })
-            })
-            .collect()
+    /// Reads frames of a group, notes their files in the journal, and returns their pictures by frame, then by face.
+    fn read_batch(&mut self, coder: &GroupCoder<'_>, frames: &[u32], kept: &mut KeptDepth) -> Result<Vec<Vec<Coded>>> {
+        let (source, planned) = (self.plan.source, coder.planned);
+        let last_used = self.completed.last_frame(planned.streams());
+        let inputs: Vec<_> = frames.iter().map(|&frame| (frame, kept.take(planned.at, frame))).collect();
+        let read = try_map_ordered(inputs, |(frame, kept)| {
+            self.monitor.check()?;
+            let (stamp, kept) = match kept {
+                Some((stamp, planes)) => (stamp, Some(planes)),
+                None => (Stamp::of(source, planned.group, frame)?, None),
+            };
+            if last_used.is_some_and(|last| frame <= last) {
+                self.completed.check_file(source, planned, frame, stamp)?;
+            }
+            let (picture, beyond) = coder.read(frame, kept)?;
+            Ok((FrameNote { stamp, beyond }, picture))
+        })?;
+        let (notes, pictures): (Vec<FrameNote>, Vec<_>) = read.into_iter().unzip();
+        self.count_beyond(planned.group.kind, notes.iter().map(|note| note.beyond).sum());
+        self.writer.note(&configuration::to_bytes(&Note::Frames { group: planned.at, first: frames[0], notes })?);
+        Ok(pictures)
+    }
+
+    /// Writes the chunks that the frames of a batch closed. They are sorted by frame, then by unit, so that their order does not
+    /// depend on the size of the batch.
+    fn write_batch(&mut self, mut closed: Vec<Closed>, kind: StreamKind, frames: &[u32]) -> Result<()> {
+        closed.sort_by_key(|closed| closed.by);
+        let searches: Vec<_> = closed.iter().filter_map(SearchNote::of).collect();
+        if !searches.is_empty() {
+            self.writer.note(&configuration::to_bytes(&Note::Searches(searches))?);
+        }
+        for Closed { by, chunk, .. } in &closed {
+            self.writer.push_after(chunk, last_frame(kind, chunk, frames[*by]))?;
+        }
+        self.writer.checkpoint()
     }
 
     fn declare_streams(&mut self, group: &SourceGroup, header: &CodecHeader) -> Result<Vec<(u32, StreamEntry)>> {
@@ -495,7 +471,7 @@ impl<W: Write> Job<'_, W> {
             .ok()
             .filter(|_| group.frames.last < MAX_FRAME)
             .ok_or_else(|| Error::unsupported(format!("frames {}: numbers must be below 2^31", group.frames)))?;
-        let [unit_width, unit_height] = self.settings.unit_size(group.kind, [group.width, group.height]);
+        let [unit_width, unit_height] = self.plan.settings.unit_size(group.kind, [group.width, group.height]);
         let mut streams = Vec::new();
         for &face in &group.faces {
             let entry = StreamEntry {
@@ -520,9 +496,9 @@ impl<W: Write> Job<'_, W> {
 
     fn note_footage(&mut self, group: &SourceGroup) {
         if group.kind == StreamKind::Color {
-            self.footage.primaries = self.source.primaries();
+            self.footage.primaries = self.plan.source.primaries();
         }
-        let ProbeInfo { name: probe, poses, .. } = &self.source.probes()[group.probe];
+        let ProbeInfo { name: probe, poses, .. } = &self.plan.source.probes()[group.probe];
         let poses = poses.iter().filter(|pose| group.frames.contains(pose.frame));
         self.footage.poses.extend(poses.map(|&Pose { frame, position, orientation }| FramePose {
             probe: probe.clone(),
@@ -530,7 +506,7 @@ impl<W: Write> Job<'_, W> {
             position,
             orientation,
         }));
-        self.footage.missing_frames.extend(missing_frames(self.source, group));
+        self.footage.missing_frames.extend(missing_frames(self.plan.source, group));
     }
 }
 

@@ -1,6 +1,7 @@
 //! Encodes frames of a source into a container: `lightfold encode`, and [`Encoder`] for frames in memory.
 //!
-//! Input: a [`FrameSource`]. Output: a container, written front to back. A frame passes through these stages:
+//! Input: a [`FrameSource`]. Output: a container, written front to back. A [`Plan`] holds what is known before the first frame is
+//! read: the order of groups and the memory that each needs. A frame passes through these stages:
 //!
 //! 0. `first_frames` reads the first frame of each stream if the caller requests it, so that unreadable files are reported before
 //!    anything is encoded.
@@ -18,15 +19,14 @@ mod first_frames;
 mod footage;
 mod group;
 mod job;
-mod order;
 mod part;
+mod plan;
 mod precision;
 mod resume;
 mod scan;
 mod scan_file;
 mod settings;
 mod shard;
-mod shard_choice;
 mod source;
 pub mod tile_quality;
 mod unit;
@@ -34,13 +34,11 @@ mod unit;
 pub use complete::complete_shard;
 pub use depth_range::keep_few_planar_depths;
 pub use encoder::{Encoder, EncoderStream, ProbePose};
-pub use first_frames::{check as check_first_frames, steps as first_frames};
+pub use first_frames::FirstFrames;
 pub use footage::Footage;
-pub use job::{
-    EncodeReport, EncodeSummary, Kept, Resumable, Stopped, check, check_recovered, describe_recovered, encode,
-    encode_resumable, is_of_changed_footage,
-};
+pub use job::{EncodeReport, EncodeSummary, Kept, Resumable, Stopped, encode};
 pub use part::Part;
+pub use plan::Plan;
 pub use precision::{NamedPixel, NamedStrays, ProbePrecision, strays_of};
 pub use scan::Scans;
 pub use scan_file::{ScanFile, probe_images, scan_probes};
@@ -48,6 +46,5 @@ pub use settings::{
     Clipping, ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings,
     TileSize,
 };
-pub use shard::{Shard, ShardBy};
-pub use shard_choice::ShardChoice;
-pub use source::{FrameSource, GroupRef, selected_groups};
+pub use shard::{Shard, ShardBy, ShardChoice};
+pub use source::{FrameSource, selected_groups};

@@ -4,11 +4,10 @@ use std::path::PathBuf;
 
 use crate::dataset::{ProbeInfo, SourceGroup};
 use crate::encode::footage::Footage;
-use crate::encode::order::Order;
+use crate::encode::plan::Plan;
 use crate::encode::scan::Scans;
 use crate::encode::scan_file::{probe_images, scan_probes};
-use crate::encode::shard::{Shard, ShardBy, groups_of_shard};
-use crate::encode::shard_choice::ShardChoice;
+use crate::encode::shard::{Shard, ShardBy, ShardChoice, groups_of_shard};
 use crate::encode::source::FrameSource;
 use crate::encode::{EncodeSettings, configuration};
 use crate::fingerprint::{digest, digest_bytes};
@@ -56,9 +55,8 @@ impl<'a> Part<'a> {
         shard: Shard,
         by: ShardBy,
     ) -> Result<Part<'a>> {
-        let order = Order::of(source, settings);
-        let groups = groups_of_shard(&order, |kind| settings.segment_frames(kind), shard, by)?;
-        Part::of_groups(source, settings, (&order, groups), shard)
+        let plan = Plan::new(source, settings);
+        Part::of_groups(source, &plan, groups_of_shard(&plan, shard, by)?, shard)
     }
 
     /// Returns one shard with the chosen content, without scans and footage digests. Joining shards checks that they cover
@@ -72,19 +70,19 @@ impl<'a> Part<'a> {
         shard: Shard,
         choice: &ShardChoice,
     ) -> Result<Part<'a>> {
-        let order = Order::of(source, settings);
-        let groups = choice.groups(source, &order, |kind| settings.segment_frames(kind))?;
-        Part::of_groups(source, settings, (&order, groups), shard)
+        let plan = Plan::new(source, settings);
+        Part::of_groups(source, &plan, choice.groups(&plan)?, shard)
     }
 
+    /// Returns the shard of a plan of `source` that has these groups.
     fn of_groups(
         source: &'a dyn FrameSource,
-        settings: &EncodeSettings,
-        (order, groups): (&Order<'_>, Vec<SourceGroup>),
+        plan: &Plan<'_>,
+        groups: Vec<SourceGroup>,
         Shard { number, count }: Shard,
     ) -> Result<Part<'a>> {
-        let streams = order.0.iter().enumerate().flat_map(|(at, ordered)| {
-            let SourceGroup { kind, probe, faces, frames, .. } = ordered.group.group;
+        let streams = plan.groups.iter().enumerate().flat_map(|(at, planned)| {
+            let SourceGroup { kind, probe, faces, frames, .. } = planned.group;
             faces.iter().map(move |&face| WholeStream {
                 kind: *kind as u8,
                 probe: *probe as u16,
@@ -94,9 +92,9 @@ impl<'a> Part<'a> {
                 frame_count: frames.count() as u32,
             })
         });
-        let job = digest_bytes(&configuration::to_bytes(&configuration::of(source, settings).0)?);
+        let job = digest_bytes(&configuration::to_bytes(&configuration::of(source, plan.settings).0)?);
         let entry = ShardEntry { job, number, count, streams: streams.collect() };
-        let whole = order.0.iter().map(|ordered| ordered.group.group.clone()).collect();
+        let whole = plan.groups.iter().map(|planned| planned.group.clone()).collect();
         let shard = Some(OneShard { entry, whole, footage: FootageDigests::default() });
         Ok(Part { source, groups, scans: Scans::default(), footage: Footage::default(), shard })
     }

@@ -6,8 +6,6 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use crate::depth_bound::DepthBound;
-use crate::encode::EncodeSettings;
-use crate::encode::depth_range::given_range;
 use crate::encode::source::FrameSource;
 use crate::json::Number;
 use codec::depth::DepthRange;
@@ -72,7 +70,7 @@ impl ProbePrecision {
 /// Returns the outlier pixels of a probe that would take much of the precision of a lossless encode; `None` if there are none, or
 /// if near and far are given.
 pub fn strays_of(source: &dyn FrameSource, probe: usize, spread: &Spread) -> Option<ProbePrecision> {
-    let ([given_near, given_far], found) = (given_range(source, &EncodeSettings::default()), spread.range()?);
+    let ([given_near, given_far], found) = (source.stated_range(), spread.range()?);
     if given_near.is_some() && given_far.is_some() {
         return None;
     }

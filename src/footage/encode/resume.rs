@@ -19,17 +19,16 @@ use std::time::UNIX_EPOCH;
 use serde::{Deserialize, Serialize};
 
 use crate::dataset::SourceGroup;
-use crate::encode::depth_range::{self, given_range};
-use crate::encode::order::Order;
+use crate::encode::configuration;
+use crate::encode::depth_range;
+use crate::encode::plan::{GroupPlan, Plan};
 use crate::encode::scan::Scan;
-use crate::encode::source::{FrameSource, GroupRef, name_frame};
+use crate::encode::source::{FrameSource, name_frame};
 use crate::encode::unit::Closed;
-use crate::encode::{EncodeSettings, budget, configuration};
 use crate::fingerprint::Fingerprint;
 use codec::color::transform::encode::Start;
 use codec::container::{ChunkKey, Recovered};
 use codec::error::{Error, Result};
-use codec::image::StreamKind;
 use codec::monitor::Monitor;
 
 /// Sizes and modification times of the files of a frame, to detect changes; zeros for frames in memory.
@@ -114,9 +113,9 @@ impl ScanNote {
     }
 }
 
-pub(super) fn stamps(source: &dyn FrameSource, groups: &[GroupRef<'_>]) -> Result<HashMap<(usize, u32), Stamp>> {
+pub(super) fn stamps(source: &dyn FrameSource, groups: &[GroupPlan<'_>]) -> Result<HashMap<(usize, u32), Stamp>> {
     let frames = groups.iter().flat_map(|&group| group.group.frames.iter().map(move |frame| (group, frame)));
-    frames.map(|(GroupRef { at, group }, frame)| Ok(((at, frame), Stamp::of(source, group, frame)?))).collect()
+    frames.map(|(GroupPlan { at, group, .. }, frame)| Ok(((at, frame), Stamp::of(source, group, frame)?))).collect()
 }
 
 #[derive(Debug, Default)]
@@ -134,15 +133,12 @@ pub(super) struct Completed {
 }
 
 impl Completed {
-    pub fn of(
-        recovered: &Recovered,
-        now: &Fingerprint,
-        order: &Order<'_>,
-        settings: &EncodeSettings,
-    ) -> Result<Completed> {
+    /// Reads the work of an earlier run. Fails if it has another configuration than the plan.
+    pub fn of(plan: &Plan<'_>, recovered: &Recovered) -> Result<Completed> {
+        let now = configuration::of(plan.source, plan.settings);
         let of_old = |_| configuration::other("it was started by another version of lightfold");
         let begun = serde_json::from_slice(&recovered.head).map_err(of_old)?;
-        if let Some(difference) = Fingerprint(begun).difference(now) {
+        if let Some(difference) = Fingerprint(begun).difference(&now) {
             return Err(configuration::other(&difference));
         }
         let mut completed = Completed { chunks: recovered.chunks.len() as u64, ..Completed::default() };
@@ -155,7 +151,7 @@ impl Completed {
                     completed.scans.insert(probe, ScanNote { scan, files: files.into_iter().collect() });
                 }
                 Note::Searches(searches) => {
-                    let sets = settings.tables().sets().len();
+                    let sets = plan.settings.tables().sets().len();
                     if searches.iter().any(|note| !note.start.is_possible(sets)) {
                         return Err(broken());
                     }
@@ -166,7 +162,7 @@ impl Completed {
         }
         for chunk in &recovered.chunks {
             let ChunkKey { stream, unit, first_frame, frame_count } = chunk.entry.key;
-            let (group, _) = order.stream(stream).ok_or_else(broken)?;
+            let (group, _) = plan.stream(stream).ok_or_else(broken)?;
             let end = first_frame + frame_count;
             let before = completed.ends.insert((stream, unit), end).unwrap_or(group.frames.first);
             if before != first_frame || !group.frames.contains(end - 1) {
@@ -203,7 +199,7 @@ impl Completed {
     pub fn check_file(
         &self,
         source: &dyn FrameSource,
-        GroupRef { at, group }: GroupRef<'_>,
+        GroupPlan { at, group, .. }: GroupPlan<'_>,
         frame: u32,
         now: Stamp,
     ) -> Result<()> {
@@ -222,50 +218,46 @@ impl Completed {
     }
 
     /// Fails if files that complete chunks depend on have changed. Drops scans of changed files that no chunk depends on.
-    pub fn check_files(
-        &mut self,
-        source: &dyn FrameSource,
-        settings: &EncodeSettings,
-        order: &Order<'_>,
-        monitor: &dyn Monitor,
-    ) -> Result<()> {
-        for ordered in &order.0 {
-            let Some(last) = self.last_frame(ordered.streams()) else { continue };
-            let group = ordered.group.group;
-            for frame in group.frames.iter().take_while(|&frame| frame <= last) {
-                self.check_file(source, ordered.group, frame, Stamp::of(source, group, frame)?)?;
+    pub fn check_files(&mut self, plan: &Plan<'_>, monitor: &dyn Monitor) -> Result<()> {
+        let source = plan.source;
+        for &planned in &plan.groups {
+            let Some(last) = self.last_frame(planned.streams()) else { continue };
+            for frame in planned.group.frames.iter().take_while(|&frame| frame <= last) {
+                self.check_file(source, planned, frame, Stamp::of(source, planned.group, frame)?)?;
             }
         }
-        if given_range(source, settings).iter().all(Option::is_some) {
+        if !plan.finds_range() {
             return Ok(());
         }
         let probes: Vec<usize> = self.scans.keys().copied().collect();
         for probe in probes {
-            let of_probe = |group: &SourceGroup| group.probe == probe && group.kind == StreamKind::Depth;
-            let ordered: Vec<_> = order.0.iter().filter(|ordered| of_probe(ordered.group.group)).collect();
-            let mut streams = ordered.iter().flat_map(|ordered| ordered.streams());
-            let is_used = streams.any(|stream| self.last_frames.contains_key(&stream));
-            let groups: Vec<_> = ordered.iter().map(|ordered| ordered.group).collect();
-            let files = stamps(source, &groups)?;
-            if self.scans.get(&probe).is_some_and(|scan| scan.files == files) {
-                continue;
-            }
-            let before = self.scans.remove(&probe).unwrap_or_default();
-            if is_used {
-                let limits = budget::scan_limits(source, settings, &groups)?;
-                let scan = depth_range::scan_in_stage(source, &groups, limits, monitor)?.found.scan();
-                if !scan.is_as_good_as(&before.scan) {
-                    let has_other_range = scan.limits() != before.scan.limits();
-                    let changed =
-                        if has_other_range { "the nearest or the farthest surface" } else { "the few distances" };
-                    let name = source.probes().get(probe).map_or("", |probe| probe.name.as_str());
-                    return Err(configuration::other(&format!(
-                        "files have changed since, which changes {changed} of probe {name}"
-                    )));
-                }
-                self.scans.insert(probe, ScanNote { scan, files });
-            }
+            self.check_scan(plan, probe, monitor)?;
         }
+        Ok(())
+    }
+
+    /// Fails if complete chunks depend on the scan of a probe, and its files have changed so that a new scan has other results.
+    fn check_scan(&mut self, plan: &Plan<'_>, probe: usize, monitor: &dyn Monitor) -> Result<()> {
+        let groups = plan.depth_of(probe);
+        let files = stamps(plan.source, &groups)?;
+        if self.scans.get(&probe).is_some_and(|scan| scan.files == files) {
+            return Ok(());
+        }
+        let before = self.scans.remove(&probe).unwrap_or_default();
+        let mut streams = groups.iter().flat_map(GroupPlan::streams);
+        if !streams.any(|stream| self.last_frames.contains_key(&stream)) {
+            return Ok(());
+        }
+        let scan = depth_range::scan_in_stage(plan, &groups, monitor)?.found.scan();
+        if !scan.is_as_good_as(&before.scan) {
+            let has_other_range = scan.limits() != before.scan.limits();
+            let changed = if has_other_range { "the nearest or the farthest surface" } else { "the few distances" };
+            let name = plan.source.probes().get(probe).map_or("", |probe| probe.name.as_str());
+            return Err(configuration::other(&format!(
+                "files have changed since, which changes {changed} of probe {name}"
+            )));
+        }
+        self.scans.insert(probe, ScanNote { scan, files });
         Ok(())
     }
 }

@@ -7,13 +7,14 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::dataset::SourceGroup;
-use crate::encode::depth_range::{given_range, scan_probe};
+use crate::encode::budget::ScanLimits;
+use crate::encode::depth_range::scan_probe;
 use crate::encode::footage::{Footage, FrameDigest, KnownFiles};
-use crate::encode::order::Order;
+use crate::encode::plan::{GroupPlan, Plan};
 use crate::encode::scan::{FoundDepth, Scans};
 use crate::encode::shard::{Segment, Shard, segments_of_shard};
-use crate::encode::source::{FrameSource, GroupRef, selected_groups};
-use crate::encode::{DepthCodec, EncodeSettings, budget};
+use crate::encode::source::FrameSource;
+use crate::encode::{DepthCodec, EncodeSettings};
 use crate::files::{open_regular, write_whole};
 use crate::fingerprint::{Fingerprint, digest};
 use crate::json;
@@ -82,12 +83,8 @@ impl ScannedFrames {
 
 impl ScanFile {
     /// Creates a scan without scanned frames.
-    pub fn new(source: &dyn FrameSource, settings: &EncodeSettings) -> ScanFile {
-        let whole = selected_groups(source, &of_all_kinds(settings))
-            .iter()
-            .map(|group| sequence(source, group.group))
-            .collect();
-        let footage = footage(source, settings);
+    pub fn new(source: &dyn FrameSource) -> ScanFile {
+        let (footage, whole) = (footage(source), sequences(source));
         ScanFile { lightfold_scan: VERSION, footage, whole, is_unfinished: false, parts: Vec::new() }
     }
 
@@ -114,17 +111,17 @@ impl ScanFile {
         json::pretty(self)
     }
 
-    /// Returns true if the scan is of this footage, read with the same settings.
-    pub fn is_of(&self, source: &dyn FrameSource, settings: &EncodeSettings) -> bool {
-        self.footage == footage(source, settings)
+    /// Returns true if the scan is of this footage, read in the same way.
+    pub fn is_of(&self, source: &dyn FrameSource) -> bool {
+        self.footage == footage(source)
     }
 
     /// Number of images that a scan of a shard covers; `None` scans all.
     pub fn images(source: &dyn FrameSource, settings: &EncodeSettings, shard: Option<Shard>) -> Result<u64> {
         let settings = of_all_kinds(settings);
-        let order = Order::of(source, &settings);
-        let faces = |segment: &Segment| order.0[segment.ordered].group.group.faces.len() as u64;
-        Ok(segments(&order, shard)?.iter().map(|segment| segment.frames.count() * faces(segment)).sum())
+        let plan = Plan::new(source, &settings);
+        let faces = |segment: &Segment| plan.groups[segment.ordered].group.faces.len() as u64;
+        Ok(segments(&plan, shard)?.iter().map(|segment| segment.frames.count() * faces(segment)).sum())
     }
 
     /// Scans the parts of a shard that are missing, and calls `save` after each. Returns the number of images read. The monitor
@@ -140,9 +137,9 @@ impl ScanFile {
         self.is_unfinished = true;
         let (mut read, mut known_files) = (0, KnownFiles::default());
         let settings = of_all_kinds(settings);
-        let order = Order::of(source, &settings);
-        for Segment { ordered, frames, .. } in segments(&order, shard)? {
-            let GroupRef { at, group } = order.0[ordered].group;
+        let plan = Plan::new(source, &settings);
+        for Segment { ordered, frames, .. } in segments(&plan, shard)? {
+            let GroupPlan { group, .. } = plan.groups[ordered];
             let part = SourceGroup { frames, ..group.clone() };
             let Sequence { kind, probe, faces, .. } = sequence(source, group);
             let images = frames.count() * group.faces.len() as u64;
@@ -157,9 +154,8 @@ impl ScanFile {
             let digests = known_files.read(source, &part, if is_depth { &uncounted } else { monitor })?;
             let found = match group.kind {
                 StreamKind::Depth => {
-                    let groups = [GroupRef { at, group: &part }];
-                    let limits = budget::scan_limits(source, &settings, &groups)?;
-                    let limits = budget::ScanLimits { keep_bytes: 0, ..limits };
+                    let groups = [GroupPlan { group: &part, need: plan.need(&part), ..plan.groups[ordered] }];
+                    let limits = ScanLimits { keep_bytes: 0, ..plan.scan_limits(&groups)? };
                     Some(scan_probe(source, &groups, limits, monitor)?.found)
                 }
                 _ => None,
@@ -235,8 +231,8 @@ impl ScanFile {
     ///
     /// # Errors
     /// [`Error::Invalid`] for other footage, and if frames are missing.
-    pub fn scans(&self, source: &dyn FrameSource, settings: &EncodeSettings) -> Result<(Scans, Footage)> {
-        if !self.is_of(source, settings) {
+    pub fn scans(&self, source: &dyn FrameSource) -> Result<(Scans, Footage)> {
+        if !self.is_of(source) {
             return Err(Error::invalid(
                 "a scan of other footage, or made with other settings or by another version of lightfold: scan again",
             ));
@@ -250,7 +246,7 @@ impl ScanFile {
         }
         let mut found: BTreeMap<usize, FoundDepth> = BTreeMap::new();
         let mut footage = Footage::empty("the scan");
-        for GroupRef { group, .. } in selected_groups(source, &of_all_kinds(settings)) {
+        for group in source.groups() {
             let sequence = sequence(source, group);
             let mut digests = Vec::new();
             for part in self.parts_of(&sequence) {
@@ -277,11 +273,12 @@ impl ScanFile {
 
 /// Number of images that [`scan_probes`] reads.
 pub fn probe_images(source: &dyn FrameSource, settings: &EncodeSettings, probes: &[usize]) -> u64 {
-    if given_range(source, settings).iter().all(Option::is_some) {
+    let settings = of_depth(settings);
+    let plan = Plan::new(source, &settings);
+    if !plan.finds_range() {
         return 0;
     }
-    let groups = selected_groups(source, &of_depth(settings)).into_iter();
-    groups.filter(|group| probes.contains(&group.group.probe)).map(|group| group.images()).sum()
+    plan.groups.iter().filter(|planned| probes.contains(&planned.group.probe)).map(GroupPlan::images).sum()
 }
 
 /// Scans all frames of the given probes, for an encode of some of these frames. Returns no scans if near and far are given. The
@@ -293,14 +290,13 @@ pub fn scan_probes(
     monitor: &dyn Monitor,
 ) -> Result<Scans> {
     let mut scans = Scans::new();
-    if given_range(source, settings).iter().all(Option::is_some) {
+    let plan = Plan::new(source, settings);
+    if !plan.finds_range() {
         return Ok(scans);
     }
     for &probe in probes {
-        let groups = selected_groups(source, &of_depth(settings));
-        let groups: Vec<_> = groups.into_iter().filter(|group| group.group.probe == probe).collect();
-        let limits = budget::scan_limits(source, settings, &groups)?;
-        let limits = budget::ScanLimits { keep_bytes: 0, ..limits };
+        let groups = plan.depth_of(probe);
+        let limits = ScanLimits { keep_bytes: 0, ..plan.scan_limits(&groups)? };
         scans.insert(probe, scan_probe(source, &groups, limits, monitor)?.found.scan());
     }
     Ok(scans)
@@ -318,18 +314,18 @@ fn of_all_kinds(settings: &EncodeSettings) -> EncodeSettings {
     EncodeSettings { kinds: StreamKind::ALL.to_vec(), ..of_depth(settings) }
 }
 
-fn segments(order: &Order<'_>, shard: Option<Shard>) -> Result<Vec<Segment>> {
-    segments_of_shard(order, |_| PART_FRAMES, shard.unwrap_or(Shard { number: 1, count: 1 }))
-}
-
-fn faces_of(group: &SourceGroup) -> String {
-    group.faces.iter().map(|face| face.name()).collect::<Vec<_>>().join(",")
+fn segments(plan: &Plan<'_>, shard: Option<Shard>) -> Result<Vec<Segment>> {
+    segments_of_shard(plan, PART_FRAMES, shard.unwrap_or(Shard { number: 1, count: 1 }))
 }
 
 fn sequence(source: &dyn FrameSource, group: &SourceGroup) -> Sequence {
     let probe = source.probes()[group.probe].name.clone();
-    let (kind, faces) = (group.kind.name().to_owned(), faces_of(group));
-    Sequence { kind, probe, faces, frames: [group.frames.first, group.frames.last] }
+    let faces = group.faces.iter().map(|face| face.name()).collect::<Vec<_>>().join(",");
+    Sequence { kind: group.kind.name().to_owned(), probe, faces, frames: [group.frames.first, group.frames.last] }
+}
+
+fn sequences(source: &dyn FrameSource) -> Vec<Sequence> {
+    source.groups().iter().map(|group| sequence(source, group)).collect()
 }
 
 /// Joins the first `MAX_NAMED` words; an ellipsis marks that more follow.
@@ -339,15 +335,7 @@ fn few(words: &[String]) -> String {
     words.iter().take(MAX_NAMED).cloned().collect::<Vec<_>>().join(", ") + more
 }
 
-fn footage(source: &dyn FrameSource, settings: &EncodeSettings) -> String {
-    let groups: Vec<Sequence> =
-        selected_groups(source, &of_all_kinds(settings)).iter().map(|group| sequence(source, group.group)).collect();
-    digest(
-        format!(
-            "{:?} {:?} {groups:?}",
-            Fingerprint::of_program(&[codec::SOURCES, crate::SOURCES]),
-            source.configuration()
-        )
-        .as_bytes(),
-    )
+fn footage(source: &dyn FrameSource) -> String {
+    let program = Fingerprint::of_program(&[codec::SOURCES, crate::SOURCES]);
+    digest(format!("{program:?} {:?} {:?}", source.configuration(), sequences(source)).as_bytes())
 }

@@ -195,7 +195,7 @@ impl TileSize {
 /// Treatment of colour that would be clipped to 8 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Clipping {
-    /// [`crate::encode::check_first_frames`] fails if the first frame of a stream has clipped pixels.
+    /// [`crate::encode::FirstFrames::check`] fails if the first frame of a stream has clipped pixels.
     Refuse,
     /// Clipped pixels are counted, and the container stores their number.
     #[default]
@@ -274,51 +274,46 @@ impl EncodeSettings {
         self.temporal.check()?;
         self.nodes(0).check()?;
         self.check_ranges()?;
+        let wrong = |message: &str| Err(Error::Usage(message.to_owned()));
         let no_tiles = matches!(self.tiles, TileSize::PerSide(0) | TileSize::Pixels(0));
         if no_tiles || self.cell == 0 || self.search.lookahead == 0 {
-            return Err(Error::Usage("tiles, cell size and lookahead must be at least 1".into()));
+            return wrong("tiles, cell size and lookahead must be at least 1");
         }
         if !(1..=MAX_FRAMES).contains(&self.color_chunk) {
-            return Err(Error::Usage(format!(
-                "colour chunks of {} frames: 1 to {MAX_FRAMES} were expected",
-                self.color_chunk
-            )));
+            return wrong(&format!("colour chunks of {} frames: 1 to {MAX_FRAMES} were expected", self.color_chunk));
         }
         if self.color_tables.is_some() && self.color_codec != ColorCodec::Transform {
-            return Err(Error::Usage("`color_tables` needs `color_codec` transform".into()));
+            return wrong("`color_tables` needs `color_codec` transform");
         }
         if !self.depth_tables.is_empty() && self.depth.codec != DepthCodec::Predictive {
-            return Err(Error::Usage("`depth_tables` needs `depth_codec` predictive".into()));
+            return wrong("`depth_tables` needs `depth_codec` predictive");
         }
         if self.depth_tables.len() > MAX_OWN {
-            return Err(Error::Usage(format!("`depth_tables`: at most {MAX_OWN} table sets are possible")));
+            return wrong(&format!("`depth_tables`: at most {MAX_OWN} table sets are possible"));
         }
         if self.color_codec == ColorCodec::Cells && !matches!(self.search.target, Target::Psnr(_)) {
-            return Err(Error::Usage(
-                "`quality` and `color_qp` need `color_codec` transform: with cells use `psnr`".into(),
-            ));
+            return wrong("`quality` and `color_qp` need `color_codec` transform: with cells use `psnr`");
         }
-        let Some(ColorBlockSettings { blocks, final_psnr_db }) = self.color_blocks else { return Ok(()) };
-        if self.color_codec == ColorCodec::Transform {
-            let message = "`color_block` needs `color_codec` cells: use cells, or leave out `color_block`";
-            return Err(Error::Usage(message.into()));
-        }
-        if (blocks == ColorBlocks::Bc6h) != matches!(self.color, ColorFormat::Half { .. }) {
-            let message = "BC1 and BC7 store 8 bits, BC6H stores half floats: use bc6h with `hdr`, bc1 or bc7 without";
-            return Err(Error::Usage(message.into()));
-        }
-        if !self.cell.is_multiple_of(SIDE as u32) {
-            let message = format!("cells of {} pixels: blocks of 4x4 pixels need a multiple of 4", self.cell);
-            return Err(Error::Usage(message));
-        }
+        self.color_blocks.map_or(Ok(()), |blocks| self.check_color_blocks(blocks))
+    }
+
+    fn check_color_blocks(&self, ColorBlockSettings { blocks, final_psnr_db }: ColorBlockSettings) -> Result<()> {
         let searched_db = self.search.target.min_psnr_db();
-        if final_psnr_db > searched_db {
-            return Err(Error::Usage(format!(
+        let message = if self.color_codec == ColorCodec::Transform {
+            "`color_block` needs `color_codec` cells: use cells, or leave out `color_block`".into()
+        } else if (blocks == ColorBlocks::Bc6h) != matches!(self.color, ColorFormat::Half { .. }) {
+            "BC1 and BC7 store 8 bits, BC6H stores half floats: use bc6h with `hdr`, bc1 or bc7 without".into()
+        } else if !self.cell.is_multiple_of(SIDE as u32) {
+            format!("cells of {} pixels: blocks of 4x4 pixels need a multiple of 4", self.cell)
+        } else if final_psnr_db > searched_db {
+            format!(
                 "`psnr_final` {final_psnr_db} dB exceeds `psnr` {searched_db} dB, but blocks only lose quality: \
                 reduce `psnr_final`"
-            )));
-        }
-        Ok(())
+            )
+        } else {
+            return Ok(());
+        };
+        Err(Error::Usage(message))
     }
 
     /// Fails if a value is outside the range that the codecs accept.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::dataset::SourceGroup;
-use crate::encode::order::Order;
+use crate::encode::plan::Plan;
 use codec::error::{Error, Result, counted};
 use codec::image::{FrameRange, StreamKind};
 
@@ -53,6 +53,73 @@ impl Shard {
     }
 }
 
+/// Content of a shard. Empty lists and `None` mean all.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ShardChoice {
+    /// Names of probes.
+    pub probes: Vec<String>,
+    /// Kinds of streams.
+    pub kinds: Vec<StreamKind>,
+    /// Frames. They must start and end at segment boundaries of the streams.
+    pub frames: Option<FrameRange>,
+}
+
+impl ShardChoice {
+    /// Returns the chosen groups with their frames.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for unknown probes, for frames that are not at segment boundaries, and if nothing is chosen.
+    pub(super) fn groups(&self, plan: &Plan<'_>) -> Result<Vec<SourceGroup>> {
+        let names: Vec<&str> = plan.source.probes().iter().map(|probe| probe.name.as_str()).collect();
+        if let Some(unknown) = self.probes.iter().find(|name| !names.contains(&name.as_str())) {
+            let names = names.join(", ");
+            return Err(Error::Usage(format!("`shard_probe` {unknown}: the probes are {names}")));
+        }
+        let mut groups = Vec::new();
+        for group in plan.groups.iter().map(|planned| planned.group) {
+            let name = names[group.probe];
+            let of_kind = self.kinds.is_empty() || self.kinds.contains(&group.kind);
+            let of_probe = self.probes.is_empty() || self.probes.iter().any(|probe| probe == name);
+            if !of_kind || !of_probe {
+                continue;
+            }
+            let asked = self.frames.unwrap_or(group.frames);
+            let Some(frames) = asked.intersect(group.frames) else { continue };
+            if let Some(words) = not_cut(group.frames, frames, plan.settings.segment_frames(group.kind).max(1)) {
+                let kind = group.kind.name();
+                return Err(Error::Usage(format!("`shard_frames` {asked}: {kind} of probe {name} {words}")));
+            }
+            groups.push(SourceGroup { frames, ..group.clone() });
+        }
+        if groups.is_empty() {
+            let message = "no stream has the probes, kinds and frames of this shard: see `shard_probe`, `shard_stream` and \
+                           `shard_frames`";
+            return Err(Error::Usage(message.to_owned()));
+        }
+        Ok(groups)
+    }
+}
+
+/// Returns the nearest valid boundary, as words of an error, if `part` does not consist of whole segments of `length` frames.
+fn not_cut(all: FrameRange, part: FrameRange, length: u32) -> Option<String> {
+    // Offset of a frame from the start of its segment.
+    let behind = |frame: u32| (frame - all.first) % length;
+    let or = |words: Vec<u32>| words.iter().map(u32::to_string).collect::<Vec<_>>().join(" or ");
+    if behind(part.first) != 0 {
+        let before = part.first - behind(part.first);
+        let after = before.checked_add(length).filter(|&after| after <= all.last);
+        let nearest = or(std::iter::once(before).chain(after).collect());
+        return Some(format!("can begin at frame {nearest}, not at {}", part.first));
+    }
+    if part.last != all.last && behind(part.last + 1) != 0 {
+        let before = (part.last - behind(part.last)).checked_sub(1).filter(|&before| before >= part.first);
+        let after = (part.last - behind(part.last)).saturating_add(length - 1).min(all.last);
+        let nearest = or(before.into_iter().chain([after]).collect());
+        return Some(format!("can end at frame {nearest}, not at {}", part.last));
+    }
+    None
+}
+
 /// Consecutive frames of a group.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Segment {
@@ -72,13 +139,8 @@ struct Piece {
 ///
 /// # Errors
 /// [`Error::Usage`] for a number out of range, and if the source cannot be cut into so many shards.
-pub(super) fn groups_of_shard(
-    order: &Order<'_>,
-    length: impl Fn(StreamKind) -> u32,
-    shard: Shard,
-    by: ShardBy,
-) -> Result<Vec<SourceGroup>> {
-    let pieces = pieces(order, length, by);
+pub(super) fn groups_of_shard(plan: &Plan<'_>, shard: Shard, by: ShardBy) -> Result<Vec<SourceGroup>> {
+    let pieces = pieces(plan, |kind| plan.settings.segment_frames(kind), by);
     let mut segments: Vec<Segment> =
         of_shard(&pieces, shard)?.iter().flat_map(|piece| &piece.segments).copied().collect();
     segments.sort_by_key(|segment| (segment.ordered, segment.frames.first));
@@ -88,19 +150,16 @@ pub(super) fn groups_of_shard(
             Some((at, group)) if *at == ordered && group.frames.last + 1 == frames.first => {
                 group.frames.last = frames.last;
             }
-            _ => groups.push((ordered, SourceGroup { frames, ..order.0[ordered].group.group.clone() })),
+            _ => groups.push((ordered, SourceGroup { frames, ..plan.groups[ordered].group.clone() })),
         }
     }
     Ok(groups.into_iter().map(|(_, group)| group).collect())
 }
 
-/// Returns the segments of a shard, for work that may have more shards than segments; shards beyond the last segment are empty.
-pub(super) fn segments_of_shard(
-    order: &Order<'_>,
-    length: impl Fn(StreamKind) -> u32,
-    Shard { number, count }: Shard,
-) -> Result<Vec<Segment>> {
-    let pieces = pieces(order, length, ShardBy::Segment);
+/// Returns the segments of `length` frames of a shard, for work that may have more shards than segments; shards beyond the last
+/// segment are empty.
+pub(super) fn segments_of_shard(plan: &Plan<'_>, length: u32, Shard { number, count }: Shard) -> Result<Vec<Segment>> {
+    let pieces = pieces(plan, |_| length, ShardBy::Segment);
     if count as usize > pieces.len() && (1..=count).contains(&number) {
         return Ok(pieces.get(number as usize - 1).map_or_else(Vec::new, |piece| piece.segments.clone()));
     }
@@ -108,10 +167,10 @@ pub(super) fn segments_of_shard(
 }
 
 /// Returns all segments of `length` frames, grouped into pieces in the order in which they are assigned to shards.
-fn pieces(order: &Order<'_>, length: impl Fn(StreamKind) -> u32, by: ShardBy) -> Vec<Piece> {
+fn pieces(plan: &Plan<'_>, length: impl Fn(StreamKind) -> u32, by: ShardBy) -> Vec<Piece> {
     let mut segments: Vec<Segment> = Vec::new();
-    for (ordered, group) in order.0.iter().enumerate() {
-        let SourceGroup { kind, faces, frames, width, height, .. } = group.group.group;
+    for (ordered, group) in plan.groups.iter().enumerate() {
+        let SourceGroup { kind, faces, frames, width, height, .. } = group.group;
         let length = length(*kind).max(1);
         let mut first = frames.first;
         loop {
@@ -127,7 +186,7 @@ fn pieces(order: &Order<'_>, length: impl Fn(StreamKind) -> u32, by: ShardBy) ->
     if by == ShardBy::Time {
         segments.sort_by_key(|segment| (segment.frames.first, segment.ordered));
     }
-    let probe = |segment: &Segment| order.0[segment.ordered].group.group.probe;
+    let probe = |segment: &Segment| plan.groups[segment.ordered].group.probe;
     let together = |a: &Segment, b: &Segment| match by {
         ShardBy::Segment | ShardBy::Time => false,
         ShardBy::Stream => a.ordered == b.ordered,
@@ -201,6 +260,25 @@ mod tests {
                 next = range.end;
             }
             assert_eq!(next, total);
+        }
+    }
+
+    #[test]
+    fn frames_that_are_no_whole_segments_name_the_nearest_that_are() {
+        let all = FrameRange { first: 3, last: 20 };
+        let words = |first, last| not_cut(all, FrameRange { first, last }, 8);
+        for (first, last) in [(3, 10), (3, 18), (11, 20), (19, 20), (3, 20)] {
+            assert_eq!(words(first, last), None, "{first}-{last}");
+        }
+        for (first, last, expected) in [
+            (5, 10, "can begin at frame 3 or 11, not at 5"),
+            (20, 20, "can begin at frame 19, not at 20"),
+            (3, 9, "can end at frame 10, not at 9"),
+            (3, 12, "can end at frame 10 or 18, not at 12"),
+            (11, 12, "can end at frame 18, not at 12"),
+            (11, 19, "can end at frame 18 or 20, not at 19"),
+        ] {
+            assert_eq!(words(first, last).as_deref(), Some(expected));
         }
     }
 }

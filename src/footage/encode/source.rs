@@ -201,22 +201,9 @@ impl FrameSource for Source {
     }
 }
 
-/// A group of a source, with its index in [`FrameSource::groups`].
-#[derive(Debug, Clone, Copy)]
-pub struct GroupRef<'a> {
-    pub at: usize,
-    pub group: &'a SourceGroup,
-}
-
-impl GroupRef<'_> {
-    pub fn images(&self) -> u64 {
-        self.group.frames.count() * self.group.faces.len() as u64
-    }
-}
-
-pub fn selected_groups<'a>(source: &'a dyn FrameSource, settings: &EncodeSettings) -> Vec<GroupRef<'a>> {
-    let groups = source.groups().iter().enumerate().map(|(at, group)| GroupRef { at, group });
-    groups.filter(|group| settings.kinds.contains(&group.group.kind)).collect()
+/// Groups whose kind the settings select.
+pub fn selected_groups<'a>(source: &'a dyn FrameSource, settings: &EncodeSettings) -> Vec<&'a SourceGroup> {
+    source.groups().iter().filter(|group| settings.kinds.contains(&group.kind)).collect()
 }
 
 /// Missing frames of a group, in the form that a container stores.

@@ -6,7 +6,8 @@ use serde::Serialize;
 
 use crate::encode::EncodeSettings;
 use crate::encode::depth_range::{ProbeDepth, depth_of_probe};
-use crate::encode::source::{FrameSource, GroupRef, name_frame, selected_groups};
+use crate::encode::plan::{GroupPlan, Plan};
+use crate::encode::source::{FrameSource, name_frame};
 use crate::json::Number;
 use codec::depth::Quantiser;
 use codec::depth::domain::Domain;
@@ -17,25 +18,23 @@ use codec::monitor::Monitor;
 use codec::ordered::try_map_ordered;
 use codec::streams::convert;
 
-fn depth_groups(source: &dyn FrameSource) -> Vec<GroupRef<'_>> {
-    selected_groups(source, &EncodeSettings { kinds: vec![StreamKind::Depth], ..EncodeSettings::default() })
-}
-
 /// Number of images that [`measure`] advances its monitor by.
 pub fn images(source: &dyn FrameSource) -> u64 {
-    depth_groups(source).iter().map(GroupRef::images).sum()
+    let of_depth = EncodeSettings { kinds: vec![StreamKind::Depth], ..EncodeSettings::default() };
+    Plan::new(source, &of_depth).images()
 }
 
 /// Fits each modelling function to every 8x8 tile of all depth images, without an error bound. Of the settings only near, far,
 /// domain and effort are used.
 pub fn measure(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dyn Monitor) -> Result<TilePsnr> {
     let mut found = TilePsnr::default();
-    let all = depth_groups(source);
-    for groups in all.chunk_by(|one, next| one.group.probe == next.group.probe) {
-        let ProbeDepth { range, scanned, .. } = depth_of_probe(source, settings, groups, None, monitor)?;
+    let all_kinds = EncodeSettings { kinds: StreamKind::ALL.to_vec(), ..settings.clone() };
+    let plan = Plan::new(source, &all_kinds);
+    for groups in (0..source.probes().len()).map(|probe| plan.depth_of(probe)).filter(|groups| !groups.is_empty()) {
+        let ProbeDepth { range, scanned, .. } = depth_of_probe(&plan, &groups, None, monitor)?;
         let mut kept = scanned.map(|scanned| scanned.kept).unwrap_or_default();
         let (quantiser, domain) = (Quantiser::new(range), Domain::new(settings.depth.domain, range)?);
-        for &GroupRef { at, group } in groups {
+        for GroupPlan { at, group, .. } in groups {
             for frame in group.frames.iter() {
                 monitor.check()?;
                 let planes = match kept.remove(&(at, frame)) {

@@ -3,16 +3,14 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::encode::budget::ColorMemory;
-use crate::encode::group::{Coded, GroupCoder};
-use crate::encode::{DepthSettings, EncodeSettings};
-use codec::color::quality::EightBit;
+use crate::encode::group::{Coded, CodedPixel, GroupCoder};
+use crate::encode::{ColorBlockSettings, DepthSettings, EncodeSettings};
+use codec::color::quality::{EightBit, Quality};
 use codec::color::temporal::BlockStage;
 use codec::color::transform::Keyed;
-use codec::color::transform::encode::{PricedTables, Start, TransformEncoder};
-use codec::color::{CellEncoder, CellFormat, HalfKey, Sample};
+use codec::color::transform::encode::{Start, TransformEncoder};
+use codec::color::{CellEncoder, CellFormat, Sample};
 use codec::container::{ChunkKey, EncodedChunk, PackedChunk};
-use codec::depth::TemporalEncoder;
 use codec::depth::block_chunk::encoder::BlockEncoder;
 use codec::depth::domain::Domain;
 use codec::depth::node_encoder::NodeEncoder;
@@ -20,22 +18,201 @@ use codec::depth::nodes::Grid;
 use codec::depth::predictive::encoder::PredictiveEncoder;
 use codec::depth::predictive::{PredictiveHeader, UnitArea};
 use codec::depth::tree_chunk::encoder::TreeEncoder;
+use codec::depth::{TemporalEncoder, Texel};
 use codec::error::{Error, Result};
-use codec::image::Plane;
 use codec::monitor::Monitor;
 use codec::streams::{CodecHeader, DepthCoding, DepthHeader, MaterialHeader};
 
-enum Unit {
-    Depth(TemporalEncoder<u16>),
-    DepthNodes(Box<NodeEncoder>),
-    DepthTree(Box<TreeEncoder>),
-    DepthBlocks(BlockEncoder),
-    Predictive(Box<PredictiveEncoder>),
-    Material(TemporalEncoder<[u8; 3]>),
-    Color8(CellEncoder<u8>),
-    ColorHalf(CellEncoder<HalfKey>),
-    Transform8(TransformEncoder<u8>),
-    TransformHalf(TransformEncoder<HalfKey>),
+/// Encoder of one unit in a stream of one codec.
+trait UnitEncoder: Send {
+    /// Codes the next frame. Returns the chunk that this closed.
+    fn push(&mut self, picture: UnitPicture<'_>) -> Result<Option<EncodedChunk>>;
+
+    /// Closes all open chunks.
+    fn finish(&mut self) -> Result<Vec<EncodedChunk>>;
+
+    /// Initial state of the search for the next chunk, of codecs that have one.
+    fn search(&self) -> Option<Start> {
+        None
+    }
+}
+
+/// The rectangle of a unit (left, top, width, height) in a picture of its stream.
+struct UnitPicture<'a> {
+    picture: &'a Coded,
+    rect: [u32; 4],
+}
+
+impl UnitPicture<'_> {
+    /// Returns the pixels, row-major.
+    fn pixels<T: CodedPixel>(&self) -> Result<Vec<T>> {
+        // Does not occur: pictures and units of a group are built from the same header.
+        let other = || Error::invalid("a picture of another kind than its unit");
+        let plane = T::plane_of(self.picture).ok_or_else(other)?;
+        let [left, top, width, height] = self.rect;
+        let mut pixels = Vec::with_capacity(width as usize * height as usize);
+        for y in top..top + height {
+            pixels.extend_from_slice(&plane.row(y)[left as usize..(left + width) as usize]);
+        }
+        Ok(pixels)
+    }
+}
+
+impl<T: Texel + CodedPixel> UnitEncoder for TemporalEncoder<T> {
+    fn push(&mut self, picture: UnitPicture<'_>) -> Result<Option<EncodedChunk>> {
+        self.push(&picture.pixels()?)
+    }
+
+    fn finish(&mut self) -> Result<Vec<EncodedChunk>> {
+        Ok(self.finish()?.into_iter().collect())
+    }
+}
+
+impl UnitEncoder for NodeEncoder {
+    fn push(&mut self, picture: UnitPicture<'_>) -> Result<Option<EncodedChunk>> {
+        self.push(&picture.pixels()?, None)
+    }
+
+    fn finish(&mut self) -> Result<Vec<EncodedChunk>> {
+        Ok(self.finish()?.into_iter().collect())
+    }
+}
+
+impl UnitEncoder for TreeEncoder {
+    fn push(&mut self, picture: UnitPicture<'_>) -> Result<Option<EncodedChunk>> {
+        self.push(&picture.pixels()?)
+    }
+
+    fn finish(&mut self) -> Result<Vec<EncodedChunk>> {
+        Ok(self.finish()?.into_iter().collect())
+    }
+}
+
+impl UnitEncoder for BlockEncoder {
+    fn push(&mut self, picture: UnitPicture<'_>) -> Result<Option<EncodedChunk>> {
+        Ok(self.push(&picture.pixels()?))
+    }
+
+    fn finish(&mut self) -> Result<Vec<EncodedChunk>> {
+        Ok(self.finish().into_iter().collect())
+    }
+}
+
+impl UnitEncoder for PredictiveEncoder {
+    fn push(&mut self, picture: UnitPicture<'_>) -> Result<Option<EncodedChunk>> {
+        Ok(self.push(&picture.pixels()?))
+    }
+
+    fn finish(&mut self) -> Result<Vec<EncodedChunk>> {
+        Ok(self.finish().into_iter().collect())
+    }
+}
+
+/// Encoder of colour with the measure of its quality.
+struct Measured<'a, E, Q> {
+    encoder: E,
+    quality: &'a Q,
+}
+
+impl<S: Sample, Q: Quality<S>> UnitEncoder for Measured<'_, CellEncoder<S>, Q>
+where
+    [S; 3]: CodedPixel,
+{
+    fn push(&mut self, picture: UnitPicture<'_>) -> Result<Option<EncodedChunk>> {
+        self.encoder.push(picture.pixels::<[S; 3]>()?.as_flattened(), self.quality)
+    }
+
+    fn finish(&mut self) -> Result<Vec<EncodedChunk>> {
+        self.encoder.finish(self.quality)
+    }
+}
+
+impl<S: Keyed, Q: Quality<S>> UnitEncoder for Measured<'_, TransformEncoder<S>, Q>
+where
+    [S; 3]: CodedPixel,
+{
+    fn push(&mut self, picture: UnitPicture<'_>) -> Result<Option<EncodedChunk>> {
+        self.encoder.push(picture.pixels::<[S; 3]>()?.as_flattened(), self.quality)
+    }
+
+    fn finish(&mut self) -> Result<Vec<EncodedChunk>> {
+        Ok(self.encoder.finish(self.quality)?.into_iter().collect())
+    }
+
+    fn search(&self) -> Option<Start> {
+        self.encoder.start
+    }
+}
+
+type BoxedEncoder<'a> = Box<dyn UnitEncoder + 'a>;
+
+/// Chooses the encoder of a unit by the codec of its stream. `start` is the initial state of the search.
+fn unit_encoder<'a>(coder: &'a GroupCoder<'_>, rect: [u32; 4], start: Option<Start>) -> Result<BoxedEncoder<'a>> {
+    let ([_, _, width, height], group) = (rect, coder.planned.group);
+    let (size, area) = ([width, height], UnitArea { rect, image: [group.width, group.height] });
+    Ok(match &coder.header {
+        CodecHeader::Depth(header) => return depth_encoder(coder, header, area),
+        CodecHeader::Alpha(header) => predictive(coder, &header.predictive(), area)?,
+        &CodecHeader::Material(MaterialHeader { temporal, in_blocks }) => Box::new(match in_blocks {
+            true => TemporalEncoder::<[u8; 3]>::in_blocks(size, temporal, coder.plan.settings.depth.effort),
+            false => TemporalEncoder::new(width, temporal),
+        }),
+        CodecHeader::Color(header) => match header.is_half() {
+            true => color_encoder(coder, header.cell_of_halves(size), coder.pu21()?, start),
+            false => color_encoder(coder, header.cell_of_bytes(size), &EightBit, start),
+        },
+    })
+}
+
+fn depth_encoder<'a>(coder: &'a GroupCoder<'_>, header: &DepthHeader, area: UnitArea) -> Result<BoxedEncoder<'a>> {
+    let ([width, height], settings) = (area.size(), coder.plan.settings);
+    let grid = Grid { width, height };
+    Ok(match &header.coding {
+        &DepthCoding::Boxes(temporal) => Box::new(TemporalEncoder::<u16>::new(width, temporal)),
+        &DepthCoding::BoxesInBlocks(temporal) => {
+            Box::new(TemporalEncoder::<u16>::in_blocks([width, height], temporal, settings.depth.effort))
+        }
+        DepthCoding::Nodes(nodes) => {
+            let domain = Domain::new(nodes.domain.kind, header.range)?;
+            Box::new(NodeEncoder::new(grid, domain, settings.nodes(nodes.bound)))
+        }
+        DepthCoding::Tree(nodes) => {
+            let domain = Domain::new(nodes.domain.kind, header.range)?;
+            Box::new(TreeEncoder::new(grid, domain, settings.nodes(nodes.bound)))
+        }
+        DepthCoding::Blocks => {
+            Box::new(BlockEncoder::new(grid, settings.depth.effort, settings.temporal.keyframe_interval))
+        }
+        DepthCoding::Predictive(header) => predictive(coder, header, area)?,
+    })
+}
+
+fn predictive<'a>(coder: &GroupCoder<'_>, header: &PredictiveHeader, area: UnitArea) -> Result<BoxedEncoder<'a>> {
+    let DepthSettings { decide, effort, .. } = coder.plan.settings.depth;
+    Ok(Box::new(PredictiveEncoder::new(header, area, decide, effort)?))
+}
+
+fn color_encoder<'a, S: Keyed, Q: Quality<S>>(
+    coder: &'a GroupCoder<'_>,
+    CellFormat { size, blocks }: CellFormat<S>,
+    quality: &'a Q,
+    start: Option<Start>,
+) -> BoxedEncoder<'a>
+where
+    [S; 3]: CodedPixel,
+{
+    let EncodeSettings { search, color_chunk, color_blocks, .. } = coder.plan.settings;
+    if let Some(tables) = &coder.tables {
+        let format = CellFormat { size, blocks };
+        let mut encoder = TransformEncoder::new(format, *search, *color_chunk, Arc::clone(tables));
+        encoder.start = start;
+        return Box::new(Measured { encoder, quality });
+    }
+    let mut encoder = CellEncoder::new(coder.color_memory.search, coder.color_memory.close_at_bytes);
+    if let (Some(blocks), &Some(ColorBlockSettings { final_psnr_db, .. })) = (blocks, color_blocks) {
+        encoder = encoder.with_blocks(BlockStage { blocks, size, final_psnr_db });
+    }
+    Box::new(Measured { encoder, quality })
 }
 
 /// Progress in images, computed from the number of coded units. Units complete in any order.
@@ -91,187 +268,51 @@ pub(super) struct Closed {
     pub search: Option<Start>,
 }
 
-pub(super) struct UnitJob {
+pub(super) struct UnitJob<'a> {
+    coder: &'a GroupCoder<'a>,
     place: UnitPlace,
-    encoder: Unit,
-    memory: ColorMemory,
+    encoder: BoxedEncoder<'a>,
 }
 
-impl UnitJob {
-    pub fn new(coder: &GroupCoder<'_>, memory: ColorMemory, place: UnitPlace) -> Result<UnitJob> {
-        let mut encoder = Unit::new(coder, place.rect, &memory)?;
-        match &mut encoder {
-            Unit::Transform8(encoder) => encoder.start = place.search,
-            Unit::TransformHalf(encoder) => encoder.start = place.search,
-            _ => {}
-        }
-        Ok(UnitJob { place, encoder, memory })
+impl<'a> UnitJob<'a> {
+    pub fn new(coder: &'a GroupCoder<'a>, place: UnitPlace) -> Result<UnitJob<'a>> {
+        Ok(UnitJob { coder, place, encoder: unit_encoder(coder, place.rect, place.search)? })
     }
 
     /// Codes this unit of each picture and returns the chunks that were closed.
-    pub fn push(&mut self, batch: &Batch, coder: &GroupCoder<'_>, pace: &Pace<'_>) -> Result<Vec<Closed>> {
+    pub fn push(&mut self, batch: &Batch, pace: &Pace<'_>) -> Result<Vec<Closed>> {
         let mut closed = Vec::new();
-        let segment_frames = coder.settings.segment_frames(coder.group.kind);
-        let skipped = self.place.start.saturating_sub(batch.first) as usize;
-        for (at, picture) in batch.pictures.iter().enumerate().skip(skipped) {
+        let UnitPlace { face, rect, start, .. } = self.place;
+        let segment_frames = self.coder.plan.settings.segment_frames(self.coder.planned.group.kind);
+        let skipped = start.saturating_sub(batch.first) as usize;
+        for (by, picture) in batch.pictures.iter().enumerate().skip(skipped) {
             pace.monitor.check()?;
-            let chunk = self.encoder.push(&picture[self.place.face], self.place.rect, coder)?;
-            let frames = batch.first + at as u32 + 1;
+            let chunk = self.encoder.push(UnitPicture { picture: &picture[face], rect })?;
+            let frames = batch.first + by as u32 + 1;
             if frames.is_multiple_of(segment_frames) {
-                for chunk in chunk.into_iter().chain(self.encoder.finish(coder)?) {
-                    closed.push(Closed { by: at, chunk: self.pack(chunk, coder)?, search: None });
+                for chunk in chunk.into_iter().chain(self.encoder.finish()?) {
+                    closed.push(Closed { by, chunk: self.pack(chunk)?, search: None });
                 }
-                self.encoder = Unit::new(coder, self.place.rect, &self.memory)?;
+                self.encoder = unit_encoder(self.coder, rect, None)?;
                 self.place.start = frames;
             } else if let Some(chunk) = chunk {
-                closed.push(Closed { by: at, chunk: self.pack(chunk, coder)?, search: self.encoder.search() });
+                closed.push(Closed { by, chunk: self.pack(chunk)?, search: self.encoder.search() });
             }
             pace.advance(1);
         }
         Ok(closed)
     }
 
-    pub fn finish(&mut self, coder: &GroupCoder<'_>) -> Result<Vec<PackedChunk>> {
-        let chunks = self.encoder.finish(coder)?;
-        chunks.into_iter().map(|chunk| self.pack(chunk, coder)).collect()
+    pub fn finish(&mut self) -> Result<Vec<PackedChunk>> {
+        let chunks = self.encoder.finish()?;
+        chunks.into_iter().map(|chunk| self.pack(chunk)).collect()
     }
 
-    fn pack(&self, chunk: EncodedChunk, coder: &GroupCoder<'_>) -> Result<PackedChunk> {
-        let UnitPlace { stream, unit, start, .. } = self.place;
-        let first_frame = coder.group.frames.first + start + chunk.first_frame;
+    fn pack(&self, chunk: EncodedChunk) -> Result<PackedChunk> {
+        let (UnitPlace { stream, unit, start, .. }, GroupCoder { plan, planned, header, .. }) =
+            (self.place, self.coder);
+        let first_frame = planned.group.frames.first + start + chunk.first_frame;
         let key = ChunkKey { stream, unit, first_frame, frame_count: chunk.frame_count };
-        PackedChunk::new(key, chunk.payload, (coder.settings.compression, coder.header.payload_kind()))
+        PackedChunk::new(key, chunk.payload, (plan.settings.compression, header.payload_kind()))
     }
-}
-
-impl Unit {
-    fn new(coder: &GroupCoder<'_>, rect: [u32; 4], memory: &ColorMemory) -> Result<Unit> {
-        let [_, _, width, height] = rect;
-        let (size, area) = ([width, height], UnitArea { rect, image: [coder.group.width, coder.group.height] });
-        Ok(match &coder.header {
-            CodecHeader::Depth(header) => Unit::of_depth(header, area, coder.settings)?,
-            CodecHeader::Material(MaterialHeader { temporal, in_blocks: false }) => {
-                Unit::Material(TemporalEncoder::new(width, *temporal))
-            }
-            CodecHeader::Material(MaterialHeader { temporal, in_blocks: true }) => {
-                Unit::Material(TemporalEncoder::in_blocks(size, *temporal, coder.settings.depth.effort))
-            }
-            CodecHeader::Alpha(header) => predictive(&header.predictive(), area, coder.settings)?,
-            CodecHeader::Color(header) => match (header.is_half(), &coder.tables) {
-                (false, None) => Unit::Color8(cell_encoder(memory, header.cell_of_bytes(size), header.min_psnr_db)),
-                (true, None) => Unit::ColorHalf(cell_encoder(memory, header.cell_of_halves(size), header.min_psnr_db)),
-                (false, Some(tables)) => {
-                    Unit::Transform8(transform_encoder(coder.settings, header.cell_of_bytes(size), tables))
-                }
-                (true, Some(tables)) => {
-                    Unit::TransformHalf(transform_encoder(coder.settings, header.cell_of_halves(size), tables))
-                }
-            },
-        })
-    }
-
-    fn of_depth(header: &DepthHeader, area: UnitArea, settings: &EncodeSettings) -> Result<Unit> {
-        let [width, height] = area.size();
-        let grid = Grid { width, height };
-        Ok(match &header.coding {
-            &DepthCoding::Boxes(temporal) => Unit::Depth(TemporalEncoder::new(grid.width, temporal)),
-            &DepthCoding::BoxesInBlocks(temporal) => {
-                let size = [grid.width, grid.height];
-                Unit::Depth(TemporalEncoder::in_blocks(size, temporal, settings.depth.effort))
-            }
-            DepthCoding::Nodes(nodes) => {
-                let domain = Domain::new(nodes.domain.kind, header.range)?;
-                Unit::DepthNodes(Box::new(NodeEncoder::new(grid, domain, settings.nodes(nodes.bound))))
-            }
-            DepthCoding::Tree(nodes) => {
-                let domain = Domain::new(nodes.domain.kind, header.range)?;
-                Unit::DepthTree(Box::new(TreeEncoder::new(grid, domain, settings.nodes(nodes.bound))))
-            }
-            DepthCoding::Blocks => {
-                let interval = settings.temporal.keyframe_interval;
-                Unit::DepthBlocks(BlockEncoder::new(grid, settings.depth.effort, interval))
-            }
-            DepthCoding::Predictive(header) => predictive(header, area, settings)?,
-        })
-    }
-
-    fn push(&mut self, picture: &Coded, rect: [u32; 4], coder: &GroupCoder<'_>) -> Result<Option<EncodedChunk>> {
-        match (self, picture) {
-            (Unit::Depth(encoder), Coded::Codes(plane)) => encoder.push(&cut(plane, rect)),
-            (Unit::DepthNodes(encoder), Coded::Codes(plane)) => encoder.push(&cut(plane, rect), None),
-            (Unit::DepthTree(encoder), Coded::Codes(plane)) => encoder.push(&cut(plane, rect)),
-            (Unit::DepthBlocks(encoder), Coded::Codes(plane)) => Ok(encoder.push(&cut(plane, rect))),
-            (Unit::Predictive(encoder), Coded::Codes(plane)) => Ok(encoder.push(&cut(plane, rect))),
-            (Unit::Material(encoder), Coded::Bytes(plane)) => encoder.push(&cut(plane, rect)),
-            (Unit::Color8(encoder), Coded::Bytes(plane)) => encoder.push(cut(plane, rect).as_flattened(), &EightBit),
-            (Unit::ColorHalf(encoder), Coded::Half(plane)) => {
-                encoder.push(cut(plane, rect).as_flattened(), coder.pu21()?)
-            }
-            (Unit::Transform8(encoder), Coded::Bytes(plane)) => {
-                encoder.push(cut(plane, rect).as_flattened(), &EightBit)
-            }
-            (Unit::TransformHalf(encoder), Coded::Half(plane)) => {
-                encoder.push(cut(plane, rect).as_flattened(), coder.pu21()?)
-            }
-            // Pictures and units of a group are built from the same header, so this does not occur.
-            _ => Err(Error::invalid("a picture of another kind than its unit")),
-        }
-    }
-
-    fn finish(&mut self, coder: &GroupCoder<'_>) -> Result<Vec<EncodedChunk>> {
-        match self {
-            Unit::Depth(encoder) => Ok(encoder.finish()?.into_iter().collect()),
-            Unit::DepthNodes(encoder) => Ok(encoder.finish()?.into_iter().collect()),
-            Unit::DepthTree(encoder) => Ok(encoder.finish()?.into_iter().collect()),
-            Unit::DepthBlocks(encoder) => Ok(encoder.finish().into_iter().collect()),
-            Unit::Predictive(encoder) => Ok(encoder.finish().into_iter().collect()),
-            Unit::Material(encoder) => Ok(encoder.finish()?.into_iter().collect()),
-            Unit::Color8(encoder) => encoder.finish(&EightBit),
-            Unit::ColorHalf(encoder) => encoder.finish(coder.pu21()?),
-            Unit::Transform8(encoder) => Ok(encoder.finish(&EightBit)?.into_iter().collect()),
-            Unit::TransformHalf(encoder) => Ok(encoder.finish(coder.pu21()?)?.into_iter().collect()),
-        }
-    }
-
-    fn search(&self) -> Option<Start> {
-        match self {
-            Unit::Transform8(encoder) => encoder.start,
-            Unit::TransformHalf(encoder) => encoder.start,
-            _ => None,
-        }
-    }
-}
-
-fn predictive(header: &PredictiveHeader, area: UnitArea, settings: &EncodeSettings) -> Result<Unit> {
-    let DepthSettings { decide, effort, .. } = settings.depth;
-    Ok(Unit::Predictive(Box::new(PredictiveEncoder::new(header, area, decide, effort)?)))
-}
-
-fn cell_encoder<S: Sample>(
-    memory: &ColorMemory,
-    CellFormat { size, blocks }: CellFormat<S>,
-    final_psnr_db: f64,
-) -> CellEncoder<S> {
-    let encoder = CellEncoder::new(memory.search, memory.close_at_bytes);
-    match blocks {
-        Some(blocks) => encoder.with_blocks(BlockStage { blocks, size, final_psnr_db }),
-        None => encoder,
-    }
-}
-
-fn transform_encoder<S: Keyed>(
-    settings: &EncodeSettings,
-    format: CellFormat<S>,
-    tables: &Arc<PricedTables>,
-) -> TransformEncoder<S> {
-    TransformEncoder::new(format, settings.search, settings.color_chunk, Arc::clone(tables))
-}
-
-/// Returns the pixels of a rectangle (left, top, width, height), row-major.
-fn cut<T: Copy>(plane: &Plane<T>, [left, top, width, height]: [u32; 4]) -> Vec<T> {
-    let mut pixels = Vec::with_capacity(width as usize * height as usize);
-    for y in top..top + height {
-        pixels.extend_from_slice(&plane.row(y)[left as usize..(left + width) as usize]);
-    }
-    pixels
 }
