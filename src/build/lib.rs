@@ -77,6 +77,7 @@ pub fn find_data(root: &str) {
 pub fn shared_folder(link: &str, path: &str) -> PathBuf {
     let linked = package_folder().join(link);
     let folder = if linked.is_dir() { linked } else { package_folder().join(path) };
-    assert!(folder.is_dir(), "{} is no folder", folder.display());
+    // The folder itself: `files` follows no links.
+    let folder = folder.canonicalize().unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
     folder
 }

@@ -72,7 +72,7 @@ pub enum Command {
     /// Train entropy tables of predictive depth on containers
     #[command(after_help = train::DEPTH_HELP)]
     TrainDepth(train::Args),
-    /// Inspect or verify a container, inspect a scene, or check the conventions of a dataset
+    /// Inspect or verify a container, inspect a scene, or check a dataset
     Inspect(inspect::Args),
     /// Decode a container into image files, or measure decoding time
     Decode(decode::Args),

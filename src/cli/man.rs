@@ -76,7 +76,7 @@ mod tests {
         }
         assert_eq!(citations, 2 * (pages.len() - 1));
         let encode = pages.iter().find(|page| page.name == "lightfold-encode.1").map(text).unwrap();
-        for words in ["predictive: Predicted codes", "json: JSON on standard error", "\\fI<CODEC>\\fR"] {
+        for words in ["predictive: Prediction and residuals", "json: JSON on standard error", "\\fI<CODEC>\\fR"] {
             assert!(encode.contains(words), "{words}: {encode}");
         }
     }

@@ -254,7 +254,7 @@ mod tests {
             (camera(r#", "orientation": [0, 0, 0, 1], "up": [0, 1, 0]"#), "\"up\" needs"),
             (camera(r#", "orientation": [0, 0, 0, 2]"#), "camera 0: "),
             (camera(r#", "look_at": [0, 0, 0]"#), "same point or too far"),
-            (camera(&format!(r#"{looking}, "aspect": 0"#)), "as wide"),
+            (camera(&format!(r#"{looking}, "aspect": 0"#)), "above 0"),
             (camera(&format!(r#"{looking}, "near_m": 2, "far_m": 1"#)), "near < far"),
             (camera(&format!(r#"{looking}, "frames": [3, 2]"#)), "[3, 2]"),
             (camera(&format!(r#"{looking}, "eye": [0, 0, 0]"#)), "duplicate"),

@@ -18,12 +18,12 @@ pub mod drawing;
 pub mod epipolar;
 pub mod family;
 pub mod harness;
-#[cfg(test)]
-mod layout_tests;
 pub mod quads;
 pub mod render;
 pub mod resident;
 pub mod selftest;
+#[cfg(test)]
+mod tests;
 pub mod triangles;
 pub mod verify;
 

@@ -353,8 +353,8 @@ fn of_budgets() -> Vec<HardCase> {
         promises.none("10^7 triangles", move || with(1e7, 4096).broken()),
         promises.none("an atlas of 12 texels for 6 tiles", move || with(12.0, 12).broken()),
         refused.none("11 triangles", move || Ok(with(11.0, 1024).refused(&["triangles", "12"]))),
-        refused.none("an area of 1e-9", move || Ok(small(1e-9, 5.0).refused(&["area", "least"]))),
-        refused.none("a peak overdraw of 1e-9", move || Ok(small(3.0, 1e-9).refused(&["peak overdraw", "least"]))),
+        refused.none("an area of 1e-9", move || Ok(small(1e-9, 5.0).refused(&["area", "minimum"]))),
+        refused.none("a peak overdraw of 1e-9", move || Ok(small(3.0, 1e-9).refused(&["peak overdraw", "minimum"]))),
         refused.none("an atlas of 4 texels", move || Ok(with(12.0, 4).refused(&["6 tiles", "4 texels", "12"]))),
     ]
 }

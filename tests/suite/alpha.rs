@@ -341,7 +341,7 @@ fn light_that_alpha_cannot_hold_counts_as_clipped() {
     std::fs::write(path.join("lightfield.json"), manifest.to_string()).unwrap();
     fine("encode in -o a.lfold --color-codec cells --psnr 90", folder.path());
     let said = String::from_utf8(fine("decode a.lfold -o out --format png", folder.path()).stderr).unwrap();
-    assert_says(&said, &["800 colour pixels did not fit 8 bits"]);
+    assert_says(&said, &["800 colour pixels exceeded the 8-bit range"]);
 }
 
 #[test]

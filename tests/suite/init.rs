@@ -337,7 +337,7 @@ fn cameras_of_a_file_beside_the_images() {
         &["transforms.json was ignored", "nor are they one for each frame", "the probe stands"],
     );
     std::fs::write(set.join("transforms.json"), "{").unwrap();
-    assert_says(&init(folder.path()), &["transforms.json was left out:"]);
+    assert_says(&init(folder.path()), &["transforms.json was ignored:"]);
     std::fs::remove_file(set.join("transforms.json")).unwrap();
 
     // COLMAP files of one static camera, whose image has the name of the probe.
@@ -364,5 +364,5 @@ fn manifests_go_elsewhere_and_bad_folders_are_refused() {
     fine("init in -o a.json", folder.path());
     fine("encode a.json -o film.lfold --clip --quiet", folder.path());
     ours::write_color(&set.join("y.1.exr"), &gray(4, 3, |x, _| x as f32)).unwrap();
-    assert_says(&refused("init in", folder.path()), &["x.%d.exr is 8x6", "y.%d.exr is 4x3", "one size"]);
+    assert_says(&refused("init in", folder.path()), &["x.%d.exr is 8x6", "y.%d.exr is 4x3", "the same size"]);
 }

@@ -410,7 +410,7 @@ fn captured_images_are_source_views_and_come_out_as_they_were() {
     says("--probe 00,02 --face nz", "off the line");
     says("--probe 00,01 --face px", "off the line");
     says("--probe 00,07 --face nz", "the probes are 00, 01, 02");
-    says("--probe 00,01 --face nz --holes trace", "ray cast");
+    says("--probe 00,01 --face nz --holes trace", "needs a scene");
     says("--probe 00,01 --face nz --compare", "--probe");
     says("", "--eye");
 }

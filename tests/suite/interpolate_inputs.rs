@@ -174,7 +174,7 @@ fn containers_are_rendered_at_the_places_of_sources() {
     assert_eq!(center["sources"].as_array().unwrap().len(), 1);
     // The window of the central source is wider than that of a view.
     assert!(center["counters"]["source_pixels"].as_u64().unwrap() > 24 * 32, "{center}");
-    assert!(refused(&format!("{} --null", line.replace("--samples 1", "--samples 8")), at).contains("choose 4 or 9"));
+    assert!(refused(&format!("{} --null", line.replace("--samples 1", "--samples 8")), at).contains("4 or 9"));
     assert!(refused(&format!("{line} --holes trace --null"), at).contains("ray cast"));
     assert!(refused(&format!("{line} --frames 3 --null"), at).contains("no frame 3"));
     let of_dataset = line.replace("room.lfold", "room");

@@ -131,7 +131,7 @@ fn words_go_where_nothing_else_goes() {
         [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
     };
     let [out, _] = said("-o a.png --target-ms 1e9");
-    assert!(out.contains("a.png: 1 picture") && out.contains("1 of 1 frame took no longer"), "{out}");
+    assert!(out.contains("a.png: 1 picture") && out.contains("1 of 1 frame took at most"), "{out}");
     let [out, err] = said("-o a.png -q");
     assert_eq!((out.as_str(), err.as_str()), ("", ""));
     let [out, _] = said("-o a.png -q --stats");
@@ -349,7 +349,7 @@ fn without_a_camera_the_first_probe_s_own_view_is_shown() {
     encoded("courtyard", at);
     let words = fine("render a.lfold --exclude-probe 00 --frames 0 --size 48 -o own.png", at).stderr;
     let words = String::from_utf8(words).unwrap();
-    assert!(words.contains("the view of probe 01, face nz; --eye and --look-at"), "{words}");
+    assert!(words.contains("the view of probe 01, face nz; use --eye and --look-at"), "{words}");
     let there = "--eye 0.3,1.5,0 --look-at 0.3,1.5,-1";
     fine(&format!("render a.lfold --exclude-probe 00 {there} --fov 90 --frames 0 --size 48 -o there.png"), at);
     let read = |name: &str| std::fs::read(at.join(name)).unwrap();

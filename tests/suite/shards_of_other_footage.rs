@@ -176,7 +176,7 @@ fn a_changed_pose_or_another_data_set_is_refused() {
     let other = shard_of(&open(folder.path()), 2, by, None).unwrap();
     for files in [[first.clone(), other.clone()], [other, first]] {
         let message = joined(&files).unwrap_err().to_string();
-        assert!(message.contains("2 further streams have another content"), "{message}");
+        assert!(message.contains("2 further streams have different content"), "{message}");
     }
 }
 

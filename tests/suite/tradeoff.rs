@@ -207,7 +207,7 @@ fn what_makes_no_sense_is_refused_in_a_sentence_before_anything_runs() {
             "scene --sweep depth-codec=aabb --sweep max-error=0 -o no",
             "depth with depth-codec=aabb max-error=0: --max-error does not apply",
         ),
-        ("scene --sweep psnr --stream depth -o no", "about color streams"),
+        ("scene --sweep psnr --stream depth -o no", "for color streams"),
         ("scene --sweep psnr --stream material -o no", "--stream material: scene has no such streams"),
         ("scene --sweep psnr -o no -- --psnr 40", "--psnr: study color-psnr sweeps it"),
         ("scene --sweep psnr -o no -- --stream color", "tradeoff sets this option"),

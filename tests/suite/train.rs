@@ -211,7 +211,7 @@ fn commands_train_and_use_tables_of_depth() {
             "train-depth plain.lfold -o x.txt --held-out plain.lfold",
             "--held-out plain.lfold: this container is also used for training",
         ),
-        (&format!("{encode} --depth-codec quadtree --depth-tables tables.txt -o x.lfold"), "--depth-tables is of"),
+        (&format!("{encode} --depth-codec quadtree --depth-tables tables.txt -o x.lfold"), "--depth-tables needs"),
         (
             &format!("{encode} --depth-tables plain.lfold -o x.lfold"),
             "plain.lfold: line 1: a decimal number was expected",

@@ -134,7 +134,7 @@ mod tests {
         assert!(said("--steps 4").contains("swept"), "{}", said("--steps 4"));
         assert!(said("--stats").contains("itself"));
         assert!(said("--null").contains("itself") || said("--null").contains("cannot be used multiple times"));
-        assert!(said("--reference-probe 01,02").contains("name one"));
+        assert!(said("--reference-probe 01,02").contains("one probe"));
         assert!(said("--colour").contains("--colour"));
     }
 

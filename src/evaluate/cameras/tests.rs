@@ -164,7 +164,7 @@ fn transforms_that_are_no_pinholes_are_refused() {
         (r#", "fl_x": 5, "camera_model": "OPENCV_FISHEYE""#, matrix, "OPENCV_FISHEYE"),
         ("", matrix, "\"fl_x\" is missing"),
         (r#", "fl_x": 5"#, "[[1, 0, 0], [0, 1, 0], [0, 0, 1]]", "4 rows of 4 numbers"),
-        (r#", "fl_x": 5"#, "[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0]]", "mirrors"),
+        (r#", "fl_x": 5"#, "[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0]]", "reflection"),
         (r#", "fl_x": 5"#, "[[1, 1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]", "shears"),
         (r#", "fl_x": 0"#, matrix, "frame 0"),
     ] {

@@ -283,7 +283,7 @@ mod tests {
         assert_eq!(checked(&[-2.0, -1e30], DepthRules { scale: -1.0, ..RULES }).unwrap(), [2.0, inf]);
         assert_eq!(checked(&[-200.0], DepthRules { scale: -0.01, ..RULES }).unwrap(), [2.0]);
         let said = checked(&[-2.0, 3.0], houdini).unwrap_err().to_string();
-        assert!(said.contains("pixel (1, 0) is 3") && said.contains("below 0"), "{said}");
+        assert!(said.contains("pixel (1, 0) is positive (3)") && said.contains("negative"), "{said}");
         let said = checked(&[-2.0], RULES).unwrap_err().to_string();
         assert!(said.contains("Pz") && said.contains("depth.scale to -1"), "{said}");
     }

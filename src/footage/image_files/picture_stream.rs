@@ -262,6 +262,6 @@ mod tests {
         let expected = b"width=2 height=1 pixel_format=gray16le fps=30000/1001\n\x02\x01\xfe\xff".to_vec();
         assert_eq!(stream(StreamFormat::Raw, std::slice::from_ref(&depth)).unwrap(), expected);
         assert!(stream(StreamFormat::Y4m, std::slice::from_ref(&depth)).unwrap_err().to_string().contains("16-bit"));
-        assert!(stream(StreamFormat::Png, &[color, depth]).unwrap_err().to_string().contains("one size"));
+        assert!(stream(StreamFormat::Png, &[color, depth]).unwrap_err().to_string().contains("the same size"));
     }
 }

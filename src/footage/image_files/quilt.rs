@@ -439,7 +439,7 @@ mod tests {
             message.starts_with("q_qs6x8a0.75.png: the file name states 6x8 tiles, but the quilt has 8x6"),
             "{message}"
         );
-        assert!(message.ends_with("make it _qs8x6a0.75"), "{message}");
+        assert!(message.ends_with("change it to _qs8x6a0.75"), "{message}");
         let message = said(path("q_qs8x6a0.5625.png", 0.5455));
         assert!(message.contains("states views of aspect ratio 0.5625, but the quilt has 0.5455"), "{message}");
         for aspect in [0.0, 0.000_01, f64::NAN, f64::INFINITY] {

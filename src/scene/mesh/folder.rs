@@ -211,7 +211,7 @@ mod tests {
             }
             for name in ["outside", "outer/a.bin", "beside", "chain", "absolute"] {
                 let said = fetch(name).unwrap_err();
-                assert!(said.contains(name) && said.contains("leads out of the scene's folder"), "{name}: {said}");
+                assert!(said.contains(name) && said.contains("outside the scene's folder"), "{name}: {said}");
             }
             for name in ["dangling", "loop"] {
                 assert!(fetch(name).unwrap_err().contains("cannot be read"), "{name}");

@@ -147,7 +147,7 @@ mod tests {
         assert!(said("1,2,3").contains("six numbers") && said("1,2,3").contains("are 3"));
         assert!(said("1,2,x,4,5,6").contains("six finite numbers"));
         assert!(said("sphere:1,2,3").contains("four numbers") && said("sphere:1,2,3,-1").contains("above 0"));
-        assert!(said("nowhere.glb").contains("no file"));
+        assert!(said("nowhere.glb").contains("no such file"));
         assert!(Region::parse(&[""; 0]).unwrap_err().to_string().contains("`region`"));
         assert!(Region::parse(&["-1e300,0,0,1e300,1,1"]).unwrap_err().to_string().contains("too large"));
     }

@@ -362,7 +362,7 @@ mod tests {
     #[test]
     fn what_makes_no_sense_is_refused() {
         let said = |plan: Result<Plan>| plan.unwrap_err().to_string();
-        assert!(said(of(&[Depth], &["psnr"], &[])).contains("about color streams"));
+        assert!(said(of(&[Depth], &["psnr"], &[])).contains("color streams"));
         assert!(said(of(&[Color], &["psnr=1", "psnr=2"], &[])).contains("given twice"));
         assert!(said(of(&[Color], &["psnr"], &[("psnr", "40")])).contains("cannot be fixed"));
         assert!(said(of(&[Color], &[], &[])).contains("nothing to measure"));

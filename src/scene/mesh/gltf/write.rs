@@ -406,6 +406,6 @@ mod tests {
         let refused =
             |mesh: Mesh| glb(&[mesh], &palette(), &Additions::default(), &mut Vec::new()).unwrap_err().to_string();
         assert!(refused(Mesh { material_of: vec![2; 40], ..mesh() }).contains("material 2"));
-        assert!(refused(Mesh { positions: vec![], ..mesh() }).contains("corner"));
+        assert!(refused(Mesh { positions: vec![], ..mesh() }).contains("vertex"));
     }
 }
