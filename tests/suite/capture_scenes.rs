@@ -166,7 +166,7 @@ fn folders_hide_no_built_in_scenes_and_what_is_no_scene_is_told_what_would_be() 
     fs::create_dir(folder.path().join("courtyard")).unwrap();
     let line = "--position 0,1.5,0 --frames 0 --size 8 --samples 1 -q";
     fine(&format!("capture courtyard {line} -o courtyard"), folder.path());
-    for (scene, says) in [("castle", "castle: no file"), (".", ".: a folder")] {
+    for (scene, says) in [("castle", "castle: no such file"), (".", ".: a folder")] {
         let said = refused(&format!("capture {scene} {line} -o out"), folder.path());
         assert!(said.contains(says) && said.contains(".glb, .gltf, .obj"), "{said}");
         assert!(said.contains("courtyard, interior, object, mirrors, cornell, fence"), "{said}");

@@ -175,7 +175,7 @@ fn containers_are_rendered_at_the_places_of_sources() {
     // The window of the central source is wider than that of a view.
     assert!(center["counters"]["source_pixels"].as_u64().unwrap() > 24 * 32, "{center}");
     assert!(refused(&format!("{} --null", line.replace("--samples 1", "--samples 8")), at).contains("4 or 9"));
-    assert!(refused(&format!("{line} --holes trace --null"), at).contains("ray cast"));
+    assert!(refused(&format!("{line} --holes trace --null"), at).contains("needs a scene"));
     assert!(refused(&format!("{line} --frames 3 --null"), at).contains("no frame 3"));
     let of_dataset = line.replace("room.lfold", "room");
     assert!(refused(&format!("{of_dataset} --null"), at).contains("lightfold encode"));

@@ -405,7 +405,7 @@ fn a_film_that_is_replaced_gets_another_tag() {
     for name in ["/film.lfold", "/film.json"] {
         let gone = server.get(name);
         assert_eq!(gone.status, 404, "{name}");
-        assert!(gone.text().contains("any more"), "{name}: {}", gone.text());
+        assert!(gone.text().contains("no longer exists"), "{name}: {}", gone.text());
     }
     assert_eq!(server.get("/").status, 200);
 }

@@ -165,7 +165,7 @@ fn transforms_that_are_no_pinholes_are_refused() {
         ("", matrix, "\"fl_x\" is missing"),
         (r#", "fl_x": 5"#, "[[1, 0, 0], [0, 1, 0], [0, 0, 1]]", "4 rows of 4 numbers"),
         (r#", "fl_x": 5"#, "[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0]]", "reflection"),
-        (r#", "fl_x": 5"#, "[[1, 1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]", "shears"),
+        (r#", "fl_x": 5"#, "[[1, 1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]", "shear"),
         (r#", "fl_x": 0"#, matrix, "frame 0"),
     ] {
         let said = with(keys, matrix);
