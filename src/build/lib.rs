@@ -78,6 +78,5 @@ pub fn shared_folder(link: &str, path: &str) -> PathBuf {
     let linked = package_folder().join(link);
     let folder = if linked.is_dir() { linked } else { package_folder().join(path) };
     // The folder itself: `files` follows no links.
-    let folder = folder.canonicalize().unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
-    folder
+    folder.canonicalize().unwrap_or_else(|error| panic!("{}: {error}", folder.display()))
 }
