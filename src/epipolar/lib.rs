@@ -10,7 +10,7 @@
 //! 2. [`acquire`]: source views with all surfaces that an output view may see (3.3.1), as determined by [`visibility`] (3.4.1,
 //!    3.4.2); [`captured`] reads source views from images,
 //!    [`light_field`] renders them from a container.
-//! 3. [`lines`]: the pixels of source views as lines in integers, [`coalesce`]d into runs (3.4.3); [`slice`]: the winning lines
+//! 3. [`lines`]: the pixels of source views as lines in integers, [`coalesce`]d into runs (3.4.3); [`slice`](mod@slice): the winning lines
 //!    of one scanline of all output views (3.3.2); [`interpolate`]: whole views.
 //! 4. [`highlights`]: radiance that depends on the eye (3.5).
 //! 5. [`fill`]: pixels that no line covers.

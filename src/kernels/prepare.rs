@@ -1,6 +1,6 @@
 //! Converts chunks to the form that the device reads: the bytes of the stream, and tables of offsets into them.
 //!
-//! Takes a payload; returns rows whose offsets are relative to the chunk's first byte, word or row. [`crate::resident`]
+//! Takes a payload; returns rows whose offsets are relative to the chunk's first byte, word or row. `gpu::resident`
 //! adds the chunk's position.
 
 use crate::layout::{

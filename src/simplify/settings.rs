@@ -85,7 +85,7 @@ impl Default for Settings {
 
 impl Settings {
     /// Returns the number of texels per unit of a cube face's plane. It is limited so that all tiles together have at most
-    /// [`TEXELS_BEFORE_ATLAS`] times the texels of the atlas if they cover the whole area budget.
+    /// `TEXELS_BEFORE_ATLAS` times the texels of the atlas if they cover the whole area budget.
     pub fn texels_per_unit(&self, capture: &Capture) -> f64 {
         let wanted =
             self.pixels_per_degree.map_or_else(|| TEXELS_ACROSS_PIXEL * capture.pixels_per_unit(), f64::to_degrees);

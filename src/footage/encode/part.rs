@@ -48,7 +48,7 @@ impl<'a> Part<'a> {
     /// Returns one of `shard.count` shards of about the same size, without scans and footage digests.
     ///
     /// # Errors
-    /// [`crate::Error::Usage`] if the source cannot be cut into so many shards.
+    /// [`codec::error::Error::Usage`] if the source cannot be cut into so many shards.
     pub fn shard(
         source: &'a dyn FrameSource,
         settings: &EncodeSettings,
@@ -63,7 +63,7 @@ impl<'a> Part<'a> {
     /// everything exactly once.
     ///
     /// # Errors
-    /// As for [`ShardChoice::groups`].
+    /// As for `ShardChoice::groups`.
     pub fn chosen(
         source: &'a dyn FrameSource,
         settings: &EncodeSettings,

@@ -23,7 +23,7 @@ pub const CAMERA_EPSILON: f32 = 0.01;
 /// that texel counts, regardless of rounding in the position.
 pub const NEGLIGIBLE_WEIGHT: f32 = 1.0 / 64.0;
 
-/// Number of bisections in [`ActiveViews::on_texels`].
+/// Number of bisections in `ActiveViews::on_texels`.
 pub const SETTLE_TIMES: u32 = 8;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -28,7 +28,7 @@ pub const DEPTH_EPSILON: f32 = 0.02;
 pub const HOLE_DIFFERENCE: f32 = 0.1;
 /// ε of the angle weight, in radians: this angle halves the weight of a view, relative to a view in the direction of the eye.
 pub const ANGLE_EPSILON: f32 = 0.0005;
-/// Texels whose log depth differs by more than this have almost no weight with [`angle_weight`].
+/// Texels whose log depth differs by more than this have almost no weight with `angle_weight`.
 pub const DEPTH_CUT: f32 = 0.2;
 /// Penalty on texels next to a nearer surface, which contain a mix with its colour. For these texels, the view's weight
 /// 1 / (x + ε), where x is the view's angle or its distance from the eye, becomes 1 / (x (1 + penalty) + ε). Nothing changes if

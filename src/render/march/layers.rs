@@ -4,7 +4,7 @@
 //! background, sum to 1.
 //!
 //! Algorithm 4 of CALF ends a ray at the first surface that it meets, and treats a surface that no view saw as a hole.
-//! [`Refinements`] extend this:
+//! `Refinements` extend this:
 //!
 //! - Near an edge, some texels have the surface, and others have what is behind it. Coverage is interpolated between them like
 //!   colour, and the ray continues with the rest of its share. Edges are as soft as texels are, and objects thinner than a texel

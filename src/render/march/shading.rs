@@ -24,7 +24,7 @@ impl RayResult {
     }
 }
 
-/// Shades a surface point; see [`RayResult::of_surface`] for `uncertainty`.
+/// Shades a surface point; see `RayResult::of_surface` for `uncertainty`.
 pub fn surface(views: &ActiveViews<'_>, point: Vec3, uncertainty: f32) -> RayResult {
     RayResult::of_surface(surface_color(views, point), uncertainty, |color| light_of(views.coding, color))
 }

@@ -9,7 +9,7 @@ pub(crate) fn straight(light: f32, alpha: f32) -> f32 {
     if alpha > 0.0 { light / alpha } else { 0.0 }
 }
 
-/// Computes [`straight`] of a half float; values beyond the range of halves become the largest half.
+/// Computes `straight` of a half float; values beyond the range of halves become the largest half.
 pub(crate) fn straight_half(light: f16, alpha: f32) -> f16 {
     match alpha {
         1.0 => light,
@@ -17,7 +17,7 @@ pub(crate) fn straight_half(light: f16, alpha: f32) -> f16 {
     }
 }
 
-/// Table of [`straight`] for 8-bit codes.
+/// Table of `straight` for 8-bit codes.
 #[derive(Debug)]
 pub struct StraightCodes {
     /// Indexed by alpha in 255ths, then by code.

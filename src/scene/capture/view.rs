@@ -1,7 +1,7 @@
 //! Captures one image of a scene. Colour is averaged over each pixel. Depth, normal and material are those of the ray through
 //! the pixel's centre, without filtering, so they disagree with colour at edges, as in the output of other renderers. With one
 //! sample, all passes use the same ray. Ray directions have length 1; planar depth is the distance divided by
-//! [`ImageProjection::ray_length_factor`].
+//! `ImageProjection::ray_length_factor`.
 
 use half::f16;
 use rayon::prelude::*;
