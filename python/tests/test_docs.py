@@ -131,7 +131,7 @@ class Stub(unittest.TestCase):
         if not sources.is_dir():
             self.skipTest("not in a clone")
         named = set()
-        for path in [*sources.glob("encode/*.rs"), *sources.glob("streams/*.rs"), *sources.glob("container/*.rs")]:
+        for path in [path for folder in ("footage/encode", "codec/streams", "codec/container") for path in sources.glob(f"{folder}/*.rs")]:
             for line in path.read_text().splitlines():
                 if not line.lstrip().startswith("//"):
                     named |= set(re.findall(r"`([a-z][a-z0-9_]*)`", line))
