@@ -21,25 +21,6 @@ use codec::monitor::{Monitor, Silent};
 /// Add probes and streams first, then push frames; [`Self::finish`] encodes them. All streams start at the same frame; each may
 /// have its own number of frames. Frames are held until `finish`, at 4 bytes a pixel for depth and alpha, 6 for colour, 12 for
 /// material.
-///
-/// ```
-/// # fn main() -> lightfold::Result<()> {
-/// use lightfold::{Encoder, Face, ProbePose, f16};
-///
-/// let mut encoder = Encoder::new("film", 24.0);
-/// let probe = encoder.add_probe("00", ProbePose { position: [0.0, 1.5, 0.0], ..ProbePose::default() })?;
-/// let depth = encoder.add_depth(probe, Face::Px, [16, 16])?;
-/// let color = encoder.add_color(probe, Face::Px, [16, 16])?;
-/// for frame in 0..3 {
-///     encoder.push_depth(depth, &[2.0 + frame as f32; 256])?;
-///     encoder.push_color(color, &[[f16::from_f32(0.5); 3]; 256])?;
-/// }
-/// let (file, summary) = encoder.finish(Vec::new())?;
-/// assert_eq!((summary.streams, summary.frames), (2, 6));
-/// assert_eq!(summary.bytes, file.len() as u64);
-/// # Ok(())
-/// # }
-/// ```
 #[derive(Debug)]
 pub struct Encoder {
     source: MemorySource,
