@@ -42,7 +42,7 @@ impl<'a> LightField<'a> {
             return Err(Error::Usage(format!("there is no frame {frame}: the container has {frames}")));
         }
         playback.limit_memory(budget, 0);
-        let options = PictureOptions { samples: side * side, ..PictureOptions::default() };
+        let options = PictureOptions { samples: side, ..PictureOptions::default() };
         Ok(LightField { playback: RefCell::new(playback), frame, options })
     }
 
