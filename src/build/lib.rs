@@ -44,10 +44,15 @@ pub fn hash_sources(others: &[PathBuf]) {
         println!("cargo::rerun-if-changed={}", other.display());
         files.push(other.clone());
     }
-    files.sort();
+    // Names do not depend on the place of the checkout.
+    let name = |path: &Path| match path.strip_prefix(&folder) {
+        Ok(inside) => inside.as_os_str().to_owned(),
+        Err(_) => path.file_name().unwrap_or_default().to_owned(),
+    };
+    files.sort_by_key(|path| name(path));
     for path in files {
         let Ok(bytes) = fs::read(&path) else { continue };
-        for part in [path.strip_prefix(&folder).unwrap_or(&path).as_os_str().as_encoded_bytes(), &bytes] {
+        for part in [name(&path).as_encoded_bytes(), &bytes] {
             hasher.write_usize(part.len());
             hasher.write(part);
         }

@@ -1,4 +1,4 @@
-// What the decoder takes and gives: chunks, pictures, and chunks in the form of the kernels of shaders/.
+// Input and output of the decoder: chunks, pictures, and chunks in the form of the kernels of shaders/.
 
 import type { Chunk, Rect, StreamKind } from "../format/types.ts";
 
