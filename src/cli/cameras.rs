@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::capture::parse_size;
-use crate::options::{Choices, check_report, one_of, parse_positive, word_of};
+use crate::options::{Choices, check_report, one_of, parse_positive, read_cameras, word_of};
 use crate::report::coding_map::counted;
 use crate::{ExitStatus, GlobalArgs, output, outputs, refuse};
 use codec::container::header::is_container;
 use codec::decode::Decoder;
 use codec::error::{Error, Result};
-use evaluate::cameras::{self, CameraFormat, FileCamera, WriteSettings, Written};
+use evaluate::cameras::{self, CameraFormat, FileCamera, ReadSettings, WriteSettings, Written};
 use footage::dataset::manifest::{MANIFEST_NAME, Manifest};
 use footage::files::{OutputFile, OutputFolder};
 
@@ -22,28 +22,31 @@ const HEIGHT: u32 = 1080;
 const FORMATS: &Choices<CameraFormat> = &[
     ("lightfold", CameraFormat::Lightfold, "Camera file of decode and render"),
     ("transforms", CameraFormat::Transforms, "nerfstudio transforms.json"),
-    ("colmap", CameraFormat::Colmap, "COLMAP folder with cameras.txt and images.txt; without frame numbers"),
+    ("colmap", CameraFormat::Colmap, "COLMAP text model; without frame numbers"),
     ("gltf", CameraFormat::Gltf, "Binary glTF: single precision, no off-axis windows"),
     ("usd", CameraFormat::Usd, "USD text (.usda)"),
 ];
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold cameras film.lfold -o transforms.json\n  \
-    lightfold cameras shot.usda -o path.json\n  \
+    lightfold cameras shot.usd --camera-name hero -o path.json\n  \
     lightfold cameras shot.glb --fps 25 -o transforms.json\n  \
     lightfold cameras path.json --size 1920x1080 -o colmap --format colmap\n\n\
-    The format of IN is detected from its content: a container, a dataset, a camera file in any of the formats, or a \
-    file of probes to capture, as written by place and interpolate --cameras-out. Without --format, the name of OUT \
+    The format of IN is detected from its content: a container, a dataset, a camera file, a file of probes to capture \
+    as written by place and interpolate --cameras-out, glTF, USD as text, binary or package with its layers, a COLMAP \
+    model as text or binary or a project with one in sparse/0, transforms.json and camera_path.json of nerfstudio, \
+    cameras.json of Gaussian splatting, or base_cam.json of instant-ngp. Without --format, the name of OUT \
     selects the format: transforms*.json, other .json files (lightfold), .glb, .usda, or a folder (COLMAP).\n\n\
     A perspective probe becomes one camera, a cube map six cameras of 90 degrees. They show the faces unmirrored; \
     datasets store faces mirrored. A moving probe has these cameras in each frame. Picture names in transforms.json \
     and images.txt are those that render writes: lightfold render film.lfold --camera transforms.json -o \
     images/view.%04d.png. In these files, cameras without frame numbers are successive poses of one camera: the first \
-    belongs to the first frame of --frames, and so on. A transforms.json with camera_angle_x alone describes square \
-    pictures.\n\n\
-    World coordinates are kept, in metres; units and the up axis of USD files are converted. Orthographic cameras and \
-    cameras with distortion are refused. Clip planes are written but not read. glTF times are converted to frames by \
-    --fps; USD time codes are frames.")]
+    belongs to the first frame of --frames, and so on; where all pictures have numbers, these give the order. A \
+    transforms.json with one angle and no size describes square pictures.\n\n\
+    World coordinates are kept, in metres; units and the up axis of USD files are converted. Orthographic cameras, and \
+    cameras that do not move beside others that do, are left out with a note. Distortion is of the photographs that a \
+    file describes, not of rendered pictures: it is left out with a note. Clip planes are written but not read. Times \
+    of glTF and USD become frames by --fps; without it a USD time code is a frame.")]
 pub struct Args {
     /// Input: a container, a dataset, a camera file, or a file of probes to capture
     #[arg(value_name = "IN")]
@@ -54,13 +57,17 @@ pub struct Args {
     /// Output format [default: by the name of OUT]
     #[arg(long, value_parser = one_of(FORMATS))]
     pub format: Option<CameraFormat>,
-    /// Frames per second of glTF and USD [default: that of the container or dataset, else 24]
+    /// Frames per second of glTF and USD [default: that of the container or dataset, else 24 for glTF and a frame for
+    /// each time code for USD]
     #[arg(long, value_name = "FPS", value_parser = parse_positive)]
     pub fps: Option<f64>,
     /// Picture size in pixels, height or width and height, written to transforms.json and COLMAP for cameras without a
     /// size [default: 1080]
     #[arg(long, value_name = "N|WxH", value_parser = parse_size)]
     pub size: Option<(u32, Option<u32>)>,
+    /// Camera of IN, by its name or that of its picture [default: all that move, else all]
+    #[arg(long, value_name = "NAME")]
+    pub camera_name: Option<String>,
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
@@ -118,8 +125,10 @@ fn read(args: &Args) -> Result<(Vec<FileCamera>, f64)> {
         false if input != Path::new("-") && is_container(input)? => Some(Decoder::open(input)?.reader().index().fps),
         _ => dataset_fps(input)?,
     };
-    let fps = args.fps.or(fps_of_field).unwrap_or(FPS);
-    Ok((cameras::read(input, fps)?, fps))
+    let fps = args.fps.or(fps_of_field);
+    let size = args.size.and_then(|(width, height)| Some([width, height?]));
+    let cameras = read_cameras(input, ReadSettings { fps, size }, args.camera_name.as_deref())?;
+    Ok((cameras, fps.unwrap_or(FPS)))
 }
 
 /// Returns the frames per second of a dataset. `None` if the input is not a dataset.

@@ -96,7 +96,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 fn hide_guarded_panics() {
     let print = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        if !footage::image_files::exr::is_guarded() {
+        if !footage::guard::is_guarded() {
             print(panic);
         }
     }));

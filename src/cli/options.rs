@@ -19,7 +19,7 @@ mod shard;
 mod side;
 mod stream;
 
-pub use camera::{CameraArgs, parse_aspect, parse_point};
+pub use camera::{CameraArgs, parse_aspect, parse_point, read_cameras};
 pub use channels::ChannelArgs;
 pub use choice::{Choices, one_of, word_of};
 pub use coding::CodingArgs;

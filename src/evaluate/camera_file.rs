@@ -7,6 +7,7 @@ use codec::error::{Error, Result};
 use codec::image::FrameRange;
 use codec::math::{Camera, Lens};
 use footage::dataset::{CameraSet, PlacedCamera};
+use footage::text::json;
 use render::camera_path::{self, KeyPose, TimedCamera};
 
 /// Maximum size of a file in bytes.
@@ -73,13 +74,13 @@ impl CameraFile {
     }
 
     fn entries(text: &[u8]) -> Result<CameraFile> {
-        serde_json::from_slice(text).map_err(|error| {
+        json(text, "a camera file").map_err(|error| {
             if CameraSet::from_json(text).is_ok() {
                 return Error::invalid(
                     "this is a file of probes to capture, not of cameras with \"eye\" and \"look_at\"",
                 );
             }
-            Error::invalid(format!("not a camera file: {error}"))
+            error
         })
     }
 

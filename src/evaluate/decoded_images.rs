@@ -91,12 +91,12 @@ impl DecodedImages {
         }
     }
 
-    /// Returns the maximum relative depth error over all depth streams, from the step ratio of the codes, their error bound, and
-    /// half a step for rounding; `None` if a codec has no bound.
+    /// Returns the maximum relative depth error over all depth streams, from the error bounds of their codecs and the
+    /// rounding of codes; `None` if a codec has no bound.
     pub fn relative_depth_error(&self) -> Option<f64> {
         let error = |stream: &StreamInfo| {
             let (range, codes) = (stream.depth_range()?, stream.error_bound_codes()?);
-            Some(range.step_ratio().powf(f64::from(codes) + 0.5) - 1.0)
+            Some(range.relative_error(codes))
         };
         let with_depth = self.streams().iter().filter(|stream| stream.depth_range().is_some());
         with_depth.map(error).try_fold(0.0, |most: f64, error| Some(most.max(error?)))

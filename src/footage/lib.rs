@@ -13,11 +13,13 @@ pub mod encode;
 pub mod export;
 pub mod files;
 pub mod fingerprint;
+pub mod guard;
 pub mod image_files;
 pub mod inspect;
 pub mod json;
 pub mod metrics;
 pub mod pack;
+pub mod text;
 pub mod train;
 
 /// Hash of the sources of this package.

@@ -160,7 +160,7 @@ fn wanted_frames(cameras: &CameraSet, all: impl Fn() -> Result<FrameRange>) -> R
 
 /// True if the cameras of a file have eyes. Invalid JSON is reported later.
 fn are_viewers(text: &[u8]) -> bool {
-    let value: serde_json::Value = serde_json::from_slice(text).unwrap_or_default();
+    let value: serde_json::Value = footage::text::json(text, "a file of cameras").unwrap_or_default();
     let cameras = value.get("cameras").and_then(|cameras| cameras.as_array());
     cameras.is_some_and(|cameras| cameras.iter().any(|camera| camera.get("eye").is_some()))
 }

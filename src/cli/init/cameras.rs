@@ -8,25 +8,26 @@ use std::path::{Path, PathBuf};
 use codec::error::Result;
 use codec::image::Projection;
 use codec::image::sequence::split_number;
-use evaluate::cameras::{self, FileCamera};
+use evaluate::cameras::{self, FileCamera, FileCameras, ReadSettings, picture_stem};
 use footage::dataset::Pose;
 use footage::dataset::discover::Proposal;
 use footage::dataset::manifest::{Manifest, Probe};
 
-/// Names of camera files. Text files of USD are recognised under any name.
-const NAMES: [&str; 2] = ["transforms.json", "images.txt"];
+/// Names of camera files. Those of USD have any name.
+const NAMES: [&str; 3] = ["transforms.json", "images.txt", "images.bin"];
+const USD_ENDINGS: [&str; 4] = ["usd", "usda", "usdc", "usdz"];
 
 /// Assigns the cameras of a file in the folder to the probes, if there is exactly one, and notes it.
 pub fn place(folder: &Path, proposal: &mut Proposal) {
     let [file] = &files(folder)[..] else { return };
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     match read(file, &proposal.manifest) {
-        Ok(Some(probes)) => {
+        Ok((Some(probes), notes)) => {
             proposal.manifest.probes = probes;
-            proposal.unsure_of_cameras =
-                vec![format!("cameras were read from {name}; the lens is that of the first frame")];
+            let read = format!("cameras were read from {name}; the lens is that of the first frame");
+            proposal.unsure_of_cameras = [read].into_iter().chain(notes).collect();
         }
-        Ok(None) => proposal.unsure_of_cameras.push(format!(
+        Ok((None, _)) => proposal.unsure_of_cameras.push(format!(
             "{name} was ignored: its cameras neither have the names of the probes, nor are they one for each frame of \
             a single probe"
         )),
@@ -37,35 +38,41 @@ pub fn place(folder: &Path, proposal: &mut Proposal) {
 fn files(folder: &Path) -> Vec<PathBuf> {
     let is_of_cameras = |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-        NAMES.contains(&name.as_str()) || name.ends_with(".usda")
+        let is_usd = name.rsplit_once('.').is_some_and(|(_, ending)| USD_ENDINGS.contains(&ending));
+        is_usd || NAMES.contains(&name.as_str())
     };
     let all = std::fs::read_dir(folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()));
     all.filter(is_of_cameras).collect()
 }
 
-/// Returns the probes with the cameras of a file. `None` if the cameras do not match the probes.
-fn read(file: &Path, manifest: &Manifest) -> Result<Option<Vec<Probe>>> {
-    let cameras = cameras::read(file, manifest.fps)?;
+/// Returns the probes with the cameras of a file, and what of the file was left out. No probes if the cameras do not match them.
+fn read(file: &Path, manifest: &Manifest) -> Result<(Option<Vec<Probe>>, Vec<String>)> {
+    let FileCameras { cameras, notes } = cameras::read(file, ReadSettings::with_fps(manifest.fps))?;
+    Ok((matched(&cameras, manifest), notes))
+}
+
+/// Returns the probes with their cameras. `None` if the cameras do not match the probes.
+fn matched(cameras: &[FileCamera], manifest: &Manifest) -> Option<Vec<Probe>> {
     let named = |probe: &Probe| {
-        let mut of_name = cameras.iter().filter(|camera| stem(&camera.name) == probe.name);
+        let mut of_name = cameras.iter().filter(|camera| picture_stem(&camera.name) == probe.name);
         let camera = of_name.next()?;
         of_name.next().is_none().then(|| still(probe, camera, manifest))
     };
     if let Some(probes) = manifest.probes.iter().map(named).collect() {
-        return Ok(Some(probes));
+        return Some(probes);
     }
-    let [probe] = &manifest.probes[..] else { return Ok(None) };
+    let [probe] = &manifest.probes[..] else { return None };
     let frames = manifest.frame_range();
-    let poses: Option<Vec<(Pose, &FileCamera)>> = match &cameras[..] {
+    let poses: Option<Vec<(Pose, &FileCamera)>> = match cameras {
         [only] if only.timed.frames.is_none_or(|of| of == frames) => {
-            return Ok(Some(vec![still(probe, only, manifest)]));
+            return Some(vec![still(probe, only, manifest)]);
         }
         all => frames.iter().map(|frame| Some((frame, of_frame(all, frame)?))).map(|of| of.map(pose)).collect(),
     };
-    let Some(poses) = poses else { return Ok(None) };
+    let poses = poses?;
     let intrinsics = poses.first().and_then(|(_, camera)| lens(camera, manifest)).or(probe.intrinsics);
     let poses = poses.into_iter().map(|(pose, _)| pose).collect();
-    Ok(Some(vec![Probe { position: None, orientation: None, poses, intrinsics, ..probe.clone() }]))
+    Some(vec![Probe { position: None, orientation: None, poses, intrinsics, ..probe.clone() }])
 }
 
 /// Returns the only camera of a frame: by its stated frames, else by the number in the name of its picture.
@@ -76,12 +83,6 @@ fn of_frame(cameras: &[FileCamera], frame: u32) -> Option<&FileCamera> {
     };
     let mut found = cameras.iter().filter(is_of);
     found.next().filter(|_| found.next().is_none())
-}
-
-/// Returns the name of a camera or its picture without folders and extension.
-fn stem(name: &str) -> &str {
-    let name = name.rsplit('/').next().unwrap_or(name);
-    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
 }
 
 fn pose((frame, camera): (u32, &FileCamera)) -> (Pose, &FileCamera) {

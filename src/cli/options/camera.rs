@@ -1,6 +1,6 @@
 //! Cameras that select parts of a container.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::DVec3;
@@ -9,7 +9,7 @@ use crate::output::{self, human_bytes};
 use codec::decode::{self, AllUnits, DecodeSummary, Decoder, StreamFrames, UnitFilter};
 use codec::error::Result;
 use codec::math::{Camera, Lens};
-use evaluate::cameras;
+use evaluate::cameras::{self, FileCamera, ReadSettings};
 use render::camera_path::TimedCamera;
 use render::views::camera_units::{CameraUnitCounts, CameraUnits, CameraUnitsReport};
 
@@ -33,19 +33,40 @@ pub fn parse_aspect(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("'{text}': a ratio such as 16/9 or a number above 0 was expected"))
 }
 
+/// Reads a camera file, chooses a camera by its name, and prints what was left out.
+pub fn read_cameras(path: &Path, settings: ReadSettings, name: Option<&str>) -> Result<Vec<FileCamera>> {
+    let mut found = cameras::read(path, settings)?;
+    match name {
+        Some(name) => found.choose(name).map_err(|error| error.context(path.display()))?,
+        None => found.leave_out_still(),
+    }
+    for note in &found.notes {
+        output::note(format_args!("{}: {note}", path.display()));
+    }
+    let frames: Vec<_> = found.cameras.iter().map(|camera| camera.timed.frames).collect();
+    let share_frames = frames.iter().enumerate().any(|(at, of)| of.is_some() && frames[..at].contains(of));
+    if share_frames {
+        let names = found.names().join(", ");
+        output::note(format_args!("{}: its cameras are {names}; --camera-name chooses one", path.display()));
+    }
+    Ok(found.cameras)
+}
+
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "View")]
 pub struct CameraArgs {
     /// Camera file, - for standard input; repeatable. Formats: lightfold, files of place and interpolate --cameras-out,
-    /// probes of a container or dataset, nerfstudio transforms.json, glTF, USD text (.usda), or a COLMAP folder with
-    /// cameras.txt and images.txt; see lightfold cameras
+    /// probes of a container or dataset, glTF, USD, COLMAP, and the files of nerfstudio, Gaussian splatting and
+    /// instant-ngp; see lightfold cameras
     #[arg(long, value_name = "FILE")]
     pub camera: Vec<PathBuf>,
+    /// Camera of the files, by its name or that of its picture [default: all that move, else all]
+    #[arg(long, value_name = "NAME", requires = "camera")]
+    pub camera_name: Option<String>,
     /// Position of a camera in metres
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true,
-        requires = "look_at")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     pub eye: Option<DVec3>,
-    /// Point that the camera looks at, in metres
+    /// Point that the camera looks at, in metres [default: along −Z]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "eye")]
     pub look_at: Option<DVec3>,
     /// Up direction of the camera [default: 0,1,0]
@@ -67,9 +88,11 @@ impl CameraArgs {
     pub fn cameras(&self, fps: f64) -> Result<Vec<TimedCamera>> {
         let mut cameras = Vec::new();
         for path in &self.camera {
-            cameras.extend(cameras::read(path, fps)?.into_iter().map(|camera| camera.timed));
+            let found = read_cameras(path, ReadSettings::with_fps(fps), self.camera_name.as_deref())?;
+            cameras.extend(found.into_iter().map(|camera| camera.timed));
         }
-        if let (Some(eye), Some(target)) = (self.eye, self.look_at) {
+        if let Some(eye) = self.eye {
+            let target = self.look_at.unwrap_or(eye + DVec3::NEG_Z);
             let lens = Lens { aspect: self.aspect.unwrap_or(1.0), ..Lens::new(self.fov.unwrap_or(60.0)) };
             let camera = Camera::look_at(eye, target, self.up.unwrap_or(DVec3::Y), lens)?;
             cameras.push(TimedCamera { camera, frames: None });

@@ -1,15 +1,18 @@
-//! COLMAP models in text form: `cameras.txt` and `images.txt` in a folder (colmap.github.io/format.html).
+//! COLMAP models: `cameras` and `images` in a folder, as text or binary (colmap.github.io/format.html).
 //!
 //! Poses are world-to-camera; the camera looks along +Z with +Y down. Poses in a file have no frames. 3D points are neither read
-//! nor written.
+//! nor written. The lens is that of the photographs: distortion is noted and left out, and a fisheye becomes a pinhole with the
+//! same focal length.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::document::{Content, FileCamera, WriteSettings, Written, of_camera};
+use super::colmap_binary;
+use super::document::{Content, FileCamera, FileCameras, WriteSettings, Written, of_camera};
+use super::lens::Distortion;
 use super::poses::{picture_names, poses};
 use codec::error::{Error, Result};
 use codec::math::Camera;
@@ -19,89 +22,186 @@ pub const CAMERAS: &str = "cameras.txt";
 pub const IMAGES: &str = "images.txt";
 const POINTS: &str = "points3D.txt";
 
-/// Camera models: indices of fx, fy, cx and cy in the parameters, and the number of parameters. Parameters after cy are
-/// distortion.
-const MODELS: &[(&str, [usize; 4], usize)] = &[
-    ("SIMPLE_PINHOLE", [0, 0, 1, 2], 3),
-    ("PINHOLE", [0, 1, 2, 3], 4),
-    ("SIMPLE_RADIAL", [0, 0, 1, 2], 4),
-    ("RADIAL", [0, 0, 1, 2], 5),
-    ("OPENCV", [0, 1, 2, 3], 8),
-    ("FULL_OPENCV", [0, 1, 2, 3], 12),
+/// A camera model.
+pub(super) struct Model {
+    name: &'static str,
+    /// Number in binary files.
+    pub number: i32,
+    /// Indices of fx, fy, cx and cy in the parameters; those after cy are distortion.
+    places: [usize; 4],
+    pub parameter_count: usize,
+    is_fisheye: bool,
+}
+
+const fn model(name: &'static str, number: i32, places: [usize; 4], parameter_count: usize, is_fisheye: bool) -> Model {
+    Model { name, number, places, parameter_count, is_fisheye }
+}
+
+const ONE_FOCAL: [usize; 4] = [0, 0, 1, 2];
+const TWO_FOCALS: [usize; 4] = [0, 1, 2, 3];
+
+pub(super) const MODELS: &[Model] = &[
+    model("SIMPLE_PINHOLE", 0, ONE_FOCAL, 3, false),
+    model("PINHOLE", 1, TWO_FOCALS, 4, false),
+    model("SIMPLE_RADIAL", 2, ONE_FOCAL, 4, false),
+    model("RADIAL", 3, ONE_FOCAL, 5, false),
+    model("OPENCV", 4, TWO_FOCALS, 8, false),
+    model("OPENCV_FISHEYE", 5, TWO_FOCALS, 8, true),
+    model("FULL_OPENCV", 6, TWO_FOCALS, 12, false),
+    model("FOV", 7, TWO_FOCALS, 5, true),
+    model("SIMPLE_RADIAL_FISHEYE", 8, ONE_FOCAL, 4, true),
+    model("RADIAL_FISHEYE", 9, ONE_FOCAL, 5, true),
+    model("THIN_PRISM_FISHEYE", 10, TWO_FOCALS, 12, true),
 ];
 
-/// A camera of `cameras.txt`.
-struct Intrinsics {
+/// The lens of a camera.
+pub(super) struct Intrinsics {
     size: [u32; 2],
     /// fx, fy, cx, cy.
     pinhole: [f64; 4],
 }
 
-/// Returns the folder of a model if `path` is a folder, or a file of a model.
-pub fn folder(path: &Path) -> Option<&Path> {
-    let is_file = path.file_name().is_some_and(|name| name == CAMERAS || name == IMAGES);
-    if is_file { path.parent() } else { path.is_dir().then_some(path) }
+impl Intrinsics {
+    pub fn new(model: &Model, size: [u32; 2], parameters: &[f64], distortion: &mut Distortion) -> Result<Intrinsics> {
+        if parameters.len() != model.parameter_count {
+            let (found, expected) = (parameters.len(), model.parameter_count);
+            let message = format!("{found} parameters were found, but {} has {expected}", model.name);
+            return Err(Error::invalid(message));
+        }
+        if let Some(value) = parameters.iter().find(|value| !value.is_finite()) {
+            return Err(Error::invalid(format!("“{value}” is not a number")));
+        }
+        if parameters[model.places[3] + 1..].iter().any(|value| *value != 0.0) {
+            distortion.add(model.name);
+        }
+        if model.is_fisheye {
+            distortion.add_fisheye();
+        }
+        Ok(Intrinsics { size, pinhole: model.places.map(|at| parameters[at]) })
+    }
 }
 
-pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
-    let beside = content.path.with_file_name(CAMERAS);
-    let text = std::fs::read_to_string(&beside).map_err(|error| Error::io(&beside, error))?;
-    let lenses = intrinsics(&text).map_err(|error| error.in_file(&beside))?;
+pub(super) type Lenses = HashMap<u64, Intrinsics>;
+
+/// A pose of images.txt or images.bin.
+pub(super) struct Image {
+    /// Quaternion w, x, y, z.
+    pub turn: [f64; 4],
+    pub shift: [f64; 3],
+    pub camera: u64,
+    pub name: String,
+}
+
+impl Image {
+    pub fn camera(self, lenses: &Lenses) -> Result<FileCamera> {
+        let id = self.camera;
+        let lens = lenses.get(&id).ok_or_else(|| Error::invalid(format!("there is no camera {id} in its model")))?;
+        let [w, x, y, z] = self.turn;
+        let quaternion = DQuat::from_xyzw(x, y, z, w);
+        if !((quaternion.length() - 1.0).abs() <= 1e-3) {
+            return Err(Error::invalid(format!("a quaternion of length {} is not a rotation", quaternion.length())));
+        }
+        let to_world = DMat3::from_quat(quaternion.normalize()).transpose();
+        let eye = -(to_world * DVec3::from_array(self.shift));
+        let axes = [to_world.z_axis, to_world.x_axis, to_world.y_axis];
+        let camera = Camera::pinhole(eye, axes, lens.size.map(f64::from), lens.pinhole).map_err(of_camera(id))?;
+        Ok(FileCamera { name: self.name, size: Some(lens.size), timed: TimedCamera { camera, frames: None } })
+    }
+}
+
+/// Folders of a model below that of a project, as COLMAP and nerfstudio make them.
+const MODEL_FOLDERS: [&str; 5] = ["", "sparse/0", "sparse", "colmap/sparse/0", "0"];
+
+/// Returns the file of images of a model, if `path` is a folder or a file of a model. In a folder without a model it is that of a
+/// text model.
+pub fn images_file(path: &Path) -> Option<PathBuf> {
+    let of_model = [CAMERAS, IMAGES, colmap_binary::CAMERAS, colmap_binary::IMAGES];
+    if path.is_file() {
+        let name = path.file_name().filter(|name| of_model.iter().any(|known| name == known))?;
+        let is_text = name.to_string_lossy().ends_with(".txt");
+        return Some(path.with_file_name(if is_text { IMAGES } else { colmap_binary::IMAGES }));
+    }
+    let models = MODEL_FOLDERS.iter().flat_map(|folder| {
+        let folder = path.join(folder);
+        [(IMAGES, CAMERAS), (colmap_binary::IMAGES, colmap_binary::CAMERAS)]
+            .map(|(images, cameras)| (folder.join(images), folder.join(cameras)))
+    });
+    path.is_dir().then(|| {
+        let found = models.into_iter().find(|(images, cameras)| images.is_file() && cameras.is_file());
+        found.map_or_else(|| path.join(IMAGES), |(images, _)| images)
+    })
+}
+
+pub fn read(content: &Content<'_>) -> Result<FileCameras> {
+    let mut distortion = Distortion::default();
+    let is_text = content.path.extension().is_some_and(|ending| ending == "txt");
+    let beside = content.path.with_file_name(if is_text { CAMERAS } else { colmap_binary::CAMERAS });
+    let bytes = std::fs::read(&beside).map_err(|error| Error::io(&beside, error))?;
+    let in_file = |error: Error| error.in_file(&beside);
+    let cameras = if is_text {
+        let text = Content { bytes: &bytes, ..*content }.text().map_err(in_file)?;
+        let lenses = lenses(&text, &mut distortion).map_err(in_file)?;
+        images(&content.text()?, &lenses)?
+    } else {
+        let lenses = colmap_binary::lenses(&bytes, &mut distortion).map_err(in_file)?;
+        colmap_binary::images(content.bytes, &lenses)?
+    };
+    let mut found = FileCameras { cameras, notes: distortion.notes() };
+    found.sort_by_names();
+    Ok(found)
+}
+
+fn images(text: &str, lenses: &Lenses) -> Result<Vec<FileCamera>> {
     let mut cameras = Vec::new();
-    let mut lines = content.text()?.lines().enumerate();
+    let mut lines = text.lines().map(str::trim).enumerate().filter(|(_, line)| !line.starts_with('#')).peekable();
     while let Some((number, line)) = lines.next() {
-        let line = line.trim();
-        if line.is_empty() || line.starts_with('#') {
+        if line.is_empty() {
             continue;
         }
         let named = |error: Error| error.context(format!("line {}", number + 1));
-        cameras.push(image(line, &lenses).map_err(named)?);
-        // The next line lists the points of the image.
-        lines.next();
+        cameras.push(image(line).and_then(|image| image.camera(lenses)).map_err(named)?);
+        // The points of the image follow; some writers leave out the line.
+        lines.next_if(|(_, line)| line.is_empty() || are_points(line));
     }
     Ok(cameras)
 }
 
-fn image(line: &str, lenses: &HashMap<u64, Intrinsics>) -> Result<FileCamera> {
+/// True for a line of points: each has X, Y and the index of a 3D point.
+fn are_points(line: &str) -> bool {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    words.len().is_multiple_of(3) && words.iter().all(|word| word.parse::<f64>().is_ok())
+}
+
+fn image(line: &str) -> Result<Image> {
     let expected = || Error::invalid("IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID and NAME were expected");
     let words: Vec<&str> = line.split_whitespace().collect();
     if words.len() < 10 {
         return Err(expected());
     }
     let numbers: Vec<f64> = words[1..8].iter().map(|word| number(word)).collect::<Result<_>>()?;
-    let id: u64 = words[8].parse().map_err(|_| expected())?;
-    let name = words[9..].join(" ");
-    let lens = lenses.get(&id).ok_or_else(|| Error::invalid(format!("there is no camera {id} in {CAMERAS}")))?;
-    let quaternion = DQuat::from_xyzw(numbers[1], numbers[2], numbers[3], numbers[0]);
-    if (quaternion.length() - 1.0).abs() > 1e-3 {
-        return Err(Error::invalid(format!("a quaternion of length {} is not a rotation", quaternion.length())));
-    }
-    let to_world = DMat3::from_quat(quaternion.normalize()).transpose();
-    let eye = -(to_world * DVec3::from_slice(&numbers[4..7]));
-    let camera = Camera::pinhole(
-        eye,
-        [to_world.z_axis, to_world.x_axis, to_world.y_axis],
-        lens.size.map(f64::from),
-        lens.pinhole,
-    );
-    let timed = TimedCamera { camera: camera.map_err(of_camera(id))?, frames: None };
-    Ok(FileCamera { name, size: Some(lens.size), timed })
+    let [qw, qx, qy, qz, tx, ty, tz] = numbers[..] else { return Err(expected()) };
+    Ok(Image {
+        turn: [qw, qx, qy, qz],
+        shift: [tx, ty, tz],
+        camera: words[8].parse().map_err(|_| expected())?,
+        name: words[9..].join(" "),
+    })
 }
 
-fn intrinsics(text: &str) -> Result<HashMap<u64, Intrinsics>> {
+fn lenses(text: &str, distortion: &mut Distortion) -> Result<Lenses> {
     let mut all = HashMap::new();
     for (number, line) in text.lines().enumerate() {
         let line = line.trim();
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
-        let (id, lens) = camera(line).map_err(|error| error.context(format!("line {}", number + 1)))?;
+        let (id, lens) = lens(line, distortion).map_err(|error| error.context(format!("line {}", number + 1)))?;
         all.insert(id, lens);
     }
     Ok(all)
 }
 
-fn camera(line: &str) -> Result<(u64, Intrinsics)> {
+fn lens(line: &str, distortion: &mut Distortion) -> Result<(u64, Intrinsics)> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let [id, model, width, height, parameters @ ..] = &words[..] else {
         return Err(Error::invalid("CAMERA_ID, MODEL, WIDTH, HEIGHT and parameters were expected"));
@@ -110,22 +210,10 @@ fn camera(line: &str) -> Result<(u64, Intrinsics)> {
         |word: &str| word.parse::<u32>().map_err(|_| Error::invalid(format!("“{word}” is not a size in pixels")));
     let size = [whole(width)?, whole(height)?];
     let id = id.parse().map_err(|_| Error::invalid(format!("“{id}” is not a camera ID")))?;
-    let Some((_, places, count)) = MODELS.iter().find(|(name, ..)| name == model) else {
-        return Err(Error::unsupported(format!(
-            "camera model {model} is not supported: undistort its images (colmap image_undistorter)"
-        )));
-    };
+    let known = MODELS.iter().find(|known| known.name == *model);
+    let known = known.ok_or_else(|| Error::unsupported(format!("camera model {model} is not supported")))?;
     let parameters: Vec<f64> = parameters.iter().map(|word| number(word)).collect::<Result<_>>()?;
-    if parameters.len() != *count {
-        return Err(Error::invalid(format!("{} parameters were found, but {model} has {count}", parameters.len())));
-    }
-    let distortion = &parameters[places[3] + 1..];
-    if let Some(value) = distortion.iter().find(|value| **value != 0.0) {
-        return Err(Error::unsupported(format!(
-            "a camera with distortion ({value}): undistort its images (colmap image_undistorter)"
-        )));
-    }
-    Ok((id, Intrinsics { size, pinhole: places.map(|at| parameters[at]) }))
+    Ok((id, Intrinsics::new(known, size, &parameters, distortion)?))
 }
 
 fn number(word: &str) -> Result<f64> {

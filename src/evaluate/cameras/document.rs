@@ -1,10 +1,13 @@
 //! Types and functions that all camera formats use.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use glam::{DMat3, DMat4, DVec3};
 
 use codec::error::{Error, Result};
+use codec::image::sequence::split_number;
+use footage::text::decode;
 use render::camera_path::{MAX_PATH_FRAMES, TimedCamera};
 
 /// A camera in a file.
@@ -17,21 +20,116 @@ pub struct FileCamera {
     pub timed: TimedCamera,
 }
 
+/// Cameras of a file, and what of it was not used as it is.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FileCameras {
+    pub cameras: Vec<FileCamera>,
+    /// What was left out or replaced, and why.
+    pub notes: Vec<String>,
+}
+
+impl FileCameras {
+    /// Adds the poses of a camera; one that is not supported or damaged is left out and noted.
+    pub fn add(&mut self, name: &str, poses: Result<Vec<FileCamera>>) {
+        match poses {
+            Ok(poses) => self.cameras.extend(poses),
+            Err(error) => self.notes.push(format!("camera {name} was left out: {error}")),
+        }
+    }
+
+    /// Returns the names of the cameras in order, each once. Poses of one camera may have names of their own.
+    pub fn names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for camera in &self.cameras {
+            if !names.contains(&camera.name.as_str()) {
+                names.push(&camera.name);
+            }
+        }
+        names
+    }
+
+    /// Keeps the camera with this name: that in the file, or the name of its picture without folders and ending.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Usage`] if there is none; the message lists the names.
+    pub fn choose(&mut self, name: &str) -> Result<()> {
+        let is_chosen = |camera: &FileCamera| camera.name == name || picture_stem(&camera.name) == name;
+        if !self.cameras.iter().any(is_chosen) {
+            const MAX_LISTED: usize = 8;
+            let names = self.names();
+            let more = if names.len() > MAX_LISTED { ", …" } else { "" };
+            let listed = names[..names.len().min(MAX_LISTED)].join(", ");
+            return Err(Error::Usage(format!("there is no camera {name}, only {listed}{more}")));
+        }
+        self.cameras.retain(is_chosen);
+        Ok(())
+    }
+
+    /// Leaves out cameras that do not move where others of the file do: their poses are those of one film.
+    pub fn leave_out_still(&mut self) {
+        let is_still = |camera: &FileCamera| camera.timed.frames.is_none();
+        if self.cameras.iter().all(is_still) {
+            return;
+        }
+        let still = self.cameras.iter().filter(|camera| is_still(camera));
+        self.notes.extend(still.map(|camera| {
+            format!("camera {} was left out: it does not move, and others do; `camera_name` chooses it", camera.name)
+        }));
+        self.cameras.retain(|camera| !is_still(camera));
+    }
+
+    /// Puts poses without frames in the order of the numbers in the names of their pictures, if each has one.
+    pub fn sort_by_names(&mut self) {
+        let number = |camera: &FileCamera| {
+            let (_, number, _) = split_number(&camera.name)?;
+            camera.timed.frames.is_none().then_some(())?;
+            number.parse::<u64>().ok()
+        };
+        let Some(numbers) = self.cameras.iter().map(number).collect::<Option<Vec<u64>>>() else { return };
+        if numbers.is_sorted() {
+            return;
+        }
+        let mut order: Vec<usize> = (0..numbers.len()).collect();
+        order.sort_by_key(|&at| numbers[at]);
+        self.cameras = order.into_iter().map(|at| self.cameras[at].clone()).collect();
+        self.notes.push("poses are in the order of the numbers of their pictures".into());
+    }
+}
+
+/// Returns the name of a picture without its folders and ending.
+pub fn picture_stem(name: &str) -> &str {
+    let name = name.rsplit('/').next().unwrap_or(name);
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ReadSettings {
+    /// Frames per second, for formats with times; without it 24, or for USD a frame for each time code.
+    pub fps: Option<f64>,
+    /// Width and height in pixels of pictures whose file states no size.
+    pub size: Option<[u32; 2]>,
+}
+
+impl ReadSettings {
+    pub fn with_fps(fps: f64) -> ReadSettings {
+        ReadSettings { fps: Some(fps), ..ReadSettings::default() }
+    }
+}
+
 /// Content of a file to read.
 #[derive(Debug, Clone, Copy)]
 pub struct Content<'a> {
     /// Path of the file; the files that it references are relative to it.
     pub path: &'a Path,
-    /// Bytes of the file; for COLMAP those of images.txt.
+    /// Bytes of the file; for COLMAP those of the list of images.
     pub bytes: &'a [u8],
-    /// Frames per second, for formats with times in seconds.
-    pub fps: f64,
+    pub settings: ReadSettings,
 }
 
 impl<'a> Content<'a> {
-    pub fn text(&self) -> Result<&'a str> {
-        std::str::from_utf8(self.bytes)
-            .map_err(|error| Error::invalid(format!("it is not text: byte {} is not UTF-8", error.valid_up_to())))
+    pub fn text(&self) -> Result<Cow<'a, str>> {
+        decode(self.bytes)
     }
 }
 

@@ -6,11 +6,12 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::document::{Content, FileCamera, WriteSettings, Written};
-use super::{colmap, gltf, own, probes, transforms, usd};
+use super::document::{Content, FileCamera, FileCameras, ReadSettings, WriteSettings, Written};
+use super::{colmap, gltf, own, paths, probes, transforms, usd};
 use codec::container::header::is_container;
 use codec::error::{Error, Result};
 use footage::dataset::manifest::MANIFEST_NAME;
+use footage::text::{decode, json_with_comments};
 use scene::mesh::gltf::document::is_glb;
 
 /// Maximum size of a file in bytes.
@@ -22,44 +23,62 @@ pub enum CameraFormat {
     Lightfold,
     /// `transforms.json` of nerfstudio.
     Transforms,
-    /// Text model of COLMAP, `cameras.txt` and `images.txt`.
+    /// Model of COLMAP.
     Colmap,
     Gltf,
-    /// USD text files.
     Usd,
+    /// `camera_path.json` of nerfstudio.
+    NerfstudioPath,
+    /// `cameras.json` of Gaussian splatting.
+    Splatting,
+    /// `base_cam.json` of instant-ngp.
+    InstantNgp,
 }
 
-type ReadCameras = fn(&Content<'_>) -> Result<Vec<FileCamera>>;
-type WriteCameras = fn(&[FileCamera], &WriteSettings) -> Result<Written>;
+type Reader = fn(&Content<'_>) -> Result<FileCameras>;
+type Writer = fn(&[FileCamera], &WriteSettings) -> Result<Written>;
 
-const FORMATS: &[(CameraFormat, ReadCameras, WriteCameras)] = &[
-    (CameraFormat::Lightfold, own::read, own::write),
-    (CameraFormat::Transforms, transforms::read, transforms::write),
-    (CameraFormat::Colmap, colmap::read, colmap::write),
-    (CameraFormat::Gltf, gltf::read, gltf::write),
-    (CameraFormat::Usd, usd::read, usd::write),
+/// Formats with their readers, and writers for those that are written.
+const FORMATS: &[(CameraFormat, Reader, Option<Writer>)] = &[
+    (CameraFormat::Lightfold, own::read, Some(own::write)),
+    (CameraFormat::Transforms, transforms::read, Some(transforms::write)),
+    (CameraFormat::Colmap, colmap::read, Some(colmap::write)),
+    (CameraFormat::Gltf, gltf::read, Some(gltf::write)),
+    (CameraFormat::Usd, usd::read, Some(usd::write)),
+    (CameraFormat::NerfstudioPath, paths::read_nerfstudio, None),
+    (CameraFormat::Splatting, paths::read_splatting, None),
+    (CameraFormat::InstantNgp, paths::read_instant_ngp, None),
+];
+
+/// JSON formats by their content. Others are camera files of lightfold, whose reader reports what it expects.
+const JSON_FORMATS: &[(CameraFormat, fn(&Value) -> bool)] = &[
+    (CameraFormat::Lightfold, own::has_probes),
+    (CameraFormat::Gltf, |document| document.get("asset").is_some()),
+    (CameraFormat::Transforms, transforms::is_of),
+    (CameraFormat::NerfstudioPath, paths::is_nerfstudio),
+    (CameraFormat::Splatting, paths::is_splatting),
+    (CameraFormat::InstantNgp, paths::is_instant_ngp),
 ];
 
 impl CameraFormat {
-    fn functions(self) -> (ReadCameras, WriteCameras) {
+    fn functions(self) -> (Reader, Option<Writer>) {
         let found = FORMATS.iter().find(|(format, ..)| *format == self);
-        found.map_or((own::read as ReadCameras, own::write as WriteCameras), |(_, read, write)| (*read, *write))
+        found.map_or((own::read as Reader, None), |(_, read, write)| (*read, *write))
     }
 
     /// Returns the format of a file with this content.
     pub fn of_content(bytes: &[u8]) -> CameraFormat {
-        if usd::is_of(bytes) {
+        // A byte order mark may precede any text.
+        let text = decode(bytes).unwrap_or_default();
+        if usd::is_of(bytes) || usd::is_of(text.as_bytes()) {
             return CameraFormat::Usd;
         }
         if is_glb(bytes) {
             return CameraFormat::Gltf;
         }
-        match serde_json::from_slice::<Value>(bytes) {
-            Ok(document) if own::has_probes(&document) => CameraFormat::Lightfold,
-            Ok(document) if document.get("asset").is_some() => CameraFormat::Gltf,
-            Ok(document) if transforms::is_of(&document) => CameraFormat::Transforms,
-            _ => CameraFormat::Lightfold,
-        }
+        let Ok(document) = json_with_comments::<Value>(bytes, "JSON") else { return CameraFormat::Lightfold };
+        let found = JSON_FORMATS.iter().find(|(_, is_of)| is_of(&document));
+        found.map_or(CameraFormat::Lightfold, |(format, _)| *format)
     }
 
     /// Returns the format of a file or folder to write by its name; `None` if the name does not determine it.
@@ -76,37 +95,43 @@ impl CameraFormat {
     }
 }
 
-/// Reads the cameras of a file, or of the probes of a container or dataset; at least one. The path `-` is standard input. `fps`
-/// is frames per second, for formats with times in seconds.
-pub fn read(path: &Path, fps: f64) -> Result<Vec<FileCamera>> {
+/// Reads the cameras of a file, or of the probes of a container or dataset; at least one. The path `-` is standard input. Cameras
+/// that cannot be used are left out and noted.
+///
+/// # Errors
+///
+/// [`Error::Invalid`] and [`Error::Unsupported`] if the file is of no known format or no camera of it can be used.
+pub fn read(path: &Path, settings: ReadSettings) -> Result<FileCameras> {
     let read = || {
         if path != Path::new("-") && (path.join(MANIFEST_NAME).is_file() || path.is_file() && is_container(path)?) {
-            return probes::of_probes(path);
+            let cameras = probes::of_probes(path)?;
+            return Ok(FileCameras { cameras, notes: Vec::new() });
         }
-        let (path, folder) = match colmap::folder(path) {
-            Some(folder) => (folder.join(colmap::IMAGES), true),
-            None => (path.to_path_buf(), false),
-        };
-        if folder && !path.is_file() {
+        let model = colmap::images_file(path);
+        let file = model.clone().unwrap_or_else(|| path.to_path_buf());
+        if model.is_some() && !file.is_file() {
             return Err(Error::invalid(
-                "a COLMAP text model with images.txt and cameras.txt was expected, and one is missing: convert a \
-                binary model with colmap model_converter",
+                "a COLMAP model was expected: a folder with images and cameras, both .txt or both .bin, or with \
+                sparse/0",
             ));
         }
-        let bytes = bytes(&path)?;
-        let content = Content { path: &path, bytes: &bytes, fps };
-        let cameras = if folder { colmap::read(&content) } else { parse(&content) };
-        let cameras = cameras.map_err(|error| error.in_file(&path))?;
-        if cameras.is_empty() {
-            return Err(Error::invalid("it has no cameras, where at least one was expected").in_file(&path));
+        let bytes = bytes(&file)?;
+        let content = Content { path: &file, bytes: &bytes, settings };
+        let found = if model.is_some() { colmap::read(&content) } else { parse(&content) };
+        let found = found.map_err(|error| error.in_file(&file))?;
+        match (found.cameras.is_empty(), found.notes.first()) {
+            (false, _) => Ok(found),
+            (true, Some(note)) => Err(Error::unsupported(format!("it has no usable camera: {note}")).in_file(&file)),
+            (true, None) => {
+                Err(Error::invalid("it has no cameras, where at least one was expected").in_file(&file))
+            }
         }
-        Ok(cameras)
     };
     read().map_err(|error: Error| error.in_file(path))
 }
 
 /// Parses the cameras of a file of any format but COLMAP, which is determined by its content.
-pub fn parse(content: &Content<'_>) -> Result<Vec<FileCamera>> {
+pub fn parse(content: &Content<'_>) -> Result<FileCameras> {
     let (read, _) = CameraFormat::of_content(content.bytes).functions();
     read(content)
 }
@@ -125,7 +150,12 @@ fn bytes(path: &Path) -> Result<Vec<u8>> {
 }
 
 /// Writes perspective cameras in a format.
+///
+/// # Errors
+///
+/// [`Error::Usage`] if the format is only read.
 pub fn write(cameras: &[FileCamera], format: CameraFormat, settings: &WriteSettings) -> Result<Written> {
     let (_, write) = format.functions();
+    let write = write.ok_or_else(|| Error::Usage(format!("{format:?} files are only read")))?;
     write(cameras, settings)
 }

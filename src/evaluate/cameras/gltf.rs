@@ -8,7 +8,7 @@ use glam::{DMat4, DQuat};
 use gltf::camera::Projection;
 use serde_json::{Value, json};
 
-use super::document::{Content, FileCamera, WriteSettings, Written, axes_of, check_count, of_camera};
+use super::document::{Content, FileCamera, FileCameras, WriteSettings, Written, axes_of, check_count, of_camera};
 use super::poses::{Track, poses, tracks};
 use codec::error::{Error, Result};
 use codec::image::FrameRange;
@@ -27,58 +27,89 @@ const NEAR_FRAME: f64 = 1e-3;
 /// Near plane in metres of cameras without one; glTF requires a value above 0.
 const DEFAULT_NEAR_M: f64 = 0.01;
 
-pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
+/// Frames per second where neither the film nor the caller states them.
+const DEFAULT_FPS: f64 = 24.0;
+
+pub fn read(content: &Content<'_>) -> Result<FileCameras> {
     let Parsed { document, blob } = document::parse(content.bytes)?;
     let root = document.as_json();
     let budget = Budget::new(content.bytes.len() as u64);
     let mut buffers = Buffers::new(root, blob, Folder::of(content.path), budget);
     let nodes = Nodes::read(&document)?;
-    let mut animations = Vec::new();
-    let mut cameras = Vec::new();
-    for node in document.nodes().filter(|node| nodes.shown[node.index()]) {
+    let mut found = FileCameras::default();
+    let with_cameras: Vec<_> =
+        document.nodes().filter(|node| nodes.shown[node.index()] && node.camera().is_some()).collect();
+    if with_cameras.is_empty() {
+        return Ok(found);
+    }
+    let read = |animation| Animation::read(animation, root.nodes.len(), &mut buffers);
+    let animations = root.animations.iter().map(read).collect::<Result<Vec<_>>>()?;
+    let fps = content.settings.fps.unwrap_or(DEFAULT_FPS);
+    for node in with_cameras {
         let Some(lens) = node.camera() else { continue };
-        let name = node.name().unwrap_or_default().to_owned();
-        let named = of_camera(if name.is_empty() { node.index().to_string() } else { name.clone() });
-        let Projection::Perspective(lens) = lens.projection() else {
-            return Err(named(Error::unsupported("it is orthographic, but a perspective camera was expected")));
-        };
-        if animations.is_empty() {
-            let read = |animation| Animation::read(animation, root.nodes.len(), &mut buffers);
-            animations = root.animations.iter().map(read).collect::<Result<Vec<_>>>()?;
-        }
-        let (half_v, aspect) = ((f64::from(lens.yfov()) / 2.0).tan(), f64::from(lens.aspect_ratio().unwrap_or(1.0)));
-        let half = [half_v * aspect, half_v];
+        let name = node.name().map_or_else(|| node.index().to_string(), str::to_owned);
         let mut chain = nodes.with_ancestors(node.index());
         chain.reverse();
-        let moves = |channel: &&Channel| chain.contains(&channel.node);
-        let of_animation =
-            |animation: &Animation| -> Vec<Channel> { animation.channels.iter().filter(moves).cloned().collect() };
-        let channels = animations.iter().map(of_animation).find(|channels| !channels.is_empty()).unwrap_or_default();
-        let at = |time_s: f64| -> Result<Camera> {
-            let (eye, axes) = axes_of(&to_world(&nodes, &chain, &channels, time_s))?;
-            Camera::with_window(eye, axes, half, [0.0; 2])
+        let channels = channels_of(&animations, &chain, &name, &mut found.notes);
+        let moving = Moving { nodes: &nodes, chain, channels, fps };
+        let poses = moving.poses(&lens.projection(), found.cameras.len());
+        let named = |(camera, frames)| FileCamera {
+            name: node.name().unwrap_or_default().to_owned(),
+            size: None,
+            timed: TimedCamera { camera, frames },
         };
-        let of = |time_s: f64, frame: Option<u32>| -> Result<FileCamera> {
-            let frames = frame.map(|at| FrameRange { first: at, last: at });
-            let timed = TimedCamera { camera: at(time_s).map_err(&named)?, frames };
-            Ok(FileCamera { name: name.clone(), size: None, timed })
-        };
-        let ends = channels.iter().map(Channel::ends_s).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
-        let Some([first_s, last_s]) = ends else {
-            cameras.push(of(0.0, None)?);
-            continue;
-        };
-        let first = (first_s * content.fps - NEAR_FRAME).ceil().max(0.0);
-        let last = (last_s * content.fps + NEAR_FRAME).floor().max(first);
-        if last > f64::from(u32::MAX) {
-            return Err(named(Error::unsupported(format!("its animation ends after {last_s} seconds"))));
-        }
-        check_count(cameras.len(), last - first + 1.0)?;
-        for frame in first as u32..=last as u32 {
-            cameras.push(of(f64::from(frame) / content.fps, Some(frame))?);
-        }
+        found.add(&name, poses.map(|poses| poses.into_iter().map(named).collect()));
     }
-    Ok(cameras)
+    Ok(found)
+}
+
+/// Returns the channels of all animations that move nodes of a chain; of two that move the same property, the first.
+fn channels_of(animations: &[Animation], chain: &[usize], name: &str, notes: &mut Vec<String>) -> Vec<Channel> {
+    let mut all: Vec<Channel> = Vec::new();
+    for (at, animation) in animations.iter().enumerate() {
+        let own: Vec<&Channel> = animation.channels.iter().filter(|channel| chain.contains(&channel.node)).collect();
+        let is_same = |a: &Channel, b: &Channel| a.node == b.node && a.property == b.property;
+        if own.iter().any(|channel| all.iter().any(|other| is_same(channel, other))) {
+            notes.push(format!("animation {at} of camera {name} was left out: an earlier one moves the same node"));
+            continue;
+        }
+        all.extend(own.into_iter().cloned());
+    }
+    all
+}
+
+/// A node with its ancestors, each the parent of the next, and the channels that move them.
+struct Moving<'a> {
+    nodes: &'a Nodes,
+    chain: Vec<usize>,
+    channels: Vec<Channel>,
+    fps: f64,
+}
+
+impl Moving<'_> {
+    /// Returns the camera at the end of the chain: one, or one for each frame of its animation. `count` is the number of poses
+    /// of other cameras.
+    fn poses(&self, lens: &Projection<'_>, count: usize) -> Result<Vec<(Camera, Option<FrameRange>)>> {
+        let Projection::Perspective(lens) = lens else { return Err(Error::unsupported("it is orthographic")) };
+        let (half_v, aspect) = ((f64::from(lens.yfov()) / 2.0).tan(), f64::from(lens.aspect_ratio().unwrap_or(1.0)));
+        let at = |time_s: f64| -> Result<Camera> {
+            let (eye, axes) = axes_of(&to_world(self.nodes, &self.chain, &self.channels, time_s))?;
+            Camera::with_window(eye, axes, [half_v * aspect, half_v], [0.0; 2])
+        };
+        let ends = self.channels.iter().map(Channel::ends_s).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+        let Some([first_s, last_s]) = ends else { return Ok(vec![(at(0.0)?, None)]) };
+        let first = (first_s * self.fps - NEAR_FRAME).ceil().max(0.0);
+        let last = (last_s * self.fps + NEAR_FRAME).floor().max(first);
+        if last > f64::from(u32::MAX) {
+            return Err(Error::unsupported(format!("its animation ends after {last_s} seconds")));
+        }
+        check_count(count, last - first + 1.0)?;
+        let frames = first as u32..=last as u32;
+        frames.map(|at_frame| {
+            let range = FrameRange { first: at_frame, last: at_frame };
+            Ok((at(f64::from(at_frame) / self.fps)?, Some(range)))
+        }).collect()
+    }
 }
 
 /// Returns the world matrix at a time of the last node of `chain`, in which each node is a child of the previous one.

@@ -1,20 +1,26 @@
-//! Cameras of USD text files, `.usda` (openusd.org, UsdGeomCamera and UsdGeomXformable): prims of type `Camera`, static or with
-//! time samples. They look along −Z with +Y up; apertures and focal length have the same unit.
+//! Cameras of USD (openusd.org, UsdGeomCamera and UsdGeomXformable): prims of type `Camera` of text, binary and package files,
+//! through sublayers, references, payloads and variants. They look along −Z with +Y up; apertures and focal length have the same
+//! unit.
 //!
-//! A time code is a frame. Values between samples are interpolated linearly, as USD defines it, except rotations, including those
-//! in matrices, which use slerp, since linear interpolation of matrices would shear. Metres per unit and the up axis of the file
-//! are applied.
+//! Frames are time codes × frames per second / time codes per second. Values between samples are interpolated linearly, as USD
+//! defines it, except rotations, including those in matrices, which use slerp, since linear interpolation of matrices would
+//! shear. Metres per unit and the up axis of the stage are applied.
 
 use std::fmt::Write as _;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
 
 use glam::{DMat4, DQuat, DVec3};
+use openusd::ar::{self, Resolver};
+use openusd::sdf::Value;
+use openusd::usd::{Attribute, Prim, PrimPredicate, Stage};
 
-use super::document::{Content, FileCamera, WriteSettings, Written, axes_of, check_count, matrix_of, of_camera};
+use super::document::{Content, FileCamera, FileCameras, WriteSettings, Written, axes_of, check_count, matrix_of};
 use super::poses::{Track, poses, tracks};
-use super::usda::{Prim, Value, parse};
 use codec::error::{Error, Result};
 use codec::image::FrameRange;
 use codec::math::Camera;
+use footage::guard::guarded;
 use render::camera_path::TimedCamera;
 
 /// Defaults for values that a file does not state.
@@ -24,127 +30,293 @@ const VERTICAL_APERTURE: f64 = 15.2908;
 const FOCAL_LENGTH: f64 = 50.0;
 /// Width of 36 mm film in tenths of a metre.
 const WRITTEN_APERTURE: f64 = 0.36;
+/// Distance from a whole frame at which a time counts as that frame.
+const NEAR_FRAME: f64 = 1e-6;
+
+/// First bytes of each file format, and its ending.
+const FORMATS: [(&[u8], &str); 3] = [(b"#usda", "usda"), (b"PXR-USDC", "usdc"), (b"PK\x03\x04", "usdz")];
+
+fn ending(bytes: &[u8]) -> Option<&'static str> {
+    FORMATS.iter().find(|(start, _)| bytes.starts_with(start)).map(|(_, ending)| *ending)
+}
 
 pub fn is_of(bytes: &[u8]) -> bool {
-    bytes.starts_with(b"#usda") || bytes.starts_with(b"PXR-USDC")
+    ending(bytes).is_some()
 }
 
-pub fn read(content: &Content<'_>) -> Result<Vec<FileCamera>> {
-    if content.bytes.starts_with(b"PXR-USDC") {
-        return Err(Error::unsupported("a binary USD file: write it as text first, with the program usdcat"));
-    }
-    let root = parse(content.text()?)?;
-    let unit_m = root.attribute("metersPerUnit").map_or(Ok(METRES_PER_UNIT), number)?;
+pub fn read(content: &Content<'_>) -> Result<FileCameras> {
+    guarded(|| read_stage(content)).unwrap_or_else(|| Err(Error::invalid("the USD file is damaged")))
+}
+
+fn read_stage(content: &Content<'_>) -> Result<FileCameras> {
+    let stage = open(content)?;
+    let unit_m = match stage.stage_metadata("metersPerUnit").map_err(damaged)? {
+        Some(value) => number(&value)?,
+        None => METRES_PER_UNIT,
+    };
     let scale = DMat4::from_scale(DVec3::splat(unit_m));
-    let to_world = match root.attribute("upAxis") {
-        Some(Value::Text(axis)) if axis == "Z" => DMat4::from_rotation_x(-std::f64::consts::FRAC_PI_2) * scale,
+    let to_world = match stage.stage_metadata("upAxis").map_err(damaged)?.as_ref().and_then(text) {
+        Some("Z") => DMat4::from_rotation_x(-std::f64::consts::FRAC_PI_2) * scale,
         _ => scale,
     };
-    let mut cameras = Vec::new();
-    find(&root, &mut Vec::new(), &to_world, &mut cameras)?;
-    Ok(cameras)
+    let codes_per_second = stage.time_codes_per_second();
+    let codes_per_frame = content.settings.fps.map_or(1.0, |fps| codes_per_second / fps);
+    if !(codes_per_frame.is_finite() && codes_per_frame > 0.0) {
+        return Err(Error::invalid(format!("{codes_per_second} time codes per second: a number above 0 was expected")));
+    }
+    let mut found = FileCameras::default();
+    let mut chain = Vec::new();
+    for root in stage.root_prims().map_err(damaged)? {
+        let prim = stage.prim(format!("/{}", root.as_str()).as_str());
+        let scene = Scene { to_world, codes_per_frame };
+        scene.find(prim, &mut chain, &mut found)?;
+    }
+    found.notes.extend(stage.composition_errors().iter().map(|error| format!("left out: {error}")));
+    Ok(found)
 }
 
-/// Adds the cameras below a prim; `chain` holds the prims on the path to it.
-fn find<'a>(prim: &'a Prim, chain: &mut Vec<&'a Prim>, to_world: &DMat4, cameras: &mut Vec<FileCamera>) -> Result<()> {
-    for child in prim.children.iter().filter(|child| child.is_defined) {
-        chain.push(child);
-        if child.kind == "Camera" {
-            add(child, chain, to_world, cameras).map_err(of_camera(&child.name))?;
-        }
-        find(child, chain, to_world, cameras)?;
-        chain.pop();
+fn damaged(error: impl std::fmt::Display) -> Error {
+    Error::invalid(format!("the USD file cannot be read: {error:#}"))
+}
+
+/// Opens a file whose bytes are at hand; the layers that it names are opened relative to its path.
+fn open(content: &Content<'_>) -> Result<Stage> {
+    // The crate reads text without a byte order mark.
+    let bytes = match ending(content.bytes) {
+        Some(_) => content.bytes.to_vec(),
+        None => content.text()?.into_owned().into_bytes(),
+    };
+    let ending = ending(&bytes).unwrap_or("usda");
+    let folder = std::path::absolute(content.path).ok().and_then(|path| Some(path.parent()?.to_path_buf()));
+    if ending == "usdz" {
+        return Stage::open(&content.path.to_string_lossy()).map_err(damaged);
     }
-    Ok(())
+    // The name decides how the crate reads a layer.
+    let root = folder.unwrap_or_default().join(content.path.file_stem().unwrap_or_default()).with_extension(ending);
+    let resolver = RootInMemory { root: root.clone(), bytes, files: ar::DefaultResolver::new() };
+    Stage::builder().resolver(resolver).open(&root.to_string_lossy()).map_err(damaged)
+}
+
+/// Resolves the root layer to bytes in memory and other layers to files.
+struct RootInMemory {
+    root: PathBuf,
+    bytes: Vec<u8>,
+    files: ar::DefaultResolver,
+}
+
+impl Resolver for RootInMemory {
+    fn create_identifier(&self, path: &str, anchor: Option<&ar::ResolvedPath>) -> String {
+        if Path::new(path) == self.root { path.to_owned() } else { self.files.create_identifier(path, anchor) }
+    }
+
+    fn resolve(&self, path: &str) -> Option<ar::ResolvedPath> {
+        if Path::new(path) == self.root { Some(ar::ResolvedPath::new(path)) } else { self.files.resolve(path) }
+    }
+
+    fn resolve_for_new_asset(&self, path: &str) -> Option<ar::ResolvedPath> {
+        self.files.resolve_for_new_asset(path)
+    }
+
+    fn open_asset(&self, path: &ar::ResolvedPath) -> std::io::Result<Box<dyn ar::Asset>> {
+        let path: &Path = path;
+        match path == self.root {
+            true => Ok(Box::new(Cursor::new(self.bytes.clone()))),
+            false => self.files.open_asset(&ar::ResolvedPath::new(path)),
+        }
+    }
+}
+
+/// How coordinates and times of a stage become metres and frames.
+#[derive(Clone, Copy)]
+struct Scene {
+    to_world: DMat4,
+    codes_per_frame: f64,
 }
 
 /// Attributes that define the field of view.
 const LENS: [&str; 5] =
     ["focalLength", "horizontalAperture", "verticalAperture", "horizontalApertureOffset", "verticalApertureOffset"];
 
-fn add(prim: &Prim, chain: &[&Prim], to_world: &DMat4, cameras: &mut Vec<FileCamera>) -> Result<()> {
-    if matches!(prim.attribute("projection"), Some(Value::Text(kind)) if kind == "orthographic") {
-        return Err(Error::unsupported("it is orthographic, but a perspective camera was expected"));
-    }
-    let at = |time: f64| -> Result<Camera> {
-        let mut placed = DMat4::IDENTITY;
-        for prim in chain {
-            let (local, is_reset) = local(prim, time)?;
-            placed = if is_reset { local } else { placed * local };
+impl Scene {
+    /// Adds the camera at a prim and those below it; `chain` holds the prims on the path to it.
+    fn find(self, prim: Prim, chain: &mut Vec<Prim>, found: &mut FileCameras) -> Result<()> {
+        let stage = prim.stage().clone();
+        if !PrimPredicate::DEFAULT_PROXIES.matches(stage.prim_status(prim.path().clone()).map_err(damaged)?) {
+            return Ok(());
         }
-        let (eye, axes) = axes_of(&(*to_world * placed))?;
-        let mut lens = [FOCAL_LENGTH, HORIZONTAL_APERTURE, VERTICAL_APERTURE, 0.0, 0.0];
-        for (name, value) in LENS.iter().zip(&mut lens) {
-            if let Some(stated) = value_at(prim, name, time) {
-                *value = number(&stated)?;
-            }
+        let is_camera = prim.type_name().map_err(damaged)?.is_some_and(|name| name.as_str() == "Camera");
+        let children = prim.children().map_err(damaged)?;
+        chain.push(prim);
+        if is_camera {
+            let path = chain[chain.len() - 1].path().as_str().to_owned();
+            let name = path.rsplit('/').next().unwrap_or_default().to_owned();
+            found.add(&name, self.camera(chain, &name, found.cameras.len()));
         }
-        let [focal, width, height, right, up] = lens;
-        Camera::with_window(eye, axes, [width, height].map(|size| size / 2.0 / focal), [right / focal, -up / focal])
-    };
-    let of = |camera: Camera, frames: Option<FrameRange>| FileCamera {
-        name: prim.name.clone(),
-        size: None,
-        timed: TimedCamera { camera, frames },
-    };
-    let Some([first, last]) = sampled(prim, chain) else {
-        cameras.push(of(at(0.0)?, None));
-        return Ok(());
-    };
-    let [first, last] = [(first - 1e-6).ceil(), (last + 1e-6).floor()];
-    if first < 0.0 || last > f64::from(u32::MAX) || first > last {
-        return Err(Error::unsupported(format!(
-            "its time samples are between {first} and {last}: time codes that are frames, from 0 on, were expected"
-        )));
+        for child in children {
+            self.find(child, chain, found)?;
+        }
+        chain.pop();
+        Ok(())
     }
-    check_count(cameras.len(), last - first + 1.0)?;
-    for frame in first as u32..=last as u32 {
-        cameras.push(of(at(f64::from(frame))?, Some(FrameRange { first: frame, last: frame })));
-    }
-    Ok(())
-}
 
-/// Returns the first and last time code of samples that move a camera or change its lens.
-fn sampled(prim: &Prim, chain: &[&Prim]) -> Option<[f64; 2]> {
-    let of = |prim: &&Prim, names: &dyn Fn(&str) -> bool| -> Option<[f64; 2]> {
-        let ends = |(name, value): &(String, Value)| match value {
-            Value::Samples(samples) if name.strip_suffix(".timeSamples").is_some_and(names) => {
-                Some([samples.first()?.0, samples.last()?.0])
+    /// Returns the poses of the camera at the end of a chain of prims.
+    fn camera(self, chain: &[Prim], name: &str, count: usize) -> Result<Vec<FileCamera>> {
+        let Some(prim) = chain.last() else { return Ok(Vec::new()) };
+        let projection = prim.attribute("projection").get::<Value>().map_err(damaged)?;
+        if projection.as_ref().and_then(text) == Some("orthographic") {
+            return Err(Error::unsupported("it is orthographic"));
+        }
+        let chain: Vec<Transform> = chain.iter().map(Transform::of).collect::<Result<_>>()?;
+        let lens = LENS.map(|name| Samples::of(&prim.attribute(name), ""));
+        let lens: Vec<Samples> = lens.into_iter().collect::<Result<_>>()?;
+        let at = |code: f64| -> Result<Camera> {
+            let mut placed = DMat4::IDENTITY;
+            for transform in &chain {
+                let local = transform.at(code)?;
+                placed = if transform.is_reset { local } else { placed * local };
             }
-            _ => None,
+            let (eye, axes) = axes_of(&(self.to_world * placed))?;
+            let mut values = [FOCAL_LENGTH, HORIZONTAL_APERTURE, VERTICAL_APERTURE, 0.0, 0.0];
+            for (samples, value) in lens.iter().zip(&mut values) {
+                if let Some(&[stated]) = samples.at(code).as_deref() {
+                    *value = stated;
+                }
+            }
+            let [focal, width, height, right, up] = values;
+            Camera::with_window(eye, axes, [width, height].map(|size| size / 2.0 / focal), [right / focal, -up / focal])
         };
-        prim.attributes.iter().filter_map(ends).reduce(join)
-    };
-    let moved = chain.iter().filter_map(|prim| of(prim, &|name| name.starts_with("xformOp:")));
-    moved.chain(of(&prim, &|name| LENS.contains(&name))).reduce(join)
+        let of = |camera: Camera, frames: Option<FrameRange>| FileCamera {
+            name: name.to_owned(),
+            size: None,
+            timed: TimedCamera { camera, frames },
+        };
+        let moved = chain.iter().flat_map(|transform| transform.steps.iter().map(|step| &step.samples));
+        let Some([first, last]) = moved.chain(&lens).filter_map(Samples::ends).reduce(join) else {
+            return Ok(vec![of(at(0.0)?, None)]);
+        };
+        let [first, last] = [first, last].map(|code| code / self.codes_per_frame);
+        let [first, last] = [(first - NEAR_FRAME).ceil(), (last + NEAR_FRAME).floor()];
+        if first < 0.0 || last > f64::from(u32::MAX) || first > last {
+            return Err(Error::unsupported(format!(
+                "its time samples are between frames {first} and {last}: frames from 0 on were expected"
+            )));
+        }
+        check_count(count, last - first + 1.0)?;
+        let frames = first as u32..=last as u32;
+        frames
+            .map(|frame| {
+                let camera = at(f64::from(frame) * self.codes_per_frame)?;
+                Ok(of(camera, Some(FrameRange { first: frame, last: frame })))
+            })
+            .collect()
+    }
 }
 
 fn join([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
     [a.min(c), b.max(d)]
 }
 
-/// Returns the matrix from a prim to its parent, and whether it ignores the transforms of its parents.
-fn local(prim: &Prim, time: f64) -> Result<(DMat4, bool)> {
-    let Some(Value::List(order)) = prim.attribute("xformOpOrder") else { return Ok((DMat4::IDENTITY, false)) };
-    let (mut matrix, mut is_reset) = (DMat4::IDENTITY, false);
-    for op in order {
-        let Value::Text(op) = op else { return Err(Error::invalid("\"xformOpOrder\" lists names")) };
-        if op == "!resetXformStack!" {
-            (matrix, is_reset) = (DMat4::IDENTITY, true);
-            continue;
+/// Transform from a prim to its parent.
+struct Transform {
+    steps: Vec<Step>,
+    /// True if the transforms of the prim's parents are ignored.
+    is_reset: bool,
+}
+
+struct Step {
+    /// Name of the attribute, such as `xformOp:rotateX:tilt`.
+    name: String,
+    is_inverse: bool,
+    samples: Samples,
+}
+
+impl Transform {
+    fn of(prim: &Prim) -> Result<Transform> {
+        let order = prim.attribute("xformOpOrder").get::<Value>().map_err(damaged)?;
+        let order: Vec<String> = match order {
+            None => Vec::new(),
+            Some(Value::TokenVec(names)) => names.iter().map(|name| name.as_str().to_owned()).collect(),
+            Some(_) => return Err(Error::invalid("\"xformOpOrder\" lists names")),
+        };
+        let mut transform = Transform { steps: Vec::new(), is_reset: false };
+        for op in order {
+            if op == "!resetXformStack!" {
+                transform = Transform { steps: Vec::new(), is_reset: true };
+                continue;
+            }
+            let name = op.strip_prefix("!invert!").unwrap_or(&op).to_owned();
+            let samples = Samples::of(&prim.attribute(name.as_str()), kind(&name))?;
+            if samples.keys.is_empty() {
+                return Err(Error::invalid(format!("{name} of \"xformOpOrder\" has no value")));
+            }
+            transform.steps.push(Step { is_inverse: name.len() < op.len(), name, samples });
         }
-        let name = op.strip_prefix("!invert!").unwrap_or(op);
-        let value = value_at(prim, name, time);
-        let value = value.ok_or_else(|| Error::invalid(format!("{name} of \"xformOpOrder\" has no value")))?;
-        let step = transform(name, &value).map_err(|error| error.context(name))?;
-        matrix *= if name.len() < op.len() { step.inverse() } else { step };
+        Ok(transform)
     }
-    Ok((matrix, is_reset))
+
+    fn at(&self, code: f64) -> Result<DMat4> {
+        let mut matrix = DMat4::IDENTITY;
+        for step in &self.steps {
+            let value = step.samples.at(code).unwrap_or_default();
+            let own = matrix_of_step(&step.name, &value).map_err(|error| error.context(&step.name))?;
+            matrix *= if step.is_inverse { own.inverse() } else { own };
+        }
+        Ok(matrix)
+    }
+}
+
+/// Returns the kind of a transform operation, such as `rotateX`.
+fn kind(name: &str) -> &str {
+    name.split(':').nth(1).unwrap_or_default()
+}
+
+/// Value of an attribute over time.
+struct Samples {
+    /// Time codes with the numbers of the value, in increasing order; one of any time code for a value that does not change.
+    keys: Vec<(f64, Vec<f64>)>,
+    is_still: bool,
+    /// Kind of the transform operation whose value it is, or empty.
+    kind: String,
+}
+
+impl Samples {
+    fn of(attribute: &Attribute, kind: &str) -> Result<Samples> {
+        let times = attribute.time_sample_times().map_err(damaged)?;
+        let mut keys = Vec::new();
+        for &time in &times {
+            let value = attribute.get_at::<Value>(openusd::usd::TimeCode::new(time)).map_err(damaged)?;
+            keys.extend(value.map(|value| numbers(&value)).transpose()?.map(|numbers| (time, numbers)));
+        }
+        let is_still = keys.is_empty();
+        if is_still {
+            let value = attribute.get::<Value>().map_err(damaged)?;
+            keys.extend(value.map(|value| numbers(&value)).transpose()?.map(|numbers| (0.0, numbers)));
+        }
+        Ok(Samples { keys, is_still, kind: kind.to_owned() })
+    }
+
+    /// Returns the first and last time code of samples.
+    fn ends(&self) -> Option<[f64; 2]> {
+        let ends = [self.keys.first()?.0, self.keys.last()?.0];
+        (!self.is_still).then_some(ends)
+    }
+
+    /// Returns the value at a time code; `None` if the attribute has none.
+    fn at(&self, code: f64) -> Option<Vec<f64>> {
+        let behind = self.keys.partition_point(|(at, _)| *at <= code);
+        match (behind.checked_sub(1).map(|at| &self.keys[at]), self.keys.get(behind)) {
+            (Some((from_code, from)), Some((to_code, to))) => {
+                Some(mix(from, to, (code - from_code) / (to_code - from_code), &self.kind))
+            }
+            (Some((_, value)), None) | (None, Some((_, value))) => Some(value.clone()),
+            (None, None) => None,
+        }
+    }
 }
 
 /// Returns the matrix of a transform operation, by its name and value.
-fn transform(name: &str, value: &Value) -> Result<DMat4> {
-    let kind = name.split(':').nth(1).unwrap_or_default();
+fn matrix_of_step(name: &str, value: &[f64]) -> Result<DMat4> {
+    let kind = kind(name);
     let turn = |axis: char, degrees: f64| match axis {
         'X' => DMat4::from_rotation_x(degrees.to_radians()),
         'Y' => DMat4::from_rotation_y(degrees.to_radians()),
@@ -152,19 +324,22 @@ fn transform(name: &str, value: &Value) -> Result<DMat4> {
     };
     match kind {
         "transform" => {
-            let rows = numbers(value)?;
             let rows =
-                <[f64; 16]>::try_from(rows).map_err(|_| Error::invalid("a matrix of 4 by 4 numbers was expected"))?;
+                <[f64; 16]>::try_from(value).map_err(|_| Error::invalid("a matrix of 4 by 4 numbers was expected"))?;
             // USD matrices apply to row vectors, so the rows of the file are the columns of `DMat4`.
             Ok(DMat4::from_cols_array(&rows))
         }
         "translate" => Ok(DMat4::from_translation(three(value)?)),
+        "translateX" | "translateY" | "translateZ" => Ok(DMat4::from_translation(along(kind) * one(value)?)),
         "scale" => Ok(DMat4::from_scale(three(value)?)),
-        "orient" => match numbers(value)?[..] {
+        "scaleX" | "scaleY" | "scaleZ" => {
+            Ok(DMat4::from_scale(DVec3::ONE + along(kind) * (one(value)? - 1.0)))
+        }
+        "orient" => match *value {
             [w, x, y, z] => Ok(DMat4::from_quat(DQuat::from_xyzw(x, y, z, w).normalize())),
             _ => Err(Error::invalid("a quaternion of four numbers was expected")),
         },
-        "rotateX" | "rotateY" | "rotateZ" => Ok(turn(kind.chars().last().unwrap_or('X'), number(value)?)),
+        "rotateX" | "rotateY" | "rotateZ" => Ok(turn(kind.chars().last().unwrap_or('X'), one(value)?)),
         "rotateXYZ" | "rotateXZY" | "rotateYXZ" | "rotateYZX" | "rotateZXY" | "rotateZYX" => {
             let degrees = three(value)?;
             let of = |axis: char| turn(axis, degrees[(axis as usize) - ('X' as usize)]);
@@ -175,72 +350,80 @@ fn transform(name: &str, value: &Value) -> Result<DMat4> {
     }
 }
 
-/// Returns the value of an attribute at a time code: from its samples if it has any, else its default value.
-fn value_at(prim: &Prim, name: &str, time: f64) -> Option<Value> {
-    let samples = prim.attributes.iter().find(|(other, _)| other.strip_suffix(".timeSamples") == Some(name));
-    let Some((_, Value::Samples(samples))) = samples else { return prim.attribute(name).cloned() };
-    let behind = samples.partition_point(|(at, _)| *at <= time);
-    match (behind.checked_sub(1).map(|at| &samples[at]), samples.get(behind)) {
-        (Some((from_time, from)), Some((to_time, to))) => {
-            let part = (time - from_time) / (to_time - from_time);
-            Some(if part == 0.0 {
-                from.clone()
-            } else {
-                mix(from, to, part, name.split(':').nth(1).unwrap_or_default())
-            })
+/// Interpolates between two values; `kind` is the kind of transform operation.
+fn mix(from: &[f64], to: &[f64], part: f64, kind: &str) -> Vec<f64> {
+    match (kind, from, to) {
+        (_, from, to) if from.len() != to.len() => from.to_vec(),
+        ("transform", from, to) if from.len() == 16 => {
+            let parts = |rows: &[f64]| DMat4::from_cols_slice(rows).to_scale_rotation_translation();
+            let ((from_scale, from_turn, from_place), (to_scale, to_turn, to_place)) = (parts(from), parts(to));
+            let matrix = DMat4::from_scale_rotation_translation(
+                from_scale.lerp(to_scale, part),
+                from_turn.slerp(to_turn, part),
+                from_place.lerp(to_place, part),
+            );
+            matrix.to_cols_array().to_vec()
         }
-        (Some((_, value)), None) | (None, Some((_, value))) => Some(value.clone()),
-        (None, None) => None,
+        ("orient", &[a, b, c, d], &[e, f, g, h]) => {
+            let of = |[w, x, y, z]: [f64; 4]| DQuat::from_xyzw(x, y, z, w).normalize();
+            let turn = of([a, b, c, d]).slerp(of([e, f, g, h]), part);
+            vec![turn.w, turn.x, turn.y, turn.z]
+        }
+        (_, from, to) => from.iter().zip(to).map(|(from, to)| from + (to - from) * part).collect(),
     }
 }
 
-/// Interpolates between two values of an attribute; `kind` is the kind of transform operation.
-fn mix(from: &Value, to: &Value, part: f64, kind: &str) -> Value {
-    let lists = (numbers(from), numbers(to));
-    match (from, to) {
-        (Value::Number(from), Value::Number(to)) => Value::Number(from + (to - from) * part),
-        (Value::List(_), Value::List(_)) => match lists {
-            (Ok(from), Ok(to)) if kind == "transform" && from.len() == 16 && to.len() == 16 => {
-                let parts = |rows: &[f64]| DMat4::from_cols_slice(rows).to_scale_rotation_translation();
-                let ((from_scale, from_turn, from_place), (to_scale, to_turn, to_place)) = (parts(&from), parts(&to));
-                let matrix = DMat4::from_scale_rotation_translation(
-                    from_scale.lerp(to_scale, part),
-                    from_turn.slerp(to_turn, part),
-                    from_place.lerp(to_place, part),
-                );
-                Value::List(matrix.to_cols_array().map(Value::Number).to_vec())
-            }
-            (Ok(from), Ok(to)) if kind == "orient" && from.len() == 4 && to.len() == 4 => {
-                let of = |q: &[f64]| DQuat::from_xyzw(q[1], q[2], q[3], q[0]).normalize();
-                let turn = of(&from).slerp(of(&to), part);
-                Value::List([turn.w, turn.x, turn.y, turn.z].map(Value::Number).to_vec())
-            }
-            (Ok(from), Ok(to)) if from.len() == to.len() => {
-                Value::List(from.iter().zip(&to).map(|(from, to)| Value::Number(from + (to - from) * part)).collect())
-            }
-            _ => Value::List(Vec::new()),
-        },
-        _ => from.clone(),
+/// Returns the axis that ends the name of an operation.
+fn along(kind: &str) -> DVec3 {
+    match kind.chars().last() {
+        Some('X') => DVec3::X,
+        Some('Y') => DVec3::Y,
+        _ => DVec3::Z,
+    }
+}
+
+fn text(value: &Value) -> Option<&str> {
+    match value {
+        Value::Token(token) => Some(token.as_str()),
+        Value::String(text) => Some(text),
+        _ => None,
     }
 }
 
 fn number(value: &Value) -> Result<f64> {
-    match value {
-        Value::Number(number) => Ok(*number),
+    match numbers(value)?[..] {
+        [number] => Ok(number),
         _ => Err(Error::invalid("a number was expected")),
     }
 }
 
-/// Returns the numbers of nested lists.
+/// Returns the numbers of a scalar, a vector, a matrix by rows, or a quaternion from w on.
 fn numbers(value: &Value) -> Result<Vec<f64>> {
-    match value {
-        Value::List(list) => Ok(list.iter().map(numbers).collect::<Result<Vec<_>>>()?.concat()),
-        _ => number(value).map(|number| vec![number]),
+    Ok(match value {
+        Value::Int(number) => vec![f64::from(*number)],
+        Value::Half(number) => vec![number.to_f64()],
+        Value::Float(number) => vec![f64::from(*number)],
+        Value::Double(number) => vec![*number],
+        Value::Vec3h(v) => [v.x, v.y, v.z].map(|number| number.to_f64()).to_vec(),
+        Value::Vec3f(v) => [v.x, v.y, v.z].map(f64::from).to_vec(),
+        Value::Vec3d(v) => vec![v.x, v.y, v.z],
+        Value::Quath(q) => [q.w, q.x, q.y, q.z].map(|number| number.to_f64()).to_vec(),
+        Value::Quatf(q) => [q.w, q.x, q.y, q.z].map(f64::from).to_vec(),
+        Value::Quatd(q) => vec![q.w, q.x, q.y, q.z],
+        Value::Matrix4d(matrix) => matrix.0.to_vec(),
+        _ => return Err(Error::invalid("a number, a vector, a matrix or a quaternion was expected")),
+    })
+}
+
+fn one(value: &[f64]) -> Result<f64> {
+    match *value {
+        [number] => Ok(number),
+        _ => Err(Error::invalid("a number was expected")),
     }
 }
 
-fn three(value: &Value) -> Result<DVec3> {
-    let numbers = <[f64; 3]>::try_from(numbers(value)?);
+fn three(value: &[f64]) -> Result<DVec3> {
+    let numbers = <[f64; 3]>::try_from(value);
     numbers.map(DVec3::from_array).map_err(|_| Error::invalid("three numbers were expected"))
 }
 

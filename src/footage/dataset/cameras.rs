@@ -11,7 +11,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::manifest::{MAX_MANIFEST_BYTES, Manifest, Probe, intrinsics_of, pose_fault};
-use crate::json;
+use crate::{json, text};
 use codec::error::{Error, Result};
 
 pub const CAMERAS_VERSION: u32 = 1;
@@ -94,24 +94,19 @@ impl CameraSet {
         if text.len() as u64 > MAX_MANIFEST_BYTES {
             return Err(Error::invalid("a camera file can have at most 16 MiB").in_file(path));
         }
-        // Editors may put a byte order mark before UTF-8.
-        if text.starts_with(b"\xef\xbb\xbf") {
-            text.drain(..3);
-        }
         Ok(text)
     }
 
     /// Parses and validates a camera set or a manifest.
-    pub fn from_json(text: &[u8]) -> Result<CameraSet> {
-        let value: serde_json::Value =
-            serde_json::from_slice(text).map_err(|error| Error::invalid(format!("this is not JSON: {error}")))?;
+    pub fn from_json(bytes: &[u8]) -> Result<CameraSet> {
+        let value: serde_json::Value = text::json(bytes, "a file of cameras")?;
         if !value.is_object() {
             return Err(Error::invalid(
                 "this is not a file of cameras: {\"lightfold_cameras\": 1, \"cameras\": [{\"position\": [0, 1.5, 0]}]} is one",
             ));
         }
         if value.get("lightfield").is_some() {
-            return Self::of_manifest(&Manifest::from_json(text)?);
+            return Self::of_manifest(&Manifest::from_json(bytes)?);
         }
         let set: CameraSet = serde_json::from_value(value)
             .map_err(|error| Error::invalid(format!("this is not a file of cameras: {error}")))?;

@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::dataset::missing::Missing;
 use crate::image_files::ColorSpace;
-use crate::json;
+use crate::{json, text};
 use codec::error::{Error, Result};
 use codec::image::layout::eye_size;
 use codec::image::{DepthKind, Eye, Face, FrameRange, Pattern, Projection, StereoLayout, StreamKind};
@@ -392,9 +392,8 @@ impl Manifest {
         Manifest::from_json(&read_text(&path)?).map_err(|error| error.in_file(&path))
     }
 
-    pub fn from_json(text: &[u8]) -> Result<Manifest> {
-        let manifest: Manifest = serde_json::from_slice(text)
-            .map_err(|error| Error::invalid(format!("this is not a lightfield manifest: {error}")))?;
+    pub fn from_json(bytes: &[u8]) -> Result<Manifest> {
+        let manifest: Manifest = text::json(bytes, "a lightfield manifest")?;
         manifest.validate()?;
         Ok(manifest)
     }

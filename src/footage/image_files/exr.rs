@@ -27,7 +27,7 @@ mod payload;
 mod work;
 mod write;
 
-pub use chunks::{is_guarded, reading_bytes};
+pub use chunks::reading_bytes;
 use guard::{Opened, open};
 pub use write::{
     rgba_bytes, triple_bytes, write_alpha, write_color, write_color_of, write_depth, write_material, write_rgba,

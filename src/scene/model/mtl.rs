@@ -16,6 +16,7 @@ use crate::mesh::gltf::materials::unit;
 use crate::mesh::{ImageTexture, Material, Wrap};
 use crate::mesh_scene::{MeshMaterial, Optics, Phong};
 use codec::error::Result;
+use footage::text::decode_lossy;
 
 /// Alpha cutoff.
 const CUTOFF: f64 = 0.5;
@@ -39,7 +40,7 @@ impl Library<'_> {
                 return Err(tobj::LoadError::OpenFileFailed);
             }
         };
-        let text = plain(&String::from_utf8_lossy(&bytes));
+        let text = plain(&decode_lossy(&bytes));
         let loaded = tobj::load_mtl_buf(&mut BufReader::new(text.as_bytes()));
         if let Err(error) = &loaded {
             self.notes.push(format!("materials are ignored: {name} is damaged: {error}"));

@@ -16,6 +16,7 @@ use crate::mesh::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
 use crate::mesh::folder::Folder;
 use crate::{MeshMaterial, SceneMesh};
 use codec::error::{Error, Result};
+use footage::text::decode_lossy;
 
 /// Maximum bytes that the parser allocates per byte of text.
 const PARSED: u64 = 32;
@@ -83,6 +84,8 @@ struct Plain {
 }
 
 fn plain(bytes: &[u8]) -> Result<Plain> {
+    let decoded = decode_lossy(bytes);
+    let bytes = decoded.as_bytes();
     let mut text = Vec::with_capacity(bytes.len());
     let mut no_surface = 0;
     // Number of positions, texture coordinates and normals so far.

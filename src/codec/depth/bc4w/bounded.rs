@@ -86,8 +86,6 @@ struct Search<'a> {
     /// First and last endpoint of sides A and B of the remaining lines.
     ranges: Vec<[[i16; 2]; 2]>,
     tried: Vec<usize>,
-    /// Maximum size of squares at which lines are tried: the bounds from larger squares are too loose to select lines.
-    try_below: u16,
 }
 
 impl<'a> Search<'a> {
@@ -118,7 +116,6 @@ impl<'a> Search<'a> {
                 })
                 .collect(),
             tried: Vec::new(),
-            try_below: u16::MAX,
             plan,
         }
     }
@@ -184,10 +181,8 @@ impl<'a> Search<'a> {
         self.bounds =
             least.iter().map(|sides| sides.map(|lanes| lanes.into_iter().fold(i16::INFINITE, lesser))).collect();
         self.drop_lines();
-        if size <= self.try_below {
-            self.try_lines();
-            self.drop_lines();
-        }
+        self.try_lines();
+        self.drop_lines();
         let mut kept = Vec::new();
         for (group, costs) in squares.chunks(LANES).zip(&costs) {
             let mut total = [i16::INFINITE; LANES];

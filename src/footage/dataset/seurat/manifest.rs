@@ -11,6 +11,7 @@ use super::camera::{CameraMatrices, DepthType, SeuratCamera};
 use super::json::{Node, Notes};
 use super::view::{Channel, ImageFile, SeuratView};
 use crate::dataset::manifest::{MANIFEST_NAME, MAX_SIDE, read_text};
+use crate::text;
 use codec::error::{Error, Result};
 
 /// Channel names that denote a constant value.
@@ -39,13 +40,8 @@ pub fn is_manifest(path: &Path) -> bool {
     if !is_json || path.file_name().is_some_and(|name| name == MANIFEST_NAME) {
         return false;
     }
-    let Ok(text) = read_text(path) else { return false };
-    serde_json::from_slice::<Head>(without_mark(&text)).map_or(true, |head| head.lightfield.is_none())
-}
-
-/// Removes the byte order mark that editors may put before UTF-8.
-fn without_mark(text: &[u8]) -> &[u8] {
-    text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
+    let Ok(bytes) = read_text(path) else { return false };
+    text::json::<Head>(&bytes, "a manifest").map_or(true, |head| head.lightfield.is_none())
 }
 
 impl SeuratCapture {
@@ -55,9 +51,8 @@ impl SeuratCapture {
     }
 
     /// Parses and checks a manifest; file paths are relative to `folder`.
-    pub fn from_json(text: &[u8], folder: &Path) -> Result<SeuratCapture> {
-        let value: Value = serde_json::from_slice(without_mark(text))
-            .map_err(|error| Error::invalid(format!("this is not JSON: {error}")))?;
+    pub fn from_json(bytes: &[u8], folder: &Path) -> Result<SeuratCapture> {
+        let value: Value = text::json(bytes, "a Seurat manifest")?;
         let root = Node::root(&value);
         let groups = root.get("view_groups")?.ok_or_else(|| {
             Error::invalid("the key \"view_groups\" is missing, the list of views of a Seurat manifest")

@@ -4,9 +4,7 @@
 //! Every size that a chunk states is bounded by the length of the file or by the raw size of the chunk, which follows from the
 //! header. `payload` checks the counters inside compressed payloads.
 
-use std::cell::Cell;
 use std::io::{BufRead, Read, Seek, SeekFrom};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use exr::block::UncompressedBlock;
@@ -19,6 +17,7 @@ use exr::prelude::Compression;
 use super::errors::translate;
 use super::guard::{CHUNK_ENTRY_BYTES, HEADER_SHARE, Opened, check, display_pixels, open};
 use super::payload::{self, Room};
+use crate::guard::guarded;
 use codec::error::{Error, Result};
 use codec::image::limits::ReadLimits;
 
@@ -61,30 +60,13 @@ fn full_resolution_chunks(header: &Header) -> usize {
 pub fn read(opened: &mut Opened, place: u64, is_wanted: impl Fn(usize) -> bool) -> Result<UncompressedBlock> {
     let chunk = read_chunk(opened, place, is_wanted)?;
     let meta = &opened.meta;
+    // No payload is known that passes the checks of this module and makes the crate panic.
     let decoded = guarded(|| UncompressedBlock::decompress_chunk(chunk, meta, false));
     let decoded = decoded.ok_or_else(|| damaged(place, "cannot be decompressed"))?;
     decoded.map_err(|error| match error {
         exr::error::Error::Invalid(what) => damaged(place, &format!("cannot be decompressed: {what}")),
         other => translate(other),
     })
-}
-
-thread_local! {
-    static IS_GUARDED: Cell<bool> = const { Cell::new(false) };
-}
-
-/// Returns true while this thread converts panics to errors; the panic hook then prints nothing.
-pub fn is_guarded() -> bool {
-    IS_GUARDED.get()
-}
-
-/// Returns the result of `work`, or `None` if it panics. No payload is known that passes the checks of this module and makes the
-/// crate panic, but the crate does not guarantee it. State that a panic leaves half-written is dropped.
-fn guarded<T>(work: impl FnOnce() -> T) -> Option<T> {
-    IS_GUARDED.set(true);
-    let done = catch_unwind(AssertUnwindSafe(work));
-    IS_GUARDED.set(false);
-    done.ok()
 }
 
 fn damaged(place: u64, what: &str) -> Error {
@@ -186,17 +168,5 @@ fn read_error(error: std::io::Error) -> Error {
     match error.kind() {
         std::io::ErrorKind::UnexpectedEof => Error::invalid("the EXR file is damaged: it ends within a chunk or table"),
         _ => Error::io("", error),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn panics_of_guarded_work_are_known_to_hooks() {
-        assert_eq!((guarded(is_guarded), is_guarded()), (Some(true), false));
-        let panicked = guarded(|| std::panic::resume_unwind(Box::new("a panic without a hook")));
-        assert_eq!((panicked, is_guarded()), (None::<()>, false));
     }
 }

@@ -78,7 +78,7 @@ impl Proxies {
 pub(crate) fn reach_m(views: &ActiveViews<'_>, sphere: &Sphere) -> f32 {
     let texel_m = |view: &ActiveView<'_>| {
         let scale = view.view.faces.iter().flatten().map(|face| face.map.scale[0].abs().max(face.map.scale[1].abs()));
-        (sphere.centre - view.from_eye).length() * scale.fold(0.0, f32::max)
+        (sphere.centre - view.from_eye).length() / scale.fold(0.0, f32::max)
     };
     let texel_m = views.views.iter().map(texel_m).fold(f32::INFINITY, f32::min);
     NEAR_SURFACE * sphere.radius_m + if texel_m.is_finite() { REACH_TEXELS * texel_m } else { 0.0 }

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use codec::error::{Error, Result};
+use footage::text::decode;
 
 /// Extensions that a file may require.
 const KNOWN: &[&str] = &[
@@ -63,7 +64,8 @@ pub fn is_glb(bytes: &[u8]) -> bool {
 /// Parses a glTF or GLB file. Fails if the file requires an unknown extension, or an index is out of range.
 pub fn parse(bytes: &[u8]) -> Result<Parsed> {
     let (text, blob) = if is_glb(bytes) { split(bytes)? } else { (bytes, None) };
-    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+    let text = decode(text)?;
+    let text = text.as_bytes();
     let damaged = |error: serde_json::Error| Error::invalid(format!("the JSON of the glTF file is damaged: {error}"));
     let preview: Preview = serde_json::from_slice(text).map_err(damaged)?;
     check_preview(&preview)?;
