@@ -62,7 +62,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let selection = args.selection.with(None);
     let streams: Vec<&StreamInfo> = selection.choose(&decoder)?.into_iter().map(|part| part.stream).collect();
     let settings = InspectSettings {
-        rows: match (args.is_per_frame(), args.frame_range()) {
+        rows: match (args.per_frame, args.frames) {
             (true, None) => FrameRows::All,
             (true, Some(range)) => FrameRows::Range(range),
             (false, None) => FrameRows::None,
@@ -86,18 +86,18 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         output::print_json(&output::with_memory(Document {
             container: inspection.report(&decoder),
             verify: args.verify.then(|| inspection.chunks_report(&decoder)),
-            frame_rows: args.is_per_frame().then(|| inspection.frame_reports(&decoder)),
+            frame_rows: args.per_frame.then(|| inspection.frame_reports(&decoder)),
             plots: plots.as_deref(),
         }))?;
     } else if args.csv {
-        output::print_text(&if args.is_per_frame() {
+        output::print_text(&if args.per_frame {
             report::csv::of_rows(&inspection.frame_reports(&decoder))?
         } else {
             let columns: Vec<&str> = STREAM_COLUMNS.split(' ').collect();
             report::csv::of_objects(&columns, &inspection.stream_reports(&decoder))?
         })?;
     } else if inspection.damaged.is_empty() {
-        output::print_text(&if args.is_per_frame() { text::frames(&report) } else { text::summary(&report) })?;
+        output::print_text(&if args.per_frame { text::frames(&report) } else { text::summary(&report) })?;
     }
     if let (Some(plots), Some(folder)) = (&plots, &args.plot) {
         let written = plot::text(args, folder, plots);

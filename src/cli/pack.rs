@@ -18,12 +18,11 @@ use footage::pack::{self, FlattenSettings, PackReport, PackSettings, Repack};
     lightfold pack film.lfold --lzma2=9 -o film-small.lfold\n  \
     lightfold pack px.tree.lfold --max-error 30 -o px.lfold\n\n\
     With --max-error, quadtrees of the intermediate form are packed. All other streams are copied.",
-    mut_arg("no_compression", |arg| arg.alias("no-lzma2")),
-    mut_arg("optimize", |arg| arg.requires("bound")),
-    mut_arg("min_children", |arg| arg.requires("bound")),
-    mut_arg("depth_window", |arg| arg.requires("bound")),
-    mut_arg("update_threshold", |arg| arg.requires("bound")),
-    mut_arg("effort", |arg| arg.requires("bound"))
+    mut_arg("optimize", |arg| arg.requires("max_error")),
+    mut_arg("min_children", |arg| arg.requires("max_error")),
+    mut_arg("depth_window", |arg| arg.requires("max_error")),
+    mut_arg("update_threshold", |arg| arg.requires("max_error")),
+    mut_arg("effort", |arg| arg.requires("max_error"))
 )]
 pub struct Args {
     /// Input containers, - for standard input
@@ -46,7 +45,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = std::time::Instant::now();
     let inputs = args.inputs.iter().map(Reader::open).collect::<Result<Vec<_>>>()?;
     let repack = args.output.store.compression().map_or(Repack::Keep, Repack::As);
-    let flatten = args.bound.get().map(|error| FlattenSettings {
+    let flatten = args.bound.max_error.map(|error| FlattenSettings {
         error,
         window: args.steps.depth_window,
         epsilon: args.steps.update_threshold.unwrap_or(0),

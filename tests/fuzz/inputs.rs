@@ -119,7 +119,7 @@ impl Inputs {
     fn index(&self, chosen: usize, random: &mut Random) -> Vec<u8> {
         if random.below(3) == 0 {
             let from: &Vec<u8> = pick(&self.seeds, random);
-            let (other, _) = samples::index_bytes(from);
+            let other = samples::index_bytes(from);
             return samples::with_index(&self.seeds[chosen], |bytes| mutate::bytes(bytes, other, random));
         }
         let (mut index, mut stored) = self.parts[chosen].clone();

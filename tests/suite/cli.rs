@@ -21,38 +21,42 @@ fn words() {
     trycmd::TestCases::new().case("tests/cmd/*.trycmd");
 }
 
-/// Former options are hidden, and have the same effect as their replacements.
+/// Each option has one name.
 #[test]
-fn former_options_are_aliases() {
+fn other_names_of_options_are_refused() {
     let place = "place courtyard --region=0,0,0,1,1,1 -o c.json";
-    for (former, now) in [
-        ("encode a -o b --error 9", "encode a -o b --max-error 9"),
-        ("encode a -o b --error-relative 1%", "encode a -o b --max-error-relative 1%"),
-        ("encode a -o b --decide mse", "encode a -o b --optimize quality"),
-        ("encode-depth a -o b --decide size", "encode-depth a -o b --optimize size"),
-        ("quadtree a -o b --decide size", "quadtree a -o b --optimize size"),
-        ("encode a -o b --epsilon 9", "encode a -o b --update-threshold 9"),
-        ("encode-color a -o b --cell 8", "encode-color a -o b --color-cell 8"),
-        ("pack a -o b --error 9 --epsilon 1", "pack a -o b --max-error 9 --update-threshold 1"),
-        ("pack a -o b --error-relative 1%", "pack a -o b --max-error-relative 1%"),
-        (&format!("{place} --spread 9"), &format!("{place} --uniform 9")),
+    let encode_depth = "encode-depth z.exr -o b";
+    for (line, option) in [
+        ("encode a -o b", "--error=9"),
+        ("encode a -o b", "--error-relative=1%"),
+        ("encode a -o b", "--epsilon=9"),
+        ("encode a -o b", "--tiles=4"),
+        ("encode a -o b", "--keyframe-reach=9"),
+        (encode_depth, "--decide=size"),
+        (encode_depth, "--channel=Z"),
+        ("quadtree a -o b", "--decide=size"),
+        ("encode-color a -o b", "--cell=8"),
+        ("pack a -o b", "--error=9"),
+        ("pack a -o b", "--max-error-relative=1%"),
+        ("pack a -o b", "--no-lzma2"),
+        ("diff a b", "--channel=Z"),
+        ("inspect a --per-frame", "--range=2-3"),
+        (place, "--spread=9"),
     ] {
-        let parsed = |line: &str| format!("{:?}", Cli::try_parse_from(format!("lightfold {line}").split(' ')).unwrap());
-        assert_eq!(parsed(former), parsed(now));
-        let help = |line: &str| {
-            let words = ["lightfold", line.split(' ').next().unwrap(), "--help"];
-            Cli::try_parse_from(words).unwrap_err().to_string()
-        };
-        let option = former.split(' ').rfind(|word| word.starts_with("--")).unwrap().split('=').next().unwrap();
-        assert!(!help(former).contains(&format!(" {option} ")), "{option} is shown");
+        let refused = Cli::try_parse_from(format!("lightfold {line} {option}").split(' ')).unwrap_err().to_string();
+        let name = option.split('=').next().unwrap();
+        assert!(refused.starts_with(&format!("error: unexpected argument '{name}' found")), "{refused}");
     }
+    let refused = |line: &str| Cli::try_parse_from(format!("lightfold {line}").split(' ')).unwrap_err().to_string();
+    let bound = refused("pack a -o b --max-error-relative 1%");
+    assert!(bound.contains("tip: a similar argument exists: '--max-error'"), "{bound}");
+    let goal = refused("encode a -o b --optimize mse");
+    assert!(goal.contains("invalid value 'mse'") && goal.contains("quality, size"), "{goal}");
+    assert!(refused("inspect a --frames").contains("a value is required"));
 }
 
 #[test]
-fn tiles_per_side_and_tiles_in_pixels_exclude_each_other() {
-    let parsed = |line: &str| Cli::try_parse_from(format!("lightfold encode a -o b {line}").split(' '));
-    assert!(parsed("--tiles 4").is_ok() && parsed("--depth-tile 64").is_ok());
-    assert!(parsed("--tiles 4 --depth-tile 64").unwrap_err().to_string().contains("cannot be used with"));
+fn usual_tiles_are_those_of_the_codec() {
     let folder = TempDir::new().unwrap();
     let encoded = |options: &[&str]| {
         let file = folder.path().join("a.lfold");
@@ -60,34 +64,28 @@ fn tiles_per_side_and_tiles_in_pixels_exclude_each_other() {
         fs::read(&file).unwrap()
     };
     // Faces have 32x32 pixels.
-    assert!(encoded(&["--tiles", "4"]) == encoded(&["--depth-tile", "8"]));
     let quadtree = ["--depth-codec", "quadtree"];
     assert!(encoded(&quadtree) == encoded(&[&quadtree[..], &["--depth-tile", "16"]].concat()));
     assert!(encoded(&[]) == encoded(&["--depth-tile", "128"]));
-    assert!(encoded(&["--tiles", "1"]) == encoded(&["--depth-tile", "16384"]));
+    assert!(encoded(&["--depth-tile", "32"]) == encoded(&["--depth-tile", "16384"]));
 }
 
 #[test]
-fn inspect_takes_the_former_switch_for_rows_of_frames() {
+fn frames_of_inspect_need_rows_of_frames() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("a.lfold");
     succeeded(&output(lightfold().arg("encode").arg("--clip").arg(dataset()).arg("-o").arg(&file)));
     let rows = |options: &[&str]| output(lightfold().arg("inspect").arg(&file).arg("--csv").args(options));
-    for (former, now) in [
-        (&["--frames"][..], &["--per-frame"][..]),
-        (&["--frames", "--range", "2-3"], &["--per-frame", "--frames", "2-3"]),
-        (&["--frames", "--quiet"], &["--quiet", "--per-frame"]),
-    ] {
-        let (former, now) = (rows(former), rows(now));
-        succeeded(&former);
-        succeeded(&now);
-        assert_eq!(former.stdout, now.stdout);
-    }
-    for alone in [["--frames", "2-3"], ["--range", "2-3"]] {
-        let refused = rows(&alone);
-        assert_eq!(refused.status.code(), Some(2));
-        assert!(stderr(&refused).contains("needs --per-frame"), "{}", stderr(&refused));
-    }
+    let [all, some] = [&["--per-frame"][..], &["--per-frame", "--frames", "2-3"]].map(|options| {
+        let rows = rows(options);
+        succeeded(&rows);
+        String::from_utf8(rows.stdout).unwrap()
+    });
+    assert!(some.lines().count() > 1 && some.lines().all(|line| all.lines().any(|other| other == line)), "{some}");
+    assert!(some.lines().count() < all.lines().count());
+    let refused = rows(&["--frames", "2-3"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("needs --per-frame"), "{}", stderr(&refused));
 }
 
 fn lightfold() -> Command {

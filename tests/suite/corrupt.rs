@@ -74,17 +74,17 @@ fn all() -> [(Vec<u8>, Images); 3] {
     })
 }
 
-/// Returns the files of [`all`], also in the form of version 1.0, and one with Zstandard compression.
-fn all_in_both_forms() -> Vec<(Vec<u8>, Images)> {
-    let rows = all().map(|(file, images)| (samples::in_rows(file), images));
+/// Returns the files of [`all`], also with rows that state every field, and one with Zstandard compression.
+fn all_and_stated() -> Vec<(Vec<u8>, Images)> {
+    let stated = all().map(|(file, images)| (samples::stated(&file), images));
     let zstd = small(Compression::Zstd(19));
     let images = samples::decode_all(zstd.clone()).unwrap();
-    all().into_iter().chain(rows).chain([(zstd, images)]).collect()
+    all().into_iter().chain(stated).chain([(zstd, images)]).collect()
 }
 
 #[test]
 fn a_file_cut_at_any_length_is_refused() {
-    for (file, _) in all_in_both_forms() {
+    for (file, _) in all_and_stated() {
         for length in 0..file.len() {
             assert!(samples::decode_all(file[..length].to_vec()).is_err(), "{length} bytes are taken");
         }
@@ -93,7 +93,7 @@ fn a_file_cut_at_any_length_is_refused() {
 
 #[test]
 fn any_flipped_bit_is_an_error_or_changes_nothing() {
-    for (file, images) in all_in_both_forms() {
+    for (file, images) in all_and_stated() {
         (0..file.len() * 8).into_par_iter().for_each(|bit| {
             let mut damaged = file.clone();
             damaged[bit / 8] ^= 1 << (bit % 8);
@@ -235,7 +235,7 @@ fn payloads_cut_or_lengthened_under_a_right_crc_never_panic() {
 
 #[test]
 fn indices_damaged_under_a_right_crc_never_panic() {
-    for (file, _) in all_in_both_forms() {
+    for (file, _) in all_and_stated() {
         let taken: usize = (0..5000u64)
             .into_par_iter()
             .map(|seed| {
@@ -250,8 +250,8 @@ fn indices_damaged_under_a_right_crc_never_panic() {
 
 #[test]
 fn every_index_field_survives_extreme_values() {
-    for file in [small(Compression::None), samples::in_rows(small(Compression::None))] {
-        let length = samples::index_bytes(&file).0.len();
+    for file in [small(Compression::None), samples::stated(&small(Compression::None))] {
+        let length = samples::index_bytes(&file).len();
         (0..length - 3).into_par_iter().for_each(|at| {
             for value in [0, 1, 0x4000, 0x7fff_ffff, 0x8000_0000, u32::MAX - 1, u32::MAX] {
                 let damaged =
@@ -302,9 +302,11 @@ fn streams_that_would_take_more_memory_than_the_file_justifies_are_refused() {
     assert!(refusal(sized(16_384, 1)).contains("would take 1073746100 bytes"), "{}", refusal(sized(16_384, 1)));
     assert_eq!(refusal(sized(16_383, 4)), "it opens");
     assert!(refusal(sized(16_383, 5)).contains("5 streams would take"), "{}", refusal(sized(16_383, 5)));
-    // The limit grows with the size of the file: with 1 MiB of stored bytes, the same stream opens.
+    // The limit grows with the size of the file: with an attribute of 1 MiB, the same stream opens.
     let small = Reader::from_source(std::sync::Arc::new(sized(16_384, 1)), "", OpenLimits::NONE).unwrap();
-    let large = samples::assemble(small.index(), &vec![0; 1 << 20], |_| ());
+    let mut index = small.index().clone();
+    index.attributes.set("padding", vec![0; 1 << 20]);
+    let large = samples::assemble(&index, &small.fetch_stored(&index.chunks[0]).unwrap(), |_| ());
     assert_eq!(refusal(large), "it opens");
 }
 

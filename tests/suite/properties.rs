@@ -4,7 +4,7 @@ use codec::color::quality::{EightBit, Quality};
 use codec::color::{SearchSettings, Target};
 use codec::container::{
     ChunkEntry, ChunkKey, Compression, Index, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer,
-    compact, compression, lzma2, lzma2_independent,
+    compression, lzma2, lzma2_independent,
 };
 use codec::depth::domain::DomainKind;
 use codec::depth::node_encoder::NodeSettings;
@@ -192,13 +192,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn indices_come_back(index in index()) {
-        let bytes = index.write_rows().unwrap();
-        prop_assert_eq!(Index::read(&bytes, 100_000).unwrap(), index);
-    }
-
-    #[test]
-    fn compact_indices_come_back(index in index(), by_time: bool, shared in vec(0usize..12, 1..20)) {
+    fn indices_come_back(index in index(), by_time: bool, shared in vec(0usize..12, 1..20)) {
         let mut index = index;
         if by_time {
             index.chunks.sort_by_key(|chunk| (chunk.key.first_frame, chunk.key.stream, chunk.key.unit));
@@ -215,7 +209,7 @@ proptest! {
         }
         let bytes = index.write().unwrap();
         index.chunks.sort_by_key(|chunk| chunk.key);
-        prop_assert_eq!(compact::read(&bytes, offset, index.form()).unwrap(), index);
+        prop_assert_eq!(Index::read(&bytes, offset).unwrap(), index);
     }
 
     #[test]

@@ -107,12 +107,9 @@ fn bounds_that_cannot_be_kept_are_refused() {
     fine(&format!("quadtree {SEQUENCE} --max-error 30 --effort fast -o tree.lfold"), folder);
     let said = refused("pack tree.lfold --max-error 31 -o x.lfold", folder);
     assert!(said.contains("built for at most ±30 codes"), "{said}");
-    assert!(refused("pack tree.lfold --max-error-relative 10% -o x.lfold", folder).contains("±30 codes"));
+    assert!(refused("pack tree.lfold --max-error 10% -o x.lfold", folder).contains("±30 codes"));
     fine("pack tree.lfold --max-error 30 -o packed.lfold", folder);
     assert!(refused("pack packed.lfold --max-error 10 -o x.lfold", folder).contains("lightfold quadtree"));
-    assert!(
-        refused("pack tree.lfold --max-error 1 --max-error-relative 1% -o x.lfold", folder).contains("cannot be used")
-    );
     for option in ["--optimize size", "--effort fast", "--depth-window 2", "--update-threshold 1", "--min-children 2"] {
         let said = refused(&format!("pack tree.lfold {option} -o x.lfold"), folder);
         assert!(said.contains("--max-error"), "{said}");
@@ -129,7 +126,7 @@ fn streams_that_are_no_trees_stay_what_they_are() {
     scene(folder);
     fine(&format!("quadtree {SEQUENCE} --face px --effort fast -o tree.lfold"), folder);
     fine(&format!("encode-depth {SEQUENCE} --face nx --depth-codec aabb -o boxes.lfold"), folder);
-    fine("pack boxes.lfold tree.lfold --max-error-relative 0.1% -o all.lfold", folder);
+    fine("pack boxes.lfold tree.lfold --max-error 0.1% -o all.lfold", folder);
     let (all, boxes) = (Reader::open(folder.join("all.lfold")).unwrap(), folder.join("boxes.lfold"));
     let boxes = Reader::open(boxes).unwrap();
     assert_eq!(all.index().streams[0], boxes.index().streams[0]);

@@ -93,6 +93,37 @@ pub fn faults(schema: &Value, report: &Value) -> Vec<String> {
     validator.iter_errors(report).map(|error| error.to_string()).collect()
 }
 
+/// Returns the keys of a report that its schema does not have; words of infinite numbers need none.
+fn undescribed(root: &Value, schema: &Value, report: &Value) -> Vec<String> {
+    let schema = schema["$ref"].as_str().map_or(schema, |path| root.pointer(&path[1..]).unwrap());
+    let choices = ["anyOf", "oneOf", "allOf"].iter().filter_map(|key| schema[key].as_array()).flatten();
+    let branches: Vec<&Value> = [schema].into_iter().chain(choices).collect();
+    match report {
+        Value::Object(fields) => {
+            let keys = fields.iter().flat_map(|(key, value)| {
+                let inner = branches.iter().find_map(|branch| {
+                    let named = [&branch["properties"][key.as_str()], &branch["additionalProperties"]];
+                    named.into_iter().find(|inner| inner.is_object())
+                });
+                match inner {
+                    Some(inner) => {
+                        let within = undescribed(root, inner, value);
+                        within.into_iter().map(|rest| format!("{key}.{rest}")).collect()
+                    }
+                    None if key.ends_with("_is") => vec![],
+                    None => vec![key.clone()],
+                }
+            });
+            keys.collect()
+        }
+        Value::Array(items) => {
+            let inner = || branches.iter().map(|branch| &branch["items"]).filter(|inner| inner.is_object());
+            items.iter().flat_map(|item| inner().flat_map(|inner| undescribed(root, inner, item))).collect()
+        }
+        _ => vec![],
+    }
+}
+
 #[test]
 fn reports_are_as_their_schemas_say() {
     let place = TempDir::new().unwrap();
@@ -104,6 +135,7 @@ fn reports_are_as_their_schemas_say() {
             serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{line}: {error}\n{said}"));
         let schema = schema(name);
         assert_eq!(faults(&schema, &report), [""; 0], "{line}\n{report:#}");
+        assert_eq!(undescribed(&schema, &schema, &report), [""; 0], "{name} does not describe all keys of {line}");
         assert_eq!(*name == "error", report.get("error").is_some(), "{line}\n{said}");
         // Each key in `required` is needed: a schema that requires nothing would accept anything.
         let required = schema["required"].as_array().unwrap_or_else(|| panic!("{name} requires no key"));

@@ -376,7 +376,6 @@ fn valid() -> Vec<(&'static str, Vec<u8>)> {
     }));
     all.extend(vectors_of_nodes::valid());
     all.extend(vectors_of_blocks::valid());
-    all.iter_mut().for_each(|(_, bytes)| *bytes = samples::in_rows(std::mem::take(bytes)));
     all.extend(vectors_of_indices::valid());
     all.extend(vectors_of_transforms::valid());
     all.extend(vectors_of_predictive::valid());

@@ -1,4 +1,4 @@
-//! Frozen containers of [`crate::vectors`] with a compact index (container.md 6.3).
+//! Frozen containers of [`crate::vectors`] for the index and its attributes (container.md 4 to 6).
 
 use codec::color::cells::builder::CellBuilder;
 use codec::color::{SearchSettings, Target};
@@ -56,17 +56,15 @@ fn of_many_streams(by_time: bool) -> Vec<u8> {
             .unwrap();
     }
     let file = writer.finish().unwrap().0;
-    let (index, _) = samples::take_apart(&file);
-    assert!(samples::index_bytes(&file).0.len() * 3 < index.write_rows().unwrap().len());
+    assert!(samples::index_bytes(&file).len() < samples::index_bytes(&samples::stated(&file)).len());
     file
 }
 
 pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
     vec![
-        ("compact-index-by-unit", of_many_streams(false)),
-        ("compact-index-by-time", of_many_streams(true)),
-        ("compact-index-empty", Writer::new(Vec::new(), "", 0.1, 0).unwrap().finish().unwrap().0),
-        ("compact-index-by-hand", Parts::new().file()),
+        ("index-by-unit", of_many_streams(false)),
+        ("index-by-time", of_many_streams(true)),
+        ("index-by-hand", Parts::new().file()),
         ("zstd", compressed_in_frames()),
         ("zstd-windowed", windowed()),
     ]
@@ -118,7 +116,7 @@ fn of_frame(frame: &[u8], raw_bytes: usize) -> Vec<u8> {
     parts.file()
 }
 
-/// Parts of a compact index: one depth stream of two units with one pixel and two frames each, which have equal payloads.
+/// Parts of an index: one depth stream of two units with one pixel and two frames each, which have equal payloads.
 struct Parts {
     stored: Vec<u8>,
     counts: Vec<u8>,
@@ -128,8 +126,7 @@ struct Parts {
     name: Vec<u8>,
     stream: Vec<u8>,
     chunks: Vec<u8>,
-    rest: Vec<u8>,
-    form: u8,
+    attributes: Vec<u8>,
 }
 
 /// Offset in the stream row of the byte with the sign of `near`.
@@ -153,8 +150,7 @@ impl Parts {
             name: b"\x01\x00p".to_vec(),
             stream: row,
             chunks: [&own[..], &[3]].concat(),
-            rest: vec![],
-            form: 1,
+            attributes: vec![],
         }
     }
 
@@ -171,24 +167,22 @@ impl Parts {
             &[0, 1],
             &self.stream,
             &self.chunks,
-            &self.rest,
+            &self.attributes,
         ]
         .concat();
-        samples::with_foot([&empty[..16], &self.stored].concat(), &index, self.form)
+        samples::with_foot([&empty[..16], &self.stored].concat(), &index)
     }
 }
 
 /// Returns [`Parts`] with these attribute rows.
-fn with_attributes(count: u8, rows: &[u8]) -> Vec<u8> {
-    let mut parts = Parts::new();
-    (parts.form, parts.rest) = (2, [&[count], rows].concat());
-    parts.file()
+fn with_attributes(rows: &[u8]) -> Vec<u8> {
+    Parts { attributes: rows.to_vec(), ..Parts::new() }.file()
 }
 
 pub fn valid_attributes() -> Vec<(&'static str, Vec<u8>)> {
-    let unknown = with_attributes(2, b"\x03\x00a.b\x02\x00\xff\x05\x00z_9.z\x00");
+    let unknown = with_attributes(b"\x03\x00a.b\x02\x00\xff\x05\x00z_9.z\x00");
     // The value is not a valid shard entry, but no pixel depends on it.
-    let known = with_attributes(1, b"\x05\x00shard\x01\x2a");
+    let known = with_attributes(b"\x05\x00shard\x01\x2a");
     // Frame 0 is missing without a replacement; frame 1 is replaced by frame 0.
     let missing =
         with_value("frames.missing", &[missing(b"p", [1, 0], 0, u32::MAX), missing(b"p", [1, 0], 1, 0)].concat());
@@ -197,7 +191,7 @@ pub fn valid_attributes() -> Vec<(&'static str, Vec<u8>)> {
 
 /// Returns [`Parts`] with one attribute.
 fn with_value(name: &str, value: &[u8]) -> Vec<u8> {
-    with_attributes(1, &[&[name.len() as u8, 0], name.as_bytes(), &varint(value.len()), value].concat())
+    with_attributes(&[&[name.len() as u8, 0], name.as_bytes(), &varint(value.len()), value].concat())
 }
 
 /// Encodes a number below 2^14 as a varint.
@@ -217,7 +211,7 @@ fn pose(probe: &[u8], frame: u32, x: f64) -> Vec<u8> {
     [&[probe.len() as u8, 0], probe, &frame.to_le_bytes(), &numbers].concat()
 }
 
-/// Returns attribute values that break a rule of container.md 6.6.
+/// Returns attribute values that break a rule of container.md 6.5.
 fn invalid_values() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let frames = |rows: &[Vec<u8>]| with_value("frames.missing", &rows.concat());
     let poses = |rows: &[Vec<u8>]| with_value("probes.poses", &rows.concat());
@@ -247,16 +241,13 @@ fn invalid_values() -> Vec<(&'static str, Vec<u8>, &'static str)> {
 }
 
 pub fn invalid_attributes() -> Vec<(&'static str, Vec<u8>, &'static str)> {
-    let fit = "do not fit into the rest of the index";
     vec![
-        ("attributes-none", with_attributes(0, b""), fit),
-        ("attributes-count", with_attributes(3, b"\x01\x00a\x00\x01\x00b\x00"), fit),
-        ("attributes-name-empty", with_attributes(1, b"\x00\x00\x00\x00"), "\"\" is not an attribute name"),
-        ("attributes-name", with_attributes(1, b"\x01\x00A\x00"), "\"A\" is not an attribute name"),
-        ("attributes-order", with_attributes(2, b"\x01\x00b\x00\x01\x00a\x00"), "a does not ascend by name"),
-        ("attributes-twice", with_attributes(2, b"\x01\x00b\x00\x01\x00b\x00"), "b does not ascend by name"),
-        ("attributes-cut", with_attributes(1, b"\x01\x00a\x02\x00"), "2 more bytes expected, 1 left"),
-        ("attributes-longer", with_attributes(1, b"\x01\x00a\x00\x00"), "1 bytes after the last field"),
+        ("attributes-name-empty", with_attributes(b"\x00\x00\x00\x00"), "\"\" is not an attribute name"),
+        ("attributes-name", with_attributes(b"\x01\x00A\x00"), "\"A\" is not an attribute name"),
+        ("attributes-order", with_attributes(b"\x01\x00b\x00\x01\x00a\x00"), "a does not ascend by name"),
+        ("attributes-twice", with_attributes(b"\x01\x00b\x00\x01\x00b\x00"), "b does not ascend by name"),
+        ("attributes-cut", with_attributes(b"\x01\x00a\x02\x00"), "2 more bytes expected, 1 left"),
+        ("attributes-longer", with_attributes(b"\x01\x00a\x00\x00"), "2 more bytes expected, 1 left"),
     ]
     .into_iter()
     .chain(invalid_values())
@@ -289,51 +280,43 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     };
     let fit = "do not fit into the rest of the index";
     vec![
-        ("compact-number-longer", counts(&[0x81, 0, 1, 2]), "not in its shortest form"),
-        ("compact-number-of-six-bytes", counts(&[0xff, 0xff, 0xff, 0xff, 0xff, 1, 1, 2]), "more than five bytes"),
-        ("compact-number-of-33-bits", counts(&[0xff, 0xff, 0xff, 0xff, 0x1f, 1, 2]), "more than 32 bits hold"),
-        ("compact-probe-count", counts(&[0xff, 0xff, 0xff, 0xff, 0xf, 1, 2]), fit),
-        ("compact-stream-count", counts(&[1, 0xff, 0xff, 0xff, 0xff, 0xf, 2]), fit),
-        ("compact-chunk-count", counts(&[1, 1, 0xff, 0xff, 0xff, 0xff, 0xf]), fit),
-        ("compact-order", edited(&|parts| parts.order[0] = 2), "order 2 of the chunk table is unknown"),
-        ("compact-projection", edited(&|parts| parts.order[1] = 2), "projection 2 is unknown"),
-        ("compact-reserved", edited(&|parts| parts.order[4] = 1), "a reserved byte is not zero"),
-        ("compact-probe-flags", edited(&|parts| parts.probe_flags = 10), "flags 10 of a probe"),
-        ("compact-probe-name", edited(&|parts| parts.name[2] = b'/'), "the probe name \"/\""),
-        ("compact-stream-probe", stream(6, &[1]), "a stream names probe 1, the file has 1"),
-        ("compact-stream-probe-beyond", stream(6, &[0x80, 0x80, 4]), "a stream names probe 65536"),
-        ("compact-stream-face", stream(7, &[7]), "a stream of kind 1 and face 7 is unknown"),
-        ("compact-stream-no-size", edited(&no_size), "a stream of 0x0 in units of 1x1"),
-        ("compact-stream-frames-beyond", stream(10, &[0xff, 0xff, 0xff, 0xff, 7]), "from frame 2147483647 on"),
-        ("compact-header-before-first", stream(14, &[1]), "a codec header of 1 rows before the first"),
-        ("compact-header-too-long", stream(15, &[127]), "127 more bytes expected"),
-        ("compact-header-byte", stream(NEAR_SIGN_AT, &[0xff]), "0 < near <= far < inf"),
-        ("compact-more-units", stream(8, &[3]), "more units than the 2 rows"),
-        ("compact-no-stream", edited(&no_stream), "2 chunks and no stream"),
-        ("compact-stream-twice", edited(&twice), "has the kind, probe and face of an earlier one"),
+        ("index-number-longer", counts(&[0x81, 0, 1, 2]), "not in its shortest form"),
+        ("index-number-of-six-bytes", counts(&[0xff, 0xff, 0xff, 0xff, 0xff, 1, 1, 2]), "more than five bytes"),
+        ("index-number-of-33-bits", counts(&[0xff, 0xff, 0xff, 0xff, 0x1f, 1, 2]), "more than 32 bits hold"),
+        ("index-probe-count", counts(&[0xff, 0xff, 0xff, 0xff, 0xf, 1, 2]), fit),
+        ("index-stream-count", counts(&[1, 0xff, 0xff, 0xff, 0xff, 0xf, 2]), fit),
+        ("index-chunk-count", counts(&[1, 1, 0xff, 0xff, 0xff, 0xff, 0xf]), fit),
+        ("index-order", edited(&|parts| parts.order[0] = 2), "order 2 of the chunk table is unknown"),
+        ("index-projection", edited(&|parts| parts.order[1] = 2), "projection 2 is unknown"),
+        ("index-reserved", edited(&|parts| parts.order[4] = 1), "a reserved byte is not zero"),
+        ("index-probe-flags", edited(&|parts| parts.probe_flags = 10), "flags 10 of a probe"),
+        ("index-probe-name", edited(&|parts| parts.name[2] = b'/'), "the probe name \"/\""),
+        ("index-stream-probe", stream(6, &[1]), "a stream names probe 1, the file has 1"),
+        ("index-stream-probe-beyond", stream(6, &[0x80, 0x80, 4]), "a stream names probe 65536"),
+        ("index-stream-face", stream(7, &[7]), "a stream of kind 1 and face 7 is unknown"),
+        ("index-stream-no-size", edited(&no_size), "a stream of 0x0 in units of 1x1"),
+        ("index-stream-frames-beyond", stream(10, &[0xff, 0xff, 0xff, 0xff, 7]), "from frame 2147483647 on"),
+        ("index-header-before-first", stream(14, &[1]), "a codec header of 1 rows before the first"),
+        ("index-header-too-long", stream(15, &[127]), "127 more bytes expected"),
+        ("index-header-byte", stream(NEAR_SIGN_AT, &[0xff]), "0 < near <= far < inf"),
+        ("index-more-units", stream(8, &[3]), "more units than the 2 rows"),
+        ("index-no-stream", edited(&no_stream), "2 chunks and no stream"),
+        ("index-stream-twice", edited(&twice), "has the kind, probe and face of an earlier one"),
+        ("index-step-of-none", chunks(&|own, rest| [&[own | 4, 1, 0], &rest[1..], &[3]].concat()), "a step of 0 units"),
+        ("index-step-of-all", chunks(&|own, rest| [&[own | 4, 1, 2], &rest[1..], &[3]].concat()), "a step of 2 units"),
+        ("index-unit-twice", chunks(&|own, rest| [&[own], rest, &[7, 1]].concat()), "of which 0 are left"),
+        ("index-unit-left-out", edited(&left_out), "the chunk table breaks off at stream 0, unit 0, frame 1"),
+        ("index-no-frames", edited(&|parts| frames_of_rows(parts, [0, 2])), "a chunk of 0 frames"),
+        ("index-more-frames", edited(&|parts| frames_of_rows(parts, [3, 2])), "a chunk of 3 frames"),
+        ("index-shared-before-first", chunks(&|own, rest| [&[3, own], rest].concat()), "0 rows before the first"),
+        ("index-shared-too-far", chunks(&|own, rest| [&[own], rest, &[11]].concat()), "1 rows before the first"),
         (
-            "compact-step-of-none",
-            chunks(&|own, rest| [&[own | 4, 1, 0], &rest[1..], &[3]].concat()),
-            "a step of 0 units",
-        ),
-        (
-            "compact-step-of-all",
-            chunks(&|own, rest| [&[own | 4, 1, 2], &rest[1..], &[3]].concat()),
-            "a step of 2 units",
-        ),
-        ("compact-unit-twice", chunks(&|own, rest| [&[own], rest, &[7, 1]].concat()), "of which 0 are left"),
-        ("compact-unit-left-out", edited(&left_out), "the chunk table breaks off at stream 0, unit 0, frame 1"),
-        ("compact-no-frames", edited(&|parts| frames_of_rows(parts, [0, 2])), "a chunk of 0 frames"),
-        ("compact-more-frames", edited(&|parts| frames_of_rows(parts, [3, 2])), "a chunk of 3 frames"),
-        ("compact-shared-before-first", chunks(&|own, rest| [&[3, own], rest].concat()), "0 rows before the first"),
-        ("compact-shared-too-far", chunks(&|own, rest| [&[own], rest, &[11]].concat()), "1 rows before the first"),
-        (
-            "compact-raw-bytes",
+            "index-raw-bytes",
             chunks(&|own, rest| [&[own | 1, 1, 0x80, 0x80, 0x80, 1], &rest[1..], &[3]].concat()),
             "cannot decompress to",
         ),
-        ("compact-chunk-in-index", chunks(&|own, rest| [&[own + 8], rest, &[3]].concat()), "outside the file's chunks"),
-        ("compact-gap", edited(&|parts| parts.stored.push(0)), "and the index starts at"),
+        ("index-chunk-in-index", chunks(&|own, rest| [&[own + 8], rest, &[3]].concat()), "outside the file's chunks"),
+        ("index-gap", edited(&|parts| parts.stored.push(0)), "and the index starts at"),
         ("zstd-magic", zstd(&|frame| frame[0] = 0), "its magic number is wrong"),
         ("zstd-dictionary", zstd(&|frame| frame[4] |= 1), "a dictionary, a checksum or reserved bits"),
         ("zstd-checksum", zstd(&|frame| frame[4] |= 4), "a dictionary, a checksum or reserved bits"),
@@ -348,8 +331,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("zstd-trailing-byte", zstd(&|frame| frame.push(0)), "1 bytes follow the end of the chunk's Zstandard frame"),
         ("zstd-two-frames", zstd(&two_frames), "9 bytes follow the end of the chunk's Zstandard frame"),
         ("zstd-expansion", edited(&expanding), "cannot decompress to"),
-        ("compact-cut", edited(&|parts| parts.chunks.truncate(6)), "1 more bytes expected, 0 left"),
-        ("compact-longer", edited(&|parts| parts.rest.push(0)), "1 bytes after the last field"),
+        ("index-cut", edited(&|parts| parts.chunks.truncate(6)), "1 more bytes expected, 0 left"),
     ]
     .into_iter()
     .chain(zstandard::refused().into_iter().map(|(name, frame, size, reason)| (name, of_frame(&frame, size), reason)))

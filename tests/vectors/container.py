@@ -37,9 +37,8 @@ def read_foot(data):
     check(len(data) >= 56, "the file is too short")
     foot = data[-40:]
     fields = Fields(foot)
-    offset, size, crc, form = fields.take("QQIB")
-    fields.zeros(3)
-    check(form <= 2, "the index has an unknown form")
+    offset, size, crc = fields.take("QQI")
+    fields.zeros(4)
     file_bytes, foot_crc = fields.take("QI")
     check(fields.bytes(4) == b"LFND", "there is no foot")
     check(foot_crc == zlib.crc32(foot[:32]), "the foot's CRC-32 is other")
@@ -47,25 +46,50 @@ def read_foot(data):
     check(offset >= 16 and offset + size == len(data) - 40, "the index is not before the foot")
     index = data[offset:offset + size]
     check(zlib.crc32(index) == crc, "the index's CRC-32 is other")
-    return index, offset, form
+    return index, offset
 
 
-def read_probe(fields):
-    name = fields.string()
+def read_probe(fields, frames):
+    flags, name = fields.take("B"), fields.string()
+    check(flags < 8, "a probe's flags are unknown")
     check(PROBE_NAME.fullmatch(name), "a probe's name is illegal")
-    fields.take("7d")
-    first, last = fields.take("II")
-    check(first <= last < MAX_FRAME, "a probe's frames are illegal")
-    fields.take("4d")
-    return name
+    fields.take("3d")
+    if flags & 1:
+        fields.take("4d")
+    if flags & 2:
+        frames = fields.varint(), fields.varint()
+        check(frames[0] <= frames[1] < MAX_FRAME, "a probe's frames are illegal")
+    if flags & 4:
+        fields.take("4d")
+    return name, frames
 
 
 class Stream:
-    def __init__(self, fields, probe_count):
-        self.kind, self.face, self.probe, self.codec = fields.take("BBH4s")
-        self.width, self.height, self.first, self.count = fields.take("4I")
-        self.unit_width, self.unit_height, header_bytes = fields.take("3I")
-        self.header = fields.bytes(header_bytes)
+    def __init__(self, fields, rows, probe_count):
+        self.kind, self.codec, self.probe, self.face, self.header = 0, bytes(4), 0, -1, b""
+        self.width = self.height = self.first = self.count = self.unit_width = self.unit_height = self.chunk_frames = 0
+        if rows:
+            self.__dict__.update(rows[-1].__dict__)
+        self.face += 1
+        flags = fields.take("B")
+        if flags & 1:
+            self.kind, self.codec = fields.take("B4s")
+        if flags & 2:
+            self.probe = fields.varint()
+        if flags & 4:
+            self.face = fields.take("B")
+        if flags & 8:
+            self.width, self.height = fields.varint(), fields.varint()
+        if flags & 16:
+            self.first, self.count = fields.varint(), fields.varint()
+        if flags & 32:
+            self.unit_width, self.unit_height = fields.varint(), fields.varint()
+        if flags & 64:
+            back = fields.varint()
+            check(back <= len(rows), "a codec header before the first row")
+            self.header = rows[-back].header if back else fields.bytes(fields.varint())
+        if flags & 128:
+            self.chunk_frames = fields.varint()
         self.check(probe_count)
 
     def check(self, probe_count):
@@ -89,12 +113,24 @@ def read_dataset(fields):
     check(not any(unicodedata.category(letter) == "Cc" for letter in fields.string()), "the name holds control characters")
 
 
-def read_index(index, end, form):
+def read_index(index, end):
     fields = Fields(index)
-    probes, streams, rows = (read_tables, read_compact_tables)[min(form, 1)](fields, end)
-    if form == 2:
-        read_attributes(fields)
-    fields.finish()
+    probe_count, stream_count, chunk_count = (fields.varint() for _ in range(3))
+    order = fields.take("B")
+    check(order <= 1, "the order of the chunk table is unknown")
+    read_dataset(fields)
+    fields.fits(probe_count, 27)
+    probes, frames = [], (0, 0)
+    for _ in range(probe_count):
+        name, frames = read_probe(fields, frames)
+        probes.append(name)
+    fields.fits(stream_count, 2)
+    streams = []
+    for _ in range(stream_count):
+        streams.append(Stream(fields, streams, probe_count))
+    fields.fits(chunk_count, 1)
+    rows = read_rows(fields, streams, chunk_count, order, end)
+    read_attributes(fields)
     check(len(set(probes)) == len(probes), "two probes of one name")
     check(len({(s.kind, s.probe, s.face) for s in streams}) == len(streams), "two streams of one face")
     at = 0
@@ -114,11 +150,8 @@ def read_index(index, end, form):
 
 
 def read_attributes(fields):
-    count = fields.varint()
-    check(count >= 1, "an attribute table without attributes")
-    fields.fits(count, 4)
     before = ""
-    for _ in range(count):
+    while fields.at < len(fields.data):
         name = fields.string()
         check(re.fullmatch("[a-z0-9_.]{1,64}", name), "an attribute's name is illegal")
         check(name > before, "attributes do not ascend by name")
@@ -128,7 +161,7 @@ def read_attributes(fields):
         value.finish()
 
 
-# container.md 6.6 ----------------------------------------------------------------------------------------------------
+# container.md 6.5 ----------------------------------------------------------------------------------------------------
 
 def read_chromaticities(fields):
     numbers = fields.take("8f")
@@ -185,25 +218,6 @@ VALUES = {
 }
 
 
-def read_tables(fields, end):
-    probe_count, stream_count, chunk_count = fields.take("3I")
-    read_dataset(fields)
-    fields.fits(probe_count, 98)
-    probes = [read_probe(fields) for _ in range(probe_count)]
-    fields.fits(stream_count, 36)
-    streams = [Stream(fields, probe_count) for _ in range(stream_count)]
-    fields.fits(chunk_count, 40)
-    return probes, streams, [read_row(fields, end) for _ in range(chunk_count)]
-
-
-def read_row(fields, end):
-    key = fields.take("4I")
-    offset, stored, raw, crc, storage = fields.take("QIIIB")
-    fields.zeros(3)
-    check(storage <= 1, "a chunk's storage is unknown")
-    return key, check_place((offset, stored, raw, crc, storage), end)
-
-
 def check_place(place, end):
     offset, stored, raw, _crc, storage = place
     check(16 <= offset and offset + stored <= end, "a chunk's place is illegal")
@@ -212,71 +226,7 @@ def check_place(place, end):
     return place
 
 
-# container.md 6.3 ----------------------------------------------------------------------------------------------------
-
-def read_compact_tables(fields, end):
-    probe_count, stream_count, chunk_count = (fields.varint() for _ in range(3))
-    order = fields.take("B")
-    check(order <= 1, "the order of the chunk table is unknown")
-    read_dataset(fields)
-    fields.fits(probe_count, 27)
-    probes, frames = [], (0, 0)
-    for _ in range(probe_count):
-        name, frames = read_compact_probe(fields, frames)
-        probes.append(name)
-    fields.fits(stream_count, 2)
-    streams = []
-    for _ in range(stream_count):
-        streams.append(CompactStream(fields, streams, probe_count))
-    fields.fits(chunk_count, 1)
-    return probes, streams, read_compact_rows(fields, streams, chunk_count, order, end)
-
-
-def read_compact_probe(fields, frames):
-    flags, name = fields.take("B"), fields.string()
-    check(flags < 8, "a probe's flags are unknown")
-    check(PROBE_NAME.fullmatch(name), "a probe's name is illegal")
-    fields.take("3d")
-    if flags & 1:
-        fields.take("4d")
-    if flags & 2:
-        frames = fields.varint(), fields.varint()
-        check(frames[0] <= frames[1] < MAX_FRAME, "a probe's frames are illegal")
-    if flags & 4:
-        fields.take("4d")
-    return name, frames
-
-
-class CompactStream(Stream):
-    def __init__(self, fields, rows, probe_count):
-        self.kind, self.codec, self.probe, self.face, self.header = 0, bytes(4), 0, -1, b""
-        self.width = self.height = self.first = self.count = self.unit_width = self.unit_height = self.chunk_frames = 0
-        if rows:
-            self.__dict__.update(rows[-1].__dict__)
-        self.face += 1
-        flags = fields.take("B")
-        if flags & 1:
-            self.kind, self.codec = fields.take("B4s")
-        if flags & 2:
-            self.probe = fields.varint()
-        if flags & 4:
-            self.face = fields.take("B")
-        if flags & 8:
-            self.width, self.height = fields.varint(), fields.varint()
-        if flags & 16:
-            self.first, self.count = fields.varint(), fields.varint()
-        if flags & 32:
-            self.unit_width, self.unit_height = fields.varint(), fields.varint()
-        if flags & 64:
-            back = fields.varint()
-            check(back <= len(rows), "a codec header before the first row")
-            self.header = rows[-back].header if back else fields.bytes(fields.varint())
-        if flags & 128:
-            self.chunk_frames = fields.varint()
-        self.check(probe_count)
-
-
-def read_compact_rows(fields, streams, chunk_count, order, end):
+def read_rows(fields, streams, chunk_count, order, end):
     check(sum(stream.units for stream in streams) <= chunk_count, "more units than chunks")
     # Stream, unit and the first frame that is left of each unit.
     units = [[at, unit, stream.first] for at, stream in enumerate(streams) for unit in range(stream.units)]

@@ -134,7 +134,7 @@ void test("the file of the document says what the document says", async () => {
   );
   const container = await open(new Uint8Array(bytes));
   const { name, fps, projection, minorVersion, indexBytes } = container;
-  assert.deepEqual([name, fps, projection, minorVersion, indexBytes], ["sample", 24, "cube", 2, 103]);
+  assert.deepEqual([name, fps, projection, minorVersion, indexBytes], ["sample", 24, "cube", 0, 103]);
   const still = { position: [0, 1.5, 0], orientation: [0, 0, 0, 1], intrinsics: [0, 0, 0, 0] };
   assert.deepEqual(container.probes, [{ name: "p", frames: [0, 1], ...still }]);
   const [{ kind, codec, face, width, height, unitWidth, headerBytes }] = container.streams;
@@ -184,10 +184,8 @@ void test("each frame of each unit is in one chunk, and other frames are in none
   }
 });
 
-void test("forms of the index say the same", async () => {
-  const [byTime, byUnit] = await Promise.all(
-    ["compact-index-by-time", "compact-index-by-unit"].map((at) => open(valid(at))),
-  );
+void test("orders of the chunk table say the same", async () => {
+  const [byTime, byUnit] = await Promise.all(["index-by-time", "index-by-unit"].map((at) => open(valid(at))));
   const keys = ({ chunks }: Container) => chunks.map(({ offset: _, ...rest }) => rest);
   assert.deepEqual(keys(byTime), keys(byUnit));
   assert.notDeepEqual(byTime.chunks, byUnit.chunks);
@@ -196,13 +194,13 @@ void test("forms of the index say the same", async () => {
 
 void test("bytes behind a container are told", async () => {
   const bytes = Uint8Array.from([...valid("material"), ...new Uint8Array(300)]);
-  await assert.rejects(open(bytes), /ends at byte 868, and 300 bytes follow it/u);
+  await assert.rejects(open(bytes), /ends at byte 561, and 300 bytes follow it/u);
 });
 
 void test("a refused file of a later minor version names it", async () => {
   const bytes = valid("minor-version-of-later");
   const { minorVersion } = await open(bytes);
-  assert.ok(minorVersion > 2);
+  assert.ok(minorVersion > 0);
   const codec = Buffer.from(bytes).indexOf("DAAB", bytes.length / 4);
   const changed = bytes.slice();
   changed.set(new TextEncoder().encode("DZZZ"), codec);

@@ -234,12 +234,13 @@ function changedChunk(container: Container, { name, bytes }: Vector, random: (mo
 }
 
 void test("sizes near the limits of a field are refused before memory is reserved", async () => {
-  const row = new DataView(new ArrayBuffer(26));
-  row.setFloat64(16, 24, true);
-  for (const count of [0, 4, 8]) {
-    const index = new Uint8Array(row.buffer.slice(0));
-    new DataView(index.buffer).setUint32(count, 2 ** 31, true);
-    const found = await outcome(fileOf(new Uint8Array(0), index, 0));
+  const dataset = new DataView(new ArrayBuffer(15));
+  dataset.setFloat64(5, 24, true);
+  for (const count of [0, 1, 2]) {
+    const counts = [[0], [0], [0]];
+    counts[count] = [0x80, 0x80, 0x80, 0x80, 0x08];
+    const index = Uint8Array.from([...counts.flat(), ...new Uint8Array(dataset.buffer)]);
+    const found = await outcome(fileOf(new Uint8Array(0), index));
     assert.match((found as Error).message, /do not fit/u);
   }
 });

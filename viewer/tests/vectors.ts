@@ -103,15 +103,14 @@ export function seal(file: Uint8Array): Uint8Array {
 }
 
 /** A file of other chunks and another index, with a foot. */
-export function fileOf(stored: Uint8Array, index: Uint8Array, form: number): Uint8Array {
-  const head = [0x89, 0x4c, 0x46, 0x4c, 0x44, 0x0d, 0x0a, 0x1a, 1, 0, 2, 0, 0, 0, 0, 0];
+export function fileOf(stored: Uint8Array, index: Uint8Array): Uint8Array {
+  const head = [0x89, 0x4c, 0x46, 0x4c, 0x44, 0x0d, 0x0a, 0x1a, 1, 0, 0, 0, 0, 0, 0, 0];
   const foot = new Uint8Array(FOOT_BYTES);
   const file = Uint8Array.from([...head, ...stored, ...index, ...foot]);
   const view = new DataView(file.buffer);
   const start = file.length - FOOT_BYTES;
   view.setBigUint64(start, BigInt(head.length + stored.length), true);
   view.setBigUint64(start + 8, BigInt(index.length), true);
-  file[start + 20] = form;
   view.setBigUint64(start + 24, BigInt(file.length), true);
   file.set([0x4c, 0x46, 0x4e, 0x44], start + 36);
   return seal(file);

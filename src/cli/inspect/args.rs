@@ -42,13 +42,9 @@ pub struct Args {
     /// Print one row per frame of every stream; the bytes of a chunk are counted at its first frame
     #[arg(long)]
     pub per_frame: bool,
-    // Without a value it is the older form of --per-frame.
     /// With --per-frame, only rows of these frames, such as 10-99 or 12
-    #[arg(long, value_name = "A-B", num_args = 0..=1)]
-    pub frames: Option<Option<FrameRange>>,
-    /// The older form of --frames A-B.
-    #[arg(long, value_name = "A-B", hide = true, conflicts_with = "per_frame")]
-    pub range: Option<FrameRange>,
+    #[arg(long, value_name = "A-B")]
+    pub frames: Option<FrameRange>,
     /// Verify all chunks (CRC-32, decompression by two decoders, structure), and list damaged ones
     #[arg(long)]
     pub verify: bool,
@@ -78,10 +74,6 @@ pub struct Args {
 }
 
 impl Args {
-    pub fn is_per_frame(&self) -> bool {
-        self.per_frame || matches!(self.frames, Some(None))
-    }
-
     /// Fails if options other than --json are given. `what` names the input and its kind, which is reported only as a
     /// table or as JSON.
     pub fn refuse_all_but_json(&self, what: &str) -> Result<()> {
@@ -92,10 +84,6 @@ impl Args {
             return refuse(format!("{what} is reported as a table or with --json only: leave out the other options"));
         }
         Ok(())
-    }
-
-    pub fn frame_range(&self) -> Option<FrameRange> {
-        self.frames.flatten().or(self.range)
     }
 }
 

@@ -80,9 +80,6 @@ fn heading(report: &Report<'_>) -> String {
         human_bytes(all.shared_bytes_saved),
         human_bytes(reader.overhead_bytes()),
     );
-    if report.inspection.unreferenced_bytes > 0 {
-        let _ = writeln!(out, "{} outside of chunks", human_bytes(report.inspection.unreferenced_bytes));
-    }
     out += &footage(report);
     if reader.minor_version > VERSION_MINOR {
         let _ = writeln!(out, "format {VERSION_MAJOR}.{}, newer than this version of lightfold", reader.minor_version);
@@ -419,15 +416,13 @@ pub fn verdict(report: &Report<'_>) -> String {
     let all = inspection.totals(None);
     if inspection.damaged.is_empty() {
         return format!(
-            "\n{} verified ({} of LZMA2, {} of Zstandard), {} outside of chunks\n",
+            "\n{} verified ({} of LZMA2, {} of Zstandard)\n",
             counted(all.chunks, "chunk"),
             all.lzma2_chunks,
-            all.zstd_chunks,
-            human_bytes(inspection.unreferenced_bytes)
+            all.zstd_chunks
         );
     }
     let mut out = format!("{} of {} damaged:\n", inspection.damaged.len(), counted(all.chunks, "chunk"));
     out.push_str(&damage::lines(report.decoder, &inspection.damaged));
-    let _ = writeln!(out, "{} outside of chunks", human_bytes(inspection.unreferenced_bytes));
     out
 }

@@ -2,15 +2,12 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-/// Words of an option, each with its value and help. A word without help is a hidden alias.
+/// Words of an option, each with its value and help.
 pub type Choices<T> = [(&'static str, T, &'static str)];
 
 /// Returns a parser for one of these words.
 pub fn one_of<T: Copy + Send + Sync + 'static>(choices: &'static Choices<T>) -> impl TypedValueParser<Value = T> {
-    let word = |&(word, _, help): &(&'static str, T, &'static str)| match help {
-        "" => PossibleValue::new(word).hide(true),
-        _ => PossibleValue::new(word).help(help),
-    };
+    let word = |&(word, _, help): &(&'static str, T, &'static str)| PossibleValue::new(word).help(help);
     // Clap has matched the word, with the case sensitivity of the option.
     PossibleValuesParser::new(choices.iter().map(word)).try_map(|given| {
         let found = choices.iter().find(|(word, ..)| word.eq_ignore_ascii_case(&given));

@@ -45,7 +45,7 @@ pub const INVALID_COLORS: &Choices<InvalidColor> = &[
 #[command(next_help_heading = "Colour")]
 pub struct ColorArgs {
     /// Width and height of a cell in pixels, a multiple of 4 with --color-block
-    #[arg(long, alias = "cell", value_name = "PX", default_value_t = 64,
+    #[arg(long, value_name = "PX", default_value_t = 64,
         value_parser = clap::value_parser!(u32).range(1..=16384))]
     pub color_cell: u32,
     /// Colour codec [default: transform, or cells with --color-block]
@@ -102,7 +102,7 @@ pub struct ColorArgs {
     /// Keyframe lookahead: maximum number of distinct frames between two keyframes of a cell, limited to 768 MiB for
     /// all faces of an image. More compress better, with more memory and time. For --color-codec cells; the transform
     /// codec uses it only in chunks that are smaller as keyframes
-    #[arg(long, alias = "keyframe-reach", value_name = "N", default_value_t = SearchSettings::default().lookahead,
+    #[arg(long, value_name = "N", default_value_t = SearchSettings::default().lookahead,
         value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub lookahead: u32,
     /// Handling of NaN in colour, and of alpha outside 0 to 1

@@ -48,11 +48,8 @@ const DEPTH_DOMAINS: &Choices<DomainKind> = &[
     ("inverse", DomainKind::Inverse, "Inverse metres, in which planes are modelled exactly"),
 ];
 
-const OPTIMIZE_GOALS: &Choices<Decide> = &[
-    ("quality", Decide::Mse, "Smallest squared error"),
-    ("mse", Decide::Mse, ""),
-    ("size", Decide::Size, "Smallest size"),
-];
+const OPTIMIZE_GOALS: &Choices<Decide> =
+    &[("quality", Decide::Mse, "Smallest squared error"), ("size", Decide::Size, "Smallest size")];
 
 const INVALID_DEPTHS: &Choices<InvalidDepth> = &[
     ("refuse", InvalidDepth::Refuse, "Fail, and report file and pixel"),
@@ -77,11 +74,10 @@ pub struct DepthArgs {
     /// Maximum error of decoded depth, for quadtree and predictive: in percent of the distance, such as 0.4%, or in
     /// 16-bit log codes, where 0 is lossless. A percentage becomes the largest number of codes that satisfies it for
     /// each probe [default: 100]
-    #[arg(long, alias = "error", value_name = "SHARE%|CODES", conflicts_with = "max_error_relative",
-        value_parser = parse_bound)]
+    #[arg(long, value_name = "SHARE%|CODES", conflicts_with = "max_error_relative", value_parser = parse_bound)]
     pub max_error: Option<ErrorBound>,
-    /// The older form of --max-error SHARE%.
-    #[arg(long, alias = "error-relative", value_name = "SHARE", hide = true, value_parser = parse_share)]
+    /// Same as --max-error SHARE%, as an option of its own for sweeps
+    #[arg(long, value_name = "SHARE", hide = true, value_parser = parse_share)]
     pub max_error_relative: Option<f64>,
     /// File of entropy tables from lightfold train-depth, for predictive, stored once per stream and used for each
     /// chunk that they make smaller
@@ -113,7 +109,7 @@ pub struct DomainArgs {
 #[command(next_help_heading = "Depth")]
 pub struct ModelArgs {
     /// Goal when several ways to code pixels are within the bound
-    #[arg(long, alias = "decide", value_name = "GOAL", value_parser = one_of(OPTIMIZE_GOALS), default_value = "quality")]
+    #[arg(long, value_name = "GOAL", value_parser = one_of(OPTIMIZE_GOALS), default_value = "quality")]
     pub optimize: Decide,
     /// Minimum number of changed children at which the encoder tries one function for the whole node, for quadtree
     #[arg(long, value_name = "N", default_value_t = NodeSettings::default().min_children,
@@ -131,7 +127,7 @@ pub struct DepthStepArgs {
     pub depth_window: u8,
     /// Update a pixel only if its depth changed by more than this, in 16-bit log codes; adds to --max-error. With aabb
     /// this is the maximum error, and 0 is lossless [default: 0]
-    #[arg(long, alias = "epsilon", value_name = "CODES")]
+    #[arg(long, value_name = "CODES")]
     pub update_threshold: Option<u16>,
 }
 
@@ -145,10 +141,6 @@ pub struct DepthUnitArgs {
     /// Width and height of a tile in pixels, rounded up to a multiple of 8 [default: half of the face, 128 for predictive]
     #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(1..=16384))]
     pub depth_tile: Option<u32>,
-    /// Tiles along each side of a face: the older form of --depth-tile
-    #[arg(long, value_name = "N", hide = true, conflicts_with = "depth_tile",
-        value_parser = clap::value_parser!(u32).range(1..=256))]
-    pub tiles: Option<u32>,
     /// Distance of the nearest surface in metres; nearer ones are invalid (--invalid-depth). With both --near and
     /// --far, images are not read in advance, and predictive depth has no levels [default: measured per probe]
     #[arg(long, value_name = "M")]
@@ -165,17 +157,8 @@ pub struct DepthUnitArgs {
 pub struct BoundArgs {
     /// Pack quadtrees of the intermediate form with this maximum error: in percent of the distance, such as 0.4%, or in
     /// 16-bit log codes, where 0 is lossless
-    #[arg(long, alias = "error", value_name = "SHARE%|CODES", group = "bound", value_parser = parse_bound)]
+    #[arg(long, value_name = "SHARE%|CODES", value_parser = parse_bound)]
     pub max_error: Option<ErrorBound>,
-    /// The older form of --max-error SHARE%.
-    #[arg(long, alias = "error-relative", value_name = "SHARE", group = "bound", hide = true, value_parser = parse_share)]
-    pub max_error_relative: Option<f64>,
-}
-
-impl BoundArgs {
-    pub fn get(self) -> Option<ErrorBound> {
-        self.max_error.or(self.max_error_relative.map(ErrorBound::Relative))
-    }
 }
 
 /// Parses a number of codes, or a percentage of the distance.
@@ -266,11 +249,7 @@ impl DepthStepArgs {
 impl DepthUnitArgs {
     pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) {
         settings.temporal.keyframe_interval = self.keyframe_interval;
-        settings.tiles = match (self.depth_tile, self.tiles) {
-            (Some(pixels), _) => TileSize::Pixels(pixels),
-            (None, Some(tiles)) => TileSize::PerSide(tiles),
-            (None, None) => settings.tiles,
-        };
+        settings.tiles = self.depth_tile.map_or(settings.tiles, TileSize::Pixels);
         settings.near_m = self.near;
         settings.far_m = self.far;
         settings.outside_depth = self.reading.invalid_depth;

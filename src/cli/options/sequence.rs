@@ -69,10 +69,6 @@ pub struct ImageArgs {
     /// Size of cube faces resampled from equirectangular images [default: a quarter of the image width]
     #[arg(long, value_name = "PIXELS")]
     pub face_size: Option<u32>,
-    /// Channel or layer of the sequence's kind: the older form of the options below
-    #[arg(long, value_name = "NAME", hide = true,
-        conflicts_with_all = ["depth_channel", "color_channel", "material_channel"])]
-    pub channel: Option<String>,
     #[command(flatten)]
     pub channels: ChannelArgs,
 }
@@ -97,9 +93,6 @@ impl SequenceInputArgs {
         self.images.channels.check(kind)?;
         let mut options = options.clone();
         self.images.channels.apply(&mut options);
-        if let Some(name) = &self.images.channel {
-            options.set_channel(kind, name);
-        }
         let images = self.images.layout()?;
         let arrangement = match images.arrangement {
             Arrangement::Single(_) => Arrangement::Single(self.face),

@@ -38,7 +38,7 @@ impl SideArgs {
             && (depth.depth_scale, depth.background, depth.depth_kind) == (None, None, None)
             && images.layout == Arrangement::Single(Face::View)
             && images.intrinsics.is_none()
-            && (images.face_size, images.channel.as_ref()) == (None, None)
+            && images.face_size.is_none()
             && images.channels.is_usual()
     }
 
@@ -50,9 +50,6 @@ impl SideArgs {
         source.invalid_color = self.invalid_color;
         source.face_size = self.images.face_size;
         self.images.channels.apply(&mut source);
-        // The older option also names the depth channel of a dataset.
-        source.depth_channel = source.depth_channel.or(self.images.channel.clone());
-        let sequence_channel = self.images.channel.clone();
-        Ok(SideOptions { source, layout: self.images.layout()?, sequence_channel, selection })
+        Ok(SideOptions { source, layout: self.images.layout()?, selection })
     }
 }

@@ -51,7 +51,7 @@ pub struct Args {
     pub until: Option<f64>,
     /// Place N cameras evenly in the free part of the region (Hammersley points) instead of searching, and report their
     /// coverage
-    #[arg(long, alias = "spread", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000), conflicts_with_all = ["cameras", "until"])]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000), conflicts_with_all = ["cameras", "until"])]
     pub uniform: Option<u32>,
     /// Start with the cameras of this file or lightfield.json, and write them first; --cameras 0 only measures their
     /// coverage

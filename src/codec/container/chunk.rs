@@ -6,7 +6,6 @@ use crate::container::fields::Fields;
 use crate::container::header::HEAD_BYTES;
 use crate::error::Result;
 
-pub const ENTRY_BYTES: usize = 40;
 pub const MAX_CHUNK_BYTES: u32 = 1 << 30;
 /// Maximum raw bytes per stored byte of LZMA2; its densest codes reach about 7,000.
 pub const MAX_EXPANSION: u64 = 16_384;
@@ -21,6 +20,13 @@ pub enum Storage {
     Lzma2 = 1,
     /// One Zstandard frame.
     Zstd = 2,
+}
+
+impl Storage {
+    /// Returns the storage of a number in a file.
+    pub(super) fn of(number: u64) -> Option<Storage> {
+        [Storage::Raw, Storage::Lzma2, Storage::Zstd].into_iter().find(|&storage| storage as u64 == number)
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -56,24 +62,6 @@ pub struct ChunkEntry {
 }
 
 impl ChunkEntry {
-    /// Reads a row. Fails unless the chunk lies between the head and `end`, and its sizes are plausible.
-    pub fn read(fields: &mut Fields<'_>, end: u64) -> Result<ChunkEntry> {
-        let start = fields.offset();
-        let [stream, unit, first_frame, frame_count] = fields.u32s()?;
-        let key = ChunkKey { stream, unit, first_frame, frame_count };
-        let (offset, [stored_bytes, raw_bytes, crc32]) = (fields.u64()?, fields.u32s()?);
-        let storage = match fields.u8()? {
-            0 => Storage::Raw,
-            1 => Storage::Lzma2,
-            2 => Storage::Zstd,
-            other => return Err(fields.error(format!("a chunk is stored by method {other}, which is unknown"))),
-        };
-        fields.zeros(3)?;
-        let entry = ChunkEntry { key, offset, stored_bytes, raw_bytes, crc32, storage };
-        entry.check(fields, start, end)?;
-        Ok(entry)
-    }
-
     /// Fails unless the chunk lies between the head and `end`, and its sizes are plausible; `start` is the offset of the row.
     pub(super) fn check(&self, fields: &Fields<'_>, start: u64, end: u64) -> Result<()> {
         let ChunkEntry { offset, stored_bytes, raw_bytes, .. } = *self;

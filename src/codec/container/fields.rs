@@ -75,7 +75,7 @@ impl<'a> Fields<'a> {
         Ok(LittleEndian::read_u64(self.bytes(8)?))
     }
 
-    /// Reads an unsigned LEB128 number of at most five bytes (35 bits), in its shortest form (container.md 6.3).
+    /// Reads an unsigned LEB128 number of at most five bytes (35 bits), in its shortest form (container.md 1).
     pub fn varint(&mut self) -> Result<u64> {
         let mut value = 0;
         for shift in (0..35).step_by(7) {
@@ -159,7 +159,7 @@ mod tests {
         {
             let mut bytes = Vec::new();
             bytes.put_varint(value);
-            let mut fields = Fields::new(&bytes, 0, "container.md 6.3");
+            let mut fields = Fields::new(&bytes, 0, "container.md 1");
             assert_eq!((fields.varint().unwrap(), fields.position(), bytes.len()), (value, length, length));
             assert_eq!(Fields::new(&bytes, 0, "").varint_u32().is_ok(), value <= u64::from(u32::MAX));
         }

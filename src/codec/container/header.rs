@@ -10,8 +10,8 @@ pub const MAGIC: [u8; 8] = [0x89, b'L', b'F', b'L', b'D', 0x0d, 0x0a, 0x1a];
 pub const FOOT_MAGIC: [u8; 4] = *b"LFND";
 /// Major version; readers refuse any other.
 pub const VERSION_MAJOR: u16 = 1;
-/// Minor version: 1 added the compact index, 2 attributes (container.md 3).
-pub const VERSION_MINOR: u16 = 2;
+/// Minor version; readers accept later ones (container.md 3).
+pub const VERSION_MINOR: u16 = 0;
 pub const HEAD_BYTES: usize = 16;
 pub const FOOT_BYTES: usize = 40;
 
@@ -49,22 +49,10 @@ pub fn read_head(bytes: &[u8]) -> Result<u16> {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u8)]
-pub enum IndexForm {
-    /// Rows of fixed size (container.md 4 to 6), written by version 1.0.
-    Rows = 0,
-    /// Compact form (container.md 6.3).
-    Compact = 1,
-    /// Compact form with attributes (container.md 6.4).
-    Attributed = 2,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Foot {
     pub index_offset: u64,
     pub index_bytes: u64,
     pub index_crc32: u32,
-    pub index_form: IndexForm,
 }
 
 impl Foot {
@@ -79,19 +67,12 @@ impl Foot {
         }
         let mut fields = Fields::new(bytes, start, SECTION);
         let (index_offset, index_bytes, index_crc32) = (fields.u64()?, fields.u64()?, fields.u32()?);
-        let form = fields.u8()?;
-        fields.zeros(3)?;
+        fields.zeros(4)?;
         let said = fields.u64()?;
         if fields.u32()? != crc32fast::hash(&bytes[..32]) {
             return wrong(start, "the foot's CRC-32 does not match: the file is damaged".into());
         }
-        let index_form = match form {
-            0 => IndexForm::Rows,
-            1 => IndexForm::Compact,
-            2 => IndexForm::Attributed,
-            other => return wrong(start + 20, format!("the index has form {other}, which is unknown")),
-        };
-        let foot = Foot { index_offset, index_bytes, index_crc32, index_form };
+        let foot = Foot { index_offset, index_bytes, index_crc32 };
         if said != file_bytes {
             let message = format!("the foot states a file size of {said} bytes, but the file has {file_bytes}");
             return wrong(start + 24, message);

@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use crate::container::attributes::Attributes;
-use crate::container::chunk::{self, ChunkEntry, ChunkPlace, Storage};
+use crate::container::chunk::{ChunkEntry, ChunkPlace};
 use crate::container::fields::Fields;
 use crate::error::{Error, Result};
 
@@ -14,8 +14,6 @@ use crate::error::{Error, Result};
 pub const MAX_SIZE: u32 = 16_384;
 /// Exclusive upper bound of frame numbers.
 pub const MAX_FRAME: u32 = 1 << 31;
-const PROBE_MIN_BYTES: usize = 2 + 7 * 8 + 8 + 4 * 8;
-const STREAM_MIN_BYTES: usize = 4 + 4 + 6 * 4 + 4;
 
 /// A probe: the place where its streams were captured.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +46,7 @@ pub struct StreamEntry {
     /// Width of a unit (tile or cell); units in the last column are cut off at the image's edge.
     pub unit_width: u32,
     pub unit_height: u32,
-    /// Codec header; streams with equal headers in the compact form share it.
+    /// Codec header; streams of one file with equal headers share it.
     pub codec_header: Arc<Vec<u8>>,
 }
 
@@ -89,26 +87,7 @@ pub struct Index {
 }
 
 impl Index {
-    /// Reads an index of form 0 that starts at `offset` of its file, where the chunks end.
-    pub fn read(bytes: &[u8], offset: u64) -> Result<Index> {
-        let mut fields = Fields::new(bytes, offset, "container.md 4");
-        let [probe_count, stream_count, chunk_count] = fields.u32s()?;
-        let mut index = Index::read_dataset(&mut fields)?;
-        check_count(&fields, "probes", probe_count, PROBE_MIN_BYTES)?;
-        index.probes = (0..probe_count).map(|_| read_probe(&mut fields)).collect::<Result<_>>()?;
-        fields.enter("container.md 5");
-        check_count(&fields, "streams", stream_count, STREAM_MIN_BYTES)?;
-        let probes = index.probes.len();
-        index.streams = (0..stream_count).map(|_| read_stream(&mut fields, probes)).collect::<Result<_>>()?;
-        fields.enter("container.md 6");
-        check_count(&fields, "chunks", chunk_count, chunk::ENTRY_BYTES)?;
-        index.chunks = (0..chunk_count).map(|_| read_chunk(&mut fields, offset)).collect::<Result<_>>()?;
-        fields.finish()?;
-        index.check()?;
-        Ok(index)
-    }
-
-    /// Reads the fields between the counts and the probe table, which are the same in both forms.
+    /// Reads projection, frame rate and name of the dataset.
     pub(super) fn read_dataset(fields: &mut Fields<'_>) -> Result<Index> {
         let projection = fields.u8()?;
         fields.zeros(3)?;
@@ -233,17 +212,6 @@ impl ProbeEntry {
     }
 }
 
-fn read_probe(fields: &mut Fields<'_>) -> Result<ProbeEntry> {
-    let start = fields.offset();
-    let name = fields.string("a probe's name")?;
-    let [x, y, z, orientation @ ..] = fields.finite_f64s::<7>("a probe's position or orientation")?;
-    let frames = fields.u32s()?;
-    let intrinsics = fields.finite_f64s("a probe's intrinsics")?;
-    let probe = ProbeEntry { name, position: [x, y, z], orientation, frames, intrinsics };
-    probe.check(fields, start)?;
-    Ok(probe)
-}
-
 impl StreamEntry {
     /// Returns an illegal value of the stream, if any, in a file of `probes` probes.
     pub(super) fn fault(&self, probes: usize) -> Option<String> {
@@ -265,47 +233,11 @@ impl StreamEntry {
     }
 }
 
-fn read_stream(fields: &mut Fields<'_>, probes: usize) -> Result<StreamEntry> {
-    let start = fields.offset();
-    let (kind, face, probe) = (fields.u8()?, fields.u8()?, fields.u16()?);
-    let mut codec = [0; 4];
-    codec.copy_from_slice(fields.bytes(4)?);
-    let [width, height, first_frame, frame_count, unit_width, unit_height, header_bytes] = fields.u32s()?;
-    let codec_header = Arc::new(fields.bytes(header_bytes as usize)?.to_vec());
-    let stream = StreamEntry {
-        kind,
-        face,
-        probe,
-        codec,
-        width,
-        height,
-        first_frame,
-        frame_count,
-        unit_width,
-        unit_height,
-        codec_header,
-    };
-    match stream.fault(probes) {
-        None => Ok(stream),
-        Some(fault) => Err(fields.error_at(start, fault)),
-    }
-}
-
-/// Reads a row of the chunk table of form 0. Version 1.0 has only raw chunks and LZMA2.
-fn read_chunk(fields: &mut Fields<'_>, end: u64) -> Result<ChunkEntry> {
-    let start = fields.offset();
-    let entry = ChunkEntry::read(fields, end)?;
-    match entry.storage {
-        Storage::Raw | Storage::Lzma2 => Ok(entry),
-        Storage::Zstd => Err(fields.error_at(start, "a chunk is stored by method 2, which index form 0 does not have")),
-    }
-}
-
 #[cfg(feature = "encode")]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::container::chunk::ChunkKey;
+    use crate::container::chunk::{ChunkKey, Storage};
 
     fn sample() -> Index {
         let stream = |kind, face| StreamEntry {
@@ -352,11 +284,14 @@ mod tests {
         index
     }
 
+    /// End of the chunks of [`sample`], which are stored once.
+    const END: u64 = 116;
+
     #[test]
     fn an_index_round_trips_and_finds_its_chunks() {
         let index = sample();
-        let bytes = index.write_rows().unwrap();
-        assert_eq!(Index::read(&bytes, 1000).unwrap(), index);
+        let bytes = index.write().unwrap();
+        assert_eq!(Index::read(&bytes, END).unwrap(), index);
         assert_eq!(index.unit_chunks(1, 1).iter().map(|c| c.key.first_frame).collect::<Vec<_>>(), [10, 14]);
         assert_eq!(index.unit_chunks(2, 0), []);
         assert_eq!(index.stream_chunks(1).len(), 4);
@@ -366,15 +301,16 @@ mod tests {
     #[test]
     fn tables_that_contradict_themselves_are_refused() {
         type Spoil = fn(&mut Index);
+        // The first ones break rules that involve several rows.
         let spoils: [Spoil; 15] = [
             |i| i.chunks[1].key.first_frame = 13,
             |i| i.chunks.truncate(7),
             |i| i.chunks.swap(0, 1),
             |i| i.chunks[7].key.frame_count = 4,
+            |i| i.streams[1].kind = 0,
             |i| i.chunks[0].offset = 950,
             |i| i.chunks[0].offset = 3,
             |i| i.chunks[0].raw_bytes = 101,
-            |i| i.streams[1].kind = 0,
             |i| i.streams[0].width = 0,
             |i| i.streams[0].unit_width = MAX_SIZE + 1,
             |i| i.streams[0].frame_count = u32::MAX,
@@ -386,21 +322,24 @@ mod tests {
         for (at, spoil) in spoils.iter().enumerate() {
             let mut index = sample();
             spoil(&mut index);
-            let bytes = index.write_rows().unwrap();
-            assert!(Index::read(&bytes, 1000).is_err(), "spoil {at}");
+            let read = index.write().and_then(|bytes| Index::read(&bytes, END));
+            assert!(read.is_err(), "spoil {at}");
+            assert!(at >= 5 || index.check().is_err(), "spoil {at}");
         }
     }
 
     #[test]
     fn counts_that_do_not_fit_are_refused_before_memory_is_asked_for() {
-        let bytes = sample().write_rows().unwrap();
-        for at in [0, 4, 8] {
+        let bytes = sample().write().unwrap();
+        assert_eq!(bytes[..3], [1, 2, 8]);
+        for at in 0..3 {
             let mut damaged = bytes.clone();
-            damaged[at..at + 4].copy_from_slice(&u32::MAX.to_le_bytes());
-            assert!(Index::read(&damaged, 1000).is_err());
+            damaged.splice(at..=at, [0xff, 0xff, 0xff, 0xff, 0xf]);
+            let message = Index::read(&damaged, END).unwrap_err().to_string();
+            assert!(message.contains("do not fit into the rest of the index"), "{message}");
         }
         for length in 0..bytes.len() {
-            assert!(Index::read(&bytes[..length], 1000).is_err());
+            assert!(Index::read(&bytes[..length], END).is_err());
         }
     }
 }

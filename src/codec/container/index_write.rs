@@ -1,13 +1,13 @@
-//! Writes the index, as [`compact`](crate::container::compact) reads it.
+//! Writes the index, as [`index_read`](crate::container::index_read) reads it.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use crate::container::attributes::{Attributes, is_name};
 use crate::container::chunk::{ChunkEntry, ChunkKey, Storage};
-use crate::container::compact::{ChunkOrder, StreamRow, before_first, chunk_flags, probe_flags, stream_flags};
-use crate::container::header::{HEAD_BYTES, IndexForm};
+use crate::container::header::HEAD_BYTES;
 use crate::container::index::{Index, ProbeEntry, StreamEntry};
+use crate::container::index_read::{ChunkOrder, StreamRow, before_first, chunk_flags, probe_flags, stream_flags};
 use crate::container::serialize::PutFields;
 use crate::error::{Error, Result};
 
@@ -16,7 +16,7 @@ fn count(what: &str, n: usize) -> Result<u32> {
 }
 
 impl Index {
-    /// Writes the compact form (container.md 6.3). Chunks are in the order in which they were written, not sorted.
+    /// Writes the index (container.md 4 to 6). Chunks are in the order in which they were written, not sorted.
     pub fn write(&self) -> Result<Vec<u8>> {
         if let Some(fault) = self.streams.iter().find_map(|stream| stream.fault(self.probes.len())) {
             return Err(Error::invalid(fault));
@@ -45,18 +45,11 @@ impl Index {
             stream = next;
         }
         out.extend_from_slice(&chunks);
-        if self.form() == IndexForm::Attributed {
-            self.attributes.write(&mut out)?;
-        }
+        self.attributes.write(&mut out)?;
         Ok(out)
     }
 
-    /// Index form that [`Self::write`] writes.
-    pub fn form(&self) -> IndexForm {
-        if self.attributes.is_empty() { IndexForm::Compact } else { IndexForm::Attributed }
-    }
-
-    /// Writes the fields between the counts and the probe table, which are the same in both forms.
+    /// Writes projection, frame rate and name of the dataset.
     fn write_dataset(&self, out: &mut Vec<u8>) -> Result<()> {
         out.push(self.projection);
         out.extend_from_slice(&[0; 3]);
@@ -232,7 +225,6 @@ impl Attributes {
     }
 
     pub(super) fn write_rows(&self, out: &mut Vec<u8>) -> Result<()> {
-        out.put_varint(count("attributes", self.iter().count())?.into());
         for (name, value) in self.iter() {
             out.put_string("an attribute's name", name)?;
             out.put_varint(count("bytes of an attribute", value.len())?.into());
@@ -250,46 +242,9 @@ fn put_varints(out: &mut Vec<u8>, values: &[u32]) {
     values.iter().for_each(|&value| out.put_varint(value.into()));
 }
 
-impl Index {
-    /// Writes index form 0, of version 1.0, for tests of readers.
-    pub fn write_rows(&self) -> Result<Vec<u8>> {
-        let mut out = Vec::new();
-        out.put_u32(count("probes", self.probes.len())?);
-        out.put_u32(count("streams", self.streams.len())?);
-        out.put_u32(count("chunks", self.chunks.len())?);
-        self.write_dataset(&mut out)?;
-        for probe in &self.probes {
-            out.put_string("a probe's name", &probe.name)?;
-            probe.position.iter().chain(&probe.orientation).for_each(|&value| out.put_f64(value));
-            probe.frames.iter().for_each(|&frame| out.put_u32(frame));
-            probe.intrinsics.iter().for_each(|&value| out.put_f64(value));
-        }
-        for stream in &self.streams {
-            out.extend_from_slice(&[stream.kind, stream.face]);
-            out.put_u16(stream.probe);
-            out.extend_from_slice(&stream.codec);
-            for value in [
-                stream.width,
-                stream.height,
-                stream.first_frame,
-                stream.frame_count,
-                stream.unit_width,
-                stream.unit_height,
-                count("codec header bytes", stream.codec_header.len())?,
-            ] {
-                out.put_u32(value);
-            }
-            out.extend_from_slice(&stream.codec_header);
-        }
-        self.chunks.iter().for_each(|chunk| chunk.write(&mut out));
-        Ok(out)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::container::compact;
 
     #[test]
     fn a_row_takes_six_bytes_and_a_stream_one() {
@@ -325,14 +280,14 @@ mod tests {
         let bytes = index.write().unwrap();
         let rows = 6 * index.chunks.len();
         assert!((rows + 3000..rows + 3100).contains(&bytes.len()), "{} bytes", bytes.len());
-        let read = compact::read(&bytes, offset, IndexForm::Compact).unwrap();
+        let read = Index::read(&bytes, offset).unwrap();
         assert!(read.streams.iter().all(|stream| Arc::ptr_eq(&stream.codec_header, &read.streams[0].codec_header)));
         index.chunks.sort_by_key(|chunk| chunk.key);
         assert_eq!(read, index);
     }
 
     #[test]
-    fn chunks_that_the_form_cannot_express_are_refused() {
+    fn chunks_that_rows_cannot_express_are_refused() {
         type Spoil = fn(&mut Index);
         let spoils: [(Spoil, &str); 5] = [
             (|index| index.chunks.swap(0, 1), "is not the next of stream 0, unit 0"),

@@ -14,7 +14,7 @@ use std::fmt;
 use std::hash::{DefaultHasher, Hasher};
 use std::io::{Read, Write};
 
-use crate::container::chunk::{ChunkEntry, ChunkKey, ENTRY_BYTES};
+use crate::container::chunk::{ChunkEntry, ChunkKey, Storage};
 use crate::container::fields::Fields;
 use crate::container::serialize::{PutFields, write_head};
 use crate::error::{Error, Result};
@@ -22,6 +22,8 @@ use crate::monitor::Monitor;
 
 /// First eight bytes of a journal; the last is the version of the layout.
 pub const MAGIC: [u8; 8] = *b"LFJOURN1";
+/// Bytes of the body of a record of a chunk.
+const CHUNK_BYTES: usize = 41;
 /// Bytes of a record before its body: length, CRC-32 and kind.
 const RECORD_HEAD_BYTES: usize = 9;
 const HEAD: u8 = 0;
@@ -31,7 +33,7 @@ const NOTE: u8 = 2;
 /// 128 bits of hash; CRC-32 and length.
 pub(super) type Identity = [u64; 3];
 
-/// Identity of a stored chunk. Chunks with the same bytes and the same storage are stored once (container.md 6.3).
+/// Identity of a stored chunk. Chunks with the same bytes and the same storage are stored once (container.md 6).
 pub(super) fn identity(entry: &ChunkEntry, stored: &[u8]) -> Identity {
     let hash = |salt: u8| {
         let mut hasher = DefaultHasher::new();
@@ -96,10 +98,13 @@ impl Journal {
     }
 
     pub(super) fn chunk(&mut self, chunk: &CompleteChunk) {
-        let mut body = Vec::with_capacity(ENTRY_BYTES + 4);
-        chunk.entry.write(&mut body);
-        body.put_u32(chunk.last_frame);
-        self.pushed = SafeChunks { count: self.pushed.count + 1, last: Some(chunk.entry.key) };
+        let mut body = Vec::with_capacity(CHUNK_BYTES);
+        let ChunkEntry { key, offset, stored_bytes, raw_bytes, crc32, storage } = chunk.entry;
+        [key.stream, key.unit, key.first_frame, key.frame_count].iter().for_each(|&value| body.put_u32(value));
+        body.put_u64(offset);
+        [stored_bytes, raw_bytes, crc32, chunk.last_frame].iter().for_each(|&value| body.put_u32(value));
+        body.push(storage as u8);
+        self.pushed = SafeChunks { count: self.pushed.count + 1, last: Some(key) };
         self.record(CHUNK, &body);
     }
 
@@ -234,11 +239,14 @@ fn read_some(from: &mut impl Read, count: usize, bytes: &mut Vec<u8>) -> Result<
 
 fn read_chunk(body: &[u8]) -> Option<CompleteChunk> {
     let mut fields = Fields::new(body, 0, "");
-    let entry = ChunkEntry::read(&mut fields, u64::MAX).ok()?;
-    let chunk = CompleteChunk { entry, last_frame: fields.u32().ok()? };
-    let ChunkKey { first_frame, frame_count, .. } = entry.key;
+    let [stream, unit, first_frame, frame_count] = fields.u32s().ok()?;
+    let key = ChunkKey { stream, unit, first_frame, frame_count };
+    let (offset, [stored_bytes, raw_bytes, crc32, last_frame]) = (fields.u64().ok()?, fields.u32s().ok()?);
+    let storage = Storage::of(fields.u8().ok()?.into())?;
+    let entry = ChunkEntry { key, offset, stored_bytes, raw_bytes, crc32, storage };
+    entry.check(&fields, 0, u64::MAX).ok()?;
     let has_frames = frame_count > 0 && first_frame.checked_add(frame_count).is_some();
-    (has_frames && fields.finish().is_ok()).then_some(chunk)
+    (has_frames && fields.finish().is_ok()).then_some(CompleteChunk { entry, last_frame })
 }
 
 struct Records<'a> {
@@ -263,7 +271,6 @@ impl<'a> Records<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::container::chunk::Storage;
 
     #[test]
     fn records_before_the_end_of_the_disk_count() {
@@ -284,7 +291,7 @@ mod tests {
         let (stored_bytes, raw_bytes, crc32, storage) = (7, 7, 0, Storage::Raw);
         let entry = ChunkEntry { key, offset: 16, stored_bytes, raw_bytes, crc32, storage };
         let chunk = CompleteChunk { entry, last_frame: 4 };
-        let record = RECORD_HEAD_BYTES + ENTRY_BYTES + 4;
+        let record = RECORD_HEAD_BYTES + CHUNK_BYTES;
         let head = MAGIC.len() + RECORD_HEAD_BYTES;
         for (room, count) in [(head, 0), (head + record - 1, 0), (head + record, 1), (head + 2 * record + 5, 2)] {
             let mut journal = Journal::start(Box::new(Disk(room)), b"");

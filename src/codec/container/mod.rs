@@ -5,12 +5,12 @@
 
 pub mod attributes;
 pub mod chunk;
-pub mod compact;
 #[cfg(feature = "encode")]
 pub mod compression;
 pub mod fields;
 pub mod header;
 pub mod index;
+pub mod index_read;
 #[cfg(feature = "encode")]
 pub mod index_write;
 #[cfg(feature = "encode")]

@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::container::chunk::{ChunkEntry, ChunkKey, Storage};
-use crate::container::header::{self, FOOT_BYTES, FOOT_MAGIC, Foot, HEAD_BYTES, IndexForm};
+use crate::container::header::{self, FOOT_BYTES, FOOT_MAGIC, Foot, HEAD_BYTES};
 use crate::container::index::Index;
+use crate::container::index_read::read_as_written;
 use crate::container::limits::{self, OpenLimits};
 use crate::container::payload::Payload;
 use crate::container::source::ByteSource;
-use crate::container::{compact, lzma2, zstd};
+use crate::container::{lzma2, zstd};
 use crate::error::{Error, Result};
 
 /// Number of bytes at the end of a file that are searched for a foot with bytes after it.
@@ -88,11 +89,7 @@ impl Reader {
             return Err(Error::invalid_at("container.md 7", self.file_bytes, "the container ends after its head"));
         }
         let (foot, bytes) = self.read_index_bytes()?;
-        let read = match foot.index_form {
-            IndexForm::Rows => Index::read(&bytes, foot.index_offset),
-            form => compact::read(&bytes, foot.index_offset, form),
-        };
-        let index = read.map_err(|error| match self.minor_version {
+        let index = Index::read(&bytes, foot.index_offset).map_err(|error| match self.minor_version {
             ..=header::VERSION_MINOR => error,
             later => error.context(format!("format version {}.{later}, newer than supported", header::VERSION_MAJOR)),
         })?;
@@ -114,14 +111,7 @@ impl Reader {
     /// Reads the index again and returns the chunks in the order in which they were written.
     pub fn chunks_as_written(&self) -> Result<Vec<ChunkEntry>> {
         let (foot, bytes) = self.read_index_bytes()?;
-        match foot.index_form {
-            IndexForm::Rows => {
-                let mut chunks = self.index.chunks.clone();
-                chunks.sort_by_key(|chunk| chunk.offset);
-                Ok(chunks)
-            }
-            form => Ok(compact::read_as_written(&bytes, foot.index_offset, form)?.chunks),
-        }
+        Ok(read_as_written(&bytes, foot.index_offset)?.chunks)
     }
 
     /// Reads the foot at the end of the file. If the foot lies before the end, the error states the number of bytes after it.
@@ -155,12 +145,6 @@ impl Reader {
 
     pub fn overhead_bytes(&self) -> u64 {
         (HEAD_BYTES + FOOT_BYTES) as u64 + self.index_bytes
-    }
-
-    /// Byte range of the chunks: from the end of the head to the index.
-    pub fn payload_area(&self) -> std::ops::Range<u64> {
-        let start = HEAD_BYTES as u64;
-        start..start + self.file_bytes - self.overhead_bytes()
     }
 
     pub fn fetch_stored(&self, chunk: &ChunkEntry) -> Result<Vec<u8>> {

@@ -1,7 +1,5 @@
-//! Writes the head, chunk rows and foot (container.md 3, 6 and 7), as [`header`](crate::container::header) and
-//! [`chunk`](crate::container::chunk) read them.
+//! Writes fields, and the head and foot (container.md 3 and 7) as [`header`](crate::container::header) reads them.
 
-use crate::container::chunk::{ChunkEntry, ChunkKey};
 use crate::container::header::{FOOT_BYTES, FOOT_MAGIC, Foot, HEAD_BYTES, MAGIC, VERSION_MAJOR, VERSION_MINOR};
 use crate::error::{Error, Result};
 
@@ -21,7 +19,7 @@ pub trait PutFields {
         self.put(&value.to_le_bytes());
     }
 
-    /// Writes a number of at most 35 bits in the shortest LEB128 form (container.md 6.3).
+    /// Writes a number of at most 35 bits in the shortest LEB128 form (container.md 1).
     fn put_varint(&mut self, mut value: u64) {
         while value >= 0x80 {
             self.put(&[value as u8 | 0x80]);
@@ -62,17 +60,6 @@ pub fn write_head() -> [u8; HEAD_BYTES] {
     head
 }
 
-impl ChunkEntry {
-    pub fn write(&self, out: &mut Vec<u8>) {
-        let ChunkKey { stream, unit, first_frame, frame_count } = self.key;
-        [stream, unit, first_frame, frame_count].iter().for_each(|&value| out.put_u32(value));
-        out.put_u64(self.offset);
-        [self.stored_bytes, self.raw_bytes, self.crc32].iter().for_each(|&value| out.put_u32(value));
-        out.push(self.storage as u8);
-        out.extend_from_slice(&[0; 3]);
-    }
-}
-
 impl Foot {
     /// Returns the foot of a file that ends with it, directly after the index.
     pub fn write(&self) -> Vec<u8> {
@@ -80,7 +67,7 @@ impl Foot {
         bytes.put_u64(self.index_offset);
         bytes.put_u64(self.index_bytes);
         bytes.put_u32(self.index_crc32);
-        bytes.put_u32(self.index_form as u32);
+        bytes.put_u32(0);
         bytes.put_u64(self.index_offset + self.index_bytes + FOOT_BYTES as u64);
         let crc = crc32fast::hash(&bytes);
         bytes.put_u32(crc);
@@ -92,12 +79,11 @@ impl Foot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::container::header::{IndexForm, read_head};
+    use crate::container::header::read_head;
 
     #[test]
     fn the_foot_round_trips_and_any_changed_byte_is_refused() {
-        let (index_crc32, index_form) = (0xdead_beef, IndexForm::Compact);
-        let foot = Foot { index_offset: 16, index_bytes: 1000, index_crc32, index_form };
+        let foot = Foot { index_offset: 16, index_bytes: 1000, index_crc32: 0xdead_beef };
         let bytes = foot.write();
         let size = 16 + 1000 + FOOT_BYTES as u64;
         assert_eq!(Foot::read(&bytes, size).unwrap(), foot);

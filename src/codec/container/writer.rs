@@ -4,7 +4,6 @@ use std::collections::HashMap;
 use std::io::Write;
 
 use crate::container::chunk::{ChunkEntry, ChunkKey, MAX_CHUNK_BYTES};
-use crate::container::compact;
 use crate::container::compression::{Compression, PayloadKind};
 use crate::container::header::{FOOT_BYTES, Foot};
 use crate::container::index::{Index, ProbeEntry, StreamEntry};
@@ -110,7 +109,7 @@ impl<W: Write> Writer<W> {
         self.index.streams.len() as u32 - 1
     }
 
-    /// Sets an attribute (container.md 6.4), at any time before the writer is finished.
+    /// Sets an attribute (container.md 6.3), at any time before the writer is finished.
     pub fn set_attribute(&mut self, name: &str, value: Vec<u8>) {
         self.index.attributes.set(name, value);
     }
@@ -167,19 +166,15 @@ impl<W: Write> Writer<W> {
         let checked = || {
             let index = self.index.write()?;
             let bytes = self.position + (index.len() + FOOT_BYTES) as u64;
-            let read = compact::read(&index, self.position, self.index.form())?;
+            let read = Index::read(&index, self.position)?;
             limits::check(&read, bytes, OpenLimits::default())?;
             check(&read, bytes)?;
             Ok((index, bytes))
         };
         let (index, bytes) =
             checked().map_err(|error: Error| error.context("this container could not be opened again"))?;
-        let foot = Foot {
-            index_offset: self.position,
-            index_bytes: index.len() as u64,
-            index_crc32: crc32fast::hash(&index),
-            index_form: self.index.form(),
-        };
+        let foot =
+            Foot { index_offset: self.position, index_bytes: index.len() as u64, index_crc32: crc32fast::hash(&index) };
         let foot = foot.write();
         let written =
             self.out.write_all(&index).and_then(|()| self.out.write_all(&foot)).and_then(|()| self.out.flush());

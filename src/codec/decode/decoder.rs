@@ -66,12 +66,12 @@ impl Decoder {
         &self.streams
     }
 
-    /// Returns the primaries and white point of decoded linear RGB (container.md 6.6).
+    /// Returns the primaries and white point of decoded linear RGB (container.md 6.5).
     pub fn primaries(&self) -> Primaries {
         self.footage.primaries
     }
 
-    /// Returns the footage attributes of the container (container.md 6.6).
+    /// Returns the footage attributes of the container (container.md 6.5).
     #[doc(hidden)]
     pub fn footage(&self) -> &FootageInfo {
         &self.footage

@@ -1,11 +1,11 @@
-//! Properties of a container's footage, as attributes, which are omitted if they have their usual values (container.md 6.6).
+//! Properties of a container's footage, as attributes, which are omitted if they have their usual values (container.md 6.5).
 
 use crate::container::index::{MAX_FRAME, is_probe_name};
 use crate::container::{Attributes, Fields, Index};
 use crate::error::{Error, Result};
 use crate::image::{Face, Primaries, StreamKind};
 
-const SECTION: &str = "container.md 6.6";
+const SECTION: &str = "container.md 6.5";
 /// x and y of red, green, blue and white, as 32-bit floats.
 const CHROMATICITIES: &str = "color.chromaticities";
 /// Number of clipped pixels, as a 64-bit number.
@@ -364,7 +364,7 @@ mod tests {
         ] {
             let message = read(vec![(name, value)]).unwrap_err().to_string();
             assert!(message.starts_with(&format!("attribute {name}")), "{message}");
-            assert!(message.contains(words) && message.ends_with("(formats/container.md 6.6)"), "{message}");
+            assert!(message.contains(words) && message.ends_with("(formats/container.md 6.5)"), "{message}");
         }
     }
 }

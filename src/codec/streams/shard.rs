@@ -1,4 +1,4 @@
-//! The attributes `shard` and `shard.footage` (container.md 6.5): the piece of an encode that a container holds, the streams
+//! The attributes `shard` and `shard.footage` (container.md 6.4): the piece of an encode that a container holds, the streams
 //! of the whole encode, and digests of its footage.
 
 use crate::container::Fields;
@@ -10,7 +10,7 @@ use crate::image::{Face, StreamKind};
 pub const SHARD: &str = "shard";
 /// Name of the attribute with [`FootageDigests`].
 pub const SHARD_FOOTAGE: &str = "shard.footage";
-const SECTION: &str = "container.md 6.5";
+const SECTION: &str = "container.md 6.4";
 /// Minimum bytes of a stream: kind, probe, face, group, first frame and number of frames, each at least one byte.
 const MIN_STREAM_BYTES: usize = 6;
 
@@ -141,7 +141,7 @@ mod tests {
         ] {
             let shard = ShardEntry { streams: vec![illegal], ..shard.clone() };
             let message = ShardEntry::read(&shard.write()).unwrap_err().to_string();
-            assert!(message.ends_with("(formats/container.md 6.5)"), "{message}");
+            assert!(message.ends_with("(formats/container.md 6.4)"), "{message}");
         }
     }
 }

@@ -18,8 +18,6 @@ pub struct SideOptions {
     pub source: SourceOptions,
     /// Content of image sequences, and the face of single images if neither side states it.
     pub layout: SequenceLayout,
-    /// Channel or layer of image sequences of any kind.
-    pub sequence_channel: Option<String>,
     pub selection: Selection,
 }
 
@@ -193,9 +191,6 @@ fn open_sequence(path: &str, options: &SideOptions, other: &Other<'_>) -> Result
     let mut source = options.source.clone();
     let mut layout = options.layout.clone();
     source.frames = selection.frames;
-    if let Some(name) = &options.sequence_channel {
-        source.set_channel(kind, name);
-    }
     if let Some(first) = known.first() {
         if known.iter().all(|stream| stream.id.probe == first.id.probe) {
             layout.probe.clone_from(&first.id.probe);

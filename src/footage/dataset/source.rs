@@ -57,19 +57,6 @@ pub struct SourceOptions {
     pub limits: ReadLimits,
 }
 
-impl SourceOptions {
-    /// Sets the channel or layer of a kind.
-    pub fn set_channel(&mut self, kind: StreamKind, name: &str) {
-        let channel = match kind {
-            StreamKind::Depth => &mut self.depth_channel,
-            StreamKind::Color => &mut self.color_channel,
-            StreamKind::Material => &mut self.material_channel,
-            StreamKind::Alpha => &mut self.alpha_channel,
-        };
-        *channel = Some(name.to_owned());
-    }
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrangement {
     /// One face per image: a cube face, or [`Face::View`] for a perspective image.

@@ -115,7 +115,7 @@ pub trait FrameSource: Sync {
         None
     }
 
-    /// Attributes of the container (container.md 6.4).
+    /// Attributes of the container (container.md 6.3).
     fn attributes(&self) -> Attributes {
         Attributes::default()
     }

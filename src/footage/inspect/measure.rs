@@ -11,7 +11,7 @@ use crate::inspect::chunk_counts::{
 use crate::inspect::statistics::{
     Check, FrameRow, FrameRows, InspectSettings, Inspection, MAX_ROWS, Spread, StorageStats, StreamStats,
 };
-use codec::container::{ChunkEntry, Reader, Storage, lzma2, lzma2_independent, zstd, zstd_independent};
+use codec::container::{ChunkEntry, Index, Reader, Storage, lzma2, lzma2_independent, zstd, zstd_independent};
 use codec::decode::{DamagedChunk, Decoder, StreamInfo, memory};
 use codec::depth::mode_statistics::ModeStatistics;
 use codec::depth::predictive::settings::MAX_FRAMES;
@@ -53,14 +53,14 @@ pub fn inspect<'a>(
     let threads = rayon::current_num_threads();
     let at_once = chunks_at_once(decoder, streams, settings, row_count, threads)?;
     let streams_at_once = if at_once < threads { 1 } else { usize::MAX };
-    let (storage, unreferenced_bytes) = storage_of(decoder.reader());
+    let storage = storage_of(decoder.reader().index());
     let measured = try_map_at_once(streams.to_vec(), streams_at_once, |stream| {
         let rows = Rows::new(stream, listed(stream));
         let measure = Measure { reader: decoder.reader(), stream, check: settings.check, rows, monitor };
         let units = try_map_at_once((0..stream.entry.unit_count()).collect(), at_once, |unit| measure.unit(unit))?;
         Ok(Inspection::of_stream(stream, measure.rows, storage[stream.index as usize], units))
     })?;
-    let mut inspection = Inspection { streams: vec![], rows: vec![], damaged: vec![], unreferenced_bytes };
+    let mut inspection = Inspection { streams: vec![], rows: vec![], damaged: vec![] };
     for Inspection { streams, rows, damaged, .. } in measured {
         inspection.streams.extend(streams);
         inspection.rows.extend(rows);
@@ -129,35 +129,30 @@ fn measuring_bytes(stream: &StreamInfo, chunk: &ChunkEntry, check: Check) -> u64
     parsed.max(memory::reading_bytes(chunk) + payloads * raw_bytes)
 }
 
-fn storage_of(reader: &Reader) -> (Vec<StorageStats>, u64) {
-    let index = reader.index();
+fn storage_of(index: &Index) -> Vec<StorageStats> {
     let mut storage = vec![StorageStats::default(); index.streams.len()];
     let mut order: Vec<u32> = (0..index.chunks.len() as u32).collect();
     order.sort_by_key(|&at| {
         let chunk = &index.chunks[at as usize];
         (chunk.offset, chunk.stored_bytes, at)
     });
-    let area = reader.payload_area();
-    let (mut covered, mut unreferenced, mut last) = (area.start, 0, None);
+    let mut last = None;
     for at in order {
         let chunk = &index.chunks[at as usize];
-        let end = chunk.offset + u64::from(chunk.stored_bytes);
-        unreferenced += chunk.offset.saturating_sub(covered);
         let stats = &mut storage[chunk.key.stream as usize];
         stats.chunks += 1;
         stats.lzma2_chunks += u64::from(chunk.storage == Storage::Lzma2);
         stats.zstd_chunks += u64::from(chunk.storage == Storage::Zstd);
         stats.stored_bytes += u64::from(chunk.stored_bytes);
         stats.payload_bytes += u64::from(chunk.raw_bytes);
-        stats.bytes += end.saturating_sub(covered.max(chunk.offset));
         let place = (chunk.offset, chunk.stored_bytes);
         if last != Some(place) {
+            stats.bytes += u64::from(chunk.stored_bytes);
             stats.temporal_bytes += u64::from(chunk.raw_bytes);
         }
         last = Some(place);
-        covered = covered.max(end);
     }
-    (storage, unreferenced + area.end.saturating_sub(covered))
+    storage
 }
 
 #[derive(Default)]
@@ -327,6 +322,6 @@ impl<'a> Inspection<'a> {
         };
         stats.raw_bytes = stats.pixels() * stream.header.raw_pixel_bytes();
         let rows = rows.rows.into_inner().unwrap_or_else(PoisonError::into_inner);
-        Inspection { streams: vec![stats], rows, damaged, unreferenced_bytes: 0 }
+        Inspection { streams: vec![stats], rows, damaged }
     }
 }

@@ -37,7 +37,6 @@ pub struct ContainerReport<'a> {
     probe_list: Vec<ProbeReport<'a>>,
     chunks: u64,
     overhead_bytes: u64,
-    unreferenced_bytes: u64,
     shared_bytes_saved: u64,
     kinds: BTreeMap<&'static str, KindReport>,
     /// Red, green, blue and white, x and y of each.
@@ -267,7 +266,6 @@ impl<'a> Inspection<'a> {
                 .collect(),
             chunks: all.chunks,
             overhead_bytes: reader.overhead_bytes(),
-            unreferenced_bytes: self.unreferenced_bytes,
             shared_bytes_saved: all.shared_bytes_saved,
             kinds: self.kinds(),
             chromaticities: decoder.primaries().to_array(),

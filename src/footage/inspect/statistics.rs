@@ -103,8 +103,6 @@ pub struct Inspection<'a> {
     pub rows: Vec<FrameRow<'a>>,
     /// Damaged chunks; they are excluded from all counts of pixels, boxes and keyframes.
     pub damaged: Vec<DamagedChunk>,
-    /// Bytes between head and index that no chunk refers to.
-    pub unreferenced_bytes: u64,
 }
 
 /// Sums over the streams of one kind: a row of table 1 of CALF.

@@ -1,4 +1,4 @@
-//! Joins the shards of one encode to the container that the encode would have written (container.md 6.5).
+//! Joins the shards of one encode to the container that the encode would have written (container.md 6.4).
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::Write;

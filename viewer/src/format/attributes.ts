@@ -1,10 +1,9 @@
-// Attributes of a container, and what those of the footage say (formats/container.md 6.4 to 6.6).
+// Attributes of a container, and what those of the footage say (formats/container.md 6.3 to 6.5).
 
 import { FileFields, quoted } from "./bytes.ts";
 import { MAX_FRAME, PROBE_NAME, readOrientation, readPosition } from "./index_tables.ts";
 import { FormatError, type Quaternion, type StreamKind, type Vec3 } from "./types.ts";
 
-const MIN_ATTRIBUTE_BYTES = 4;
 const ATTRIBUTE_NAME = /^[a-z0-9_.]{1,64}$/u;
 /** In place of a frame: black light, background, no material, an alpha of 0. */
 const NO_FRAME = 2 ** 32 - 1;
@@ -16,7 +15,7 @@ const MIN_DETERMINANT = 1e-9;
 /** Kinds of streams by number (container.md 5). */
 export const STREAM_KINDS: readonly StreamKind[] = ["color", "depth", "material", "alpha"];
 
-/** A frame whose file was missing (container.md 6.6). */
+/** A frame whose file was missing (container.md 6.5). */
 export interface MissingFrame {
   probe: string;
   kind: StreamKind;
@@ -27,7 +26,7 @@ export interface MissingFrame {
   held: number | undefined;
 }
 
-/** Where a moving probe stands in a frame (container.md 6.6). */
+/** Where a moving probe stands in a frame (container.md 6.5). */
 export interface FramePose {
   frame: number;
   /** Metres. */
@@ -35,7 +34,7 @@ export interface FramePose {
   orientation: Quaternion;
 }
 
-/** How the footage was made (container.md 6.6). */
+/** How the footage was made (container.md 6.5). */
 export interface Footage {
   /** CIE 1931 x and y of red, green, blue and white, of which color is linear light. */
   chromaticities: readonly number[];
@@ -46,17 +45,12 @@ export interface Footage {
   poses: ReadonlyMap<string, readonly FramePose[]>;
 }
 
-/** Reads the attribute table (container.md 6.4). Values are not read. */
+/** Reads the attributes, which fill the rest of an index (container.md 6.3). Values are not read. */
 export function readAttributes(fields: FileFields): ReadonlyMap<string, Uint8Array> {
-  fields.section = "container.md 6.4";
-  const count = fields.varint32();
-  if (count === 0) {
-    throw fields.error("An attribute table has no attributes");
-  }
-  fields.fits(count, "attributes", MIN_ATTRIBUTE_BYTES);
+  fields.section = "container.md 6.3";
   const attributes = new Map<string, Uint8Array>();
   let before = "";
-  for (let row = 0; row < count; row += 1) {
+  while (fields.remaining > 0) {
     const start = fields.at;
     const name = fields.string("An attribute's name");
     if (!ATTRIBUTE_NAME.test(name)) {
@@ -81,7 +75,7 @@ export function readFootage(attributes: ReadonlyMap<string, Uint8Array>): Footag
   };
   const value = (name: string) => {
     const bytes = attributes.get(name);
-    return bytes && new FileFields(bytes, `container.md 6.6, ${name}`, 0);
+    return bytes && new FileFields(bytes, `container.md 6.5, ${name}`, 0);
   };
   const chromaticities = value("color.chromaticities");
   if (chromaticities) {

@@ -4,8 +4,7 @@ import { decoder, loadDecoder } from "../decoder/module.ts";
 import type { ChunkArea, ChunkPlace, HeaderStream } from "../decoder/types.ts";
 import { type Footage, readFootage, STREAM_KINDS } from "./attributes.ts";
 import { findFoot, type Foot, FOOT_BYTES, readFoot, readHead, VERSION } from "./foot.ts";
-import { readCompact } from "./index_compact.ts";
-import { readRows } from "./index_rows.ts";
+import { readIndex } from "./index_reader.ts";
 import {
   HEAD_BYTES,
   type IndexTables,
@@ -41,7 +40,7 @@ export class Container {
   readonly streams: readonly Stream[];
   /** In the order of stream, unit and first frame. */
   readonly chunks: readonly Chunk[];
-  /** Values by name (container.md 6.4). */
+  /** Values by name (container.md 6.3). */
   readonly attributes: ReadonlyMap<string, Uint8Array>;
   readonly footage: Footage;
   private readonly units: UnitTable;
@@ -89,13 +88,13 @@ export class Container {
       );
     }
     try {
-      return new Container(source, minor, foot.indexBytes, readIndex(bytes, foot));
+      return new Container(source, minor, foot.indexBytes, readIndex(bytes, foot.indexOffset));
     } catch (error) {
       throw minor > VERSION[1] ? ofLaterVersion(error, minor) : error;
     }
   }
 
-  /** A probe as it stands in a frame (container.md 6.6). */
+  /** A probe as it stands in a frame (container.md 6.5). */
   probeAt(probe: number, frame: number): Probe {
     const still = this.probes[probe];
     const poses = this.footage.poses.get(still.name) ?? [];
@@ -177,10 +176,6 @@ async function footOf(source: ByteSource, signal?: AbortSignal): Promise<Foot> {
       `The container ends at byte ${end}, and ${byteCount - end} bytes follow it (container.md 7).`,
     );
   }
-}
-
-function readIndex(bytes: Uint8Array, { form, indexOffset }: Foot): IndexTables {
-  return form === 0 ? readRows(bytes, indexOffset) : readCompact(bytes, indexOffset, form === 2);
 }
 
 /** The error of a file of a later minor version, which it names. */

@@ -8,18 +8,16 @@ import { FormatError, UnsupportedError } from "./types.ts";
 /** Bytes of the foot. */
 export const FOOT_BYTES = 40;
 /** The major version, and the minor one that adds all that this player knows. */
-export const VERSION: readonly [number, number] = [1, 2];
+export const VERSION: readonly [number, number] = [1, 0];
 const MAGIC = [0x89, 0x4c, 0x46, 0x4c, 0x44, 0x0d, 0x0a, 0x1a];
 const FOOT_MAGIC = [0x4c, 0x46, 0x4e, 0x44];
 const SECTION = "container.md 7";
 
-/** Where the index lies, and in which of its three forms (container.md 7). */
+/** Where the index lies (container.md 7). */
 export interface Foot {
   indexOffset: number;
   indexBytes: number;
   indexCrc32: number;
-  /** 0 to 2. */
-  form: number;
 }
 
 /** Checks the head; answers the minor version. */
@@ -48,19 +46,16 @@ export function readFoot(bytes: Uint8Array, fileBytes: number): Foot {
     throw fields.error("The foot's CRC-32 does not match: the file is damaged");
   }
   const [indexOffset, indexBytes] = [fields.u64("The index's offset"), fields.u64("The index")];
-  const [indexCrc32, form] = [fields.u32(), fields.u8()];
-  fields.zeros(3);
+  const indexCrc32 = fields.u32();
+  fields.zeros(4);
   const said = fields.u64("The file's size");
-  if (form > 2) {
-    throw fields.error(`The index has form ${form}, which is unknown`, 20);
-  }
   if (said !== fileBytes) {
     throw fields.error(`The foot speaks of a file of ${said} bytes, this one has ${fileBytes}`, 24);
   }
   if (indexOffset < HEAD_BYTES || indexOffset + indexBytes !== start) {
     throw fields.error("The index does not lie between the chunks and the foot", 0);
   }
-  return { indexOffset, indexBytes, indexCrc32, form };
+  return { indexOffset, indexBytes, indexCrc32 };
 }
 
 /** Where in the last bytes of a file of `fileBytes` a foot ends that others follow: an offset in the file, or none. */

@@ -1,4 +1,4 @@
-// The tables of an index, whichever its form, and the rules that bind them (formats/container.md 4 to 6).
+// The tables of an index, and the rules that bind them (formats/container.md 4 to 6).
 
 import { type FileFields, hasControls, quoted } from "./bytes.ts";
 import {
@@ -90,7 +90,7 @@ export function unitRectOf(
   return [left, top, Math.min(stream.unitWidth, stream.width - left), Math.min(stream.unitHeight, stream.height - top)];
 }
 
-/** Projection, frame rate and name of the dataset (container.md 4, from offset 12 on). */
+/** Projection, frame rate and name of the dataset (container.md 4). */
 export function readDataset(fields: FileFields): Dataset {
   const projection = fields.u8();
   fields.zeros(3);
