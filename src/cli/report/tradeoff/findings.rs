@@ -41,19 +41,22 @@ pub struct Finding {
     pub rests_on: String,
 }
 
-/// Verdict of a test, before it is attached to its claim: true if the claim holds, and the sentence that says why.
-type Judged = (bool, String);
+/// Values of a claim's sentence, by their names in braces.
+type Values = Vec<(&'static str, String)>;
+
+/// Verdict of a test, before it is attached to its claim: true if the claim holds, and on which values this rests.
+type Judged = (bool, Values);
 
 /// Tests all claims of a kind of sweep. `tiles` are statistics of depth tiles.
 pub fn judge(results: &Results, tiles: Option<&TilePsnr>) -> Vec<Finding> {
     let finding = |claim: &Claim| {
         let judged = match &claim.rows {
-            Some(test) => test_rows(results, test, claim.rests_on),
+            Some(test) => test_rows(results, test),
             None => test_by_function(results, claim.name, tiles),
         };
         let (verdict, rests_on) = match judged {
-            Some((true, rests_on)) => (Verdict::Found, rests_on),
-            Some((false, rests_on)) => (Verdict::NotFound, rests_on),
+            Some((true, values)) => (Verdict::Found, fill(claim.rests_on, &values)),
+            Some((false, values)) => (Verdict::NotFound, fill(claim.rests_on, &values)),
             None => (Verdict::NotMeasured, claim.needs.to_owned()),
         };
         Finding { name: claim.name, sentence: claim.sentence, verdict, rule: claim.rule, rests_on }
@@ -143,14 +146,20 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, 0.0], |[low, high], of| [low.min(of), high.max(of)])
 }
 
-/// Returns true if most rows keep a rule. `None` without rows. `rests_on` builds the sentence from the number of rows
-/// that do.
-fn majority<T>(rows: &[T], keeps: impl Fn(&T) -> bool, rests_on: impl FnOnce(usize) -> String) -> Option<Judged> {
+/// Returns true if most rows keep a rule, and the values with the number of rows and of those that do. `None` without
+/// rows.
+fn majority<T>(rows: &[T], keeps: impl Fn(&T) -> bool, values: Values) -> Option<Judged> {
     let kept = rows.iter().filter(|row| keeps(row)).count();
-    (!rows.is_empty()).then(|| (2 * kept > rows.len(), rests_on(kept)))
+    let counts = [("rows", rows.len().to_string()), ("kept", kept.to_string())];
+    (!rows.is_empty()).then(|| (2 * kept > rows.len(), values.into_iter().chain(counts).collect()))
 }
 
-fn test_rows(results: &Results, test: &RowTest, rests_on: &str) -> Option<Judged> {
+/// Returns the mean of each column of rows.
+fn means<const N: usize>(rows: &[[f64; N]]) -> [f64; N] {
+    std::array::from_fn(|at| mean(rows.iter().map(|row| row[at])))
+}
+
+fn test_rows(results: &Results, test: &RowTest) -> Option<Judged> {
     let is_across = |run: &&Run<'_>| {
         let [(first, _), (last, _)] = run.ends();
         test.across.is_none_or(|at| first < at && last >= at)
@@ -175,8 +184,7 @@ fn test_rows(results: &Results, test: &RowTest, rests_on: &str) -> Option<Judged
         };
         Some([first, last, compute(test.row, value)?])
     };
-    let rows = ends.into_iter().filter_map(row);
-    let rows: Vec<[f64; 3]> = rows.collect();
+    let rows: Vec<[f64; 3]> = ends.into_iter().filter_map(row).collect();
     let (limit, bound) = test.keeps;
     let keeps = |[_, _, row]: &[f64; 3]| match limit {
         Limit::Above => *row > bound,
@@ -185,19 +193,15 @@ fn test_rows(results: &Results, test: &RowTest, rests_on: &str) -> Option<Judged
         Limit::To => *row <= bound,
     };
     let column = |at: usize| rows.iter().map(move |row| row[at]);
-    majority(&rows, keeps, |kept| {
-        let values = [
-            ("rows", rows.len().to_string()),
-            ("kept", kept.to_string()),
-            ("mean", short(mean(column(2)))),
-            ("geometric mean", short(geometric_mean(column(2)))),
-            ("first sum", column(0).sum::<f64>().to_string()),
-            ("last sum", column(1).sum::<f64>().to_string()),
-            ("first max", short(column(0).fold(0.0, f64::max))),
-            ("last max", short(column(1).fold(0.0, f64::max))),
-        ];
-        fill(rests_on, &values)
-    })
+    let values = vec![
+        ("mean", short(mean(column(2)))),
+        ("geometric mean", short(geometric_mean(column(2)))),
+        ("first sum", column(0).sum::<f64>().to_string()),
+        ("last sum", column(1).sum::<f64>().to_string()),
+        ("first max", short(column(0).fold(0.0, f64::max))),
+        ("last max", short(column(1).fold(0.0, f64::max))),
+    ];
+    majority(&rows, keeps, values)
 }
 
 fn container(point: &Measured) -> f64 {
@@ -217,15 +221,9 @@ fn boxes_compress_less_and_less(results: &Results) -> Option<Judged> {
         [100.0 * (1.0 - container(last) / container(first)), doubling(0), doubling(run.points.len() - 2)]
     };
     let rows: Vec<[f64; 3]> = runs.iter().map(savings).collect();
-    let count = rows.len();
-    let keeps = |[whole, first, last]: &[f64; 3]| *whole > 0.0 && first > last;
-    majority(&rows, keeps, |kept| {
-        let [whole, first, last] = [0, 1, 2].map(|at| short(mean(rows.iter().map(|row| row[at]))));
-        format!(
-            "From the least limit to the largest, bytes shrink by {whole} % in the mean of {count} rows of points; the first \
-             doubling saves {first} %, a doubling at the end {last} %. {kept} of {count} rows keep the rule."
-        )
-    })
+    let [whole, first, last] = means(&rows).map(short);
+    let values = vec![("whole", whole), ("first", first), ("last", last)];
+    majority(&rows, |[whole, first, last]| *whole > 0.0 && first > last, values)
 }
 
 /// Minimum number of runs to distinguish a difference in time from noise.
@@ -252,20 +250,9 @@ fn short_windows_decode_faster(results: &Results) -> Option<Judged> {
     let runs = along(results, Some(StreamKind::Depth), "depth-window", 2);
     let rows = runs.iter().map(Run::ends).filter_map(|[(_, short), (_, long)]| TimeRatio::of(long, short));
     let rows: Vec<TimeRatio> = rows.collect();
-    let count = rows.len();
-    majority(
-        &rows,
-        |row| row.is_slower,
-        |kept| {
-            format!(
-                "Decoding with the longest window takes {} times as long as with the shortest, in the geometric mean of {count} \
-             rows of points. {kept} of {count} rows keep the rule; rows whose spreads overlap, or with fewer than \
-             {MIN_RUNS} runs: {}.",
-                short(geometric_mean(rows.iter().map(|row| row.ratio))),
-                rows.iter().filter(|row| !row.is_faster && !row.is_slower).count()
-            )
-        },
-    )
+    let unclear = rows.iter().filter(|row| !row.is_faster && !row.is_slower).count();
+    let ratio = short(geometric_mean(rows.iter().map(|row| row.ratio)));
+    majority(&rows, |row| row.is_slower, vec![("ratio", ratio), ("unclear", unclear.to_string())])
 }
 
 /// Minimum R² of a line fit. Many curves that bend upwards are not exponential.
@@ -281,17 +268,10 @@ fn thresholds_grow_exponentially(results: &Results) -> Option<Judged> {
         [logarithmic, line_fit(&places, &bytes).1, (10.0 * slope).exp()]
     };
     let rows: Vec<[f64; 3]> = along(results, Some(StreamKind::Color), "psnr", 3).iter().map(growth).collect();
-    let count = rows.len();
     let keeps = |&[logarithmic, linear, factor]: &[f64; 3]| logarithmic > linear && logarithmic >= FITS && factor > 1.0;
-    majority(&rows, keeps, |kept| {
-        format!(
-            "Bytes grow by a factor of {} for each 10 dB. R² of a line through their logarithms is {:.3}, through \
-             themselves {:.3}, in the mean of {count} rows of points. {kept} of {count} rows keep the rule.",
-            short(geometric_mean(rows.iter().map(|row| row[2]))),
-            mean(rows.iter().map(|row| row[0])),
-            mean(rows.iter().map(|row| row[1])),
-        )
-    })
+    let [logarithmic, linear, _] = means(&rows).map(|value| format!("{value:.3}"));
+    let factor = short(geometric_mean(rows.iter().map(|row| row[2])));
+    majority(&rows, keeps, vec![("factor", factor), ("logarithmic", logarithmic), ("linear", linear)])
 }
 
 fn cells_cost_time_more_than_bytes(results: &Results) -> Option<Judged> {
@@ -304,14 +284,8 @@ fn cells_cost_time_more_than_bytes(results: &Results) -> Option<Judged> {
     });
     let ratios: Vec<[f64; 2]> = ratios.collect();
     let [time, size] = [0, 1].map(|at| geometric_mean(ratios.iter().map(|ratio| ratio[at])));
-    let rests_on = format!(
-        "The smallest cell takes {} times as long to decode as the largest, and bytes differ by a factor of {} between \
-         the best and the worst size, in the geometric mean of {} rows of points.",
-        short(time),
-        short(size),
-        ratios.len()
-    );
-    (!ratios.is_empty()).then_some((time > size, rests_on))
+    let values = vec![("time", short(time)), ("size", short(size)), ("rows", ratios.len().to_string())];
+    (!ratios.is_empty()).then_some((time > size, values))
 }
 
 fn functions_decode_faster_than_codes(results: &Results) -> Option<Judged> {
@@ -321,15 +295,10 @@ fn functions_decode_faster_than_codes(results: &Results) -> Option<Judged> {
     let bounds = bounds.flat_map(|(run, boxes)| run.points.iter().filter_map(move |(_, of)| TimeRatio::of(of, boxes)));
     let bounds: Vec<TimeRatio> = bounds.collect();
     let kept = bounds.iter().filter(|of| of.is_faster).count();
-    let [low, high] = range(bounds.iter().map(|of| of.ratio));
-    let rests_on = format!(
-        "Modelling functions take {} to {} times as long to decode as boxes of codes. At {kept} of {} bounds they \
-         keep the rule. (The paper counts the transfer to a graphics processor, which decoding on a CPU has not.)",
-        short(low),
-        short(high),
-        bounds.len()
-    );
-    (!bounds.is_empty()).then(|| (kept == bounds.len(), rests_on))
+    let [low, high] = range(bounds.iter().map(|of| of.ratio)).map(short);
+    let counts = [("kept", kept.to_string()), ("rows", bounds.len().to_string())];
+    let values = [("low", low), ("high", high)].into_iter().chain(counts).collect();
+    (!bounds.is_empty()).then_some((kept == bounds.len(), values))
 }
 
 const BAD_DB: usize = 60;
@@ -344,12 +313,8 @@ fn bc4w_is_rarely_bad_and_rarely_perfect(tiles: &TilePsnr) -> Option<Judged> {
         let [bad, perfect] = of.map(|share| short(100.0 * share));
         format!("{} {bad} % and {perfect} %", model.name())
     });
-    let rests_on = format!(
-        "Of {} tiles of 8x8 pixels, those below {BAD_DB} dB and those that are exact or above {PERFECT_DB} dB: {}.",
-        tiles.tiles(),
-        of.collect::<Vec<_>>().join("; ")
-    );
-    (tiles.tiles() > 0).then(|| (least(0) && least(1), rests_on))
+    let values = vec![("tiles", tiles.tiles().to_string()), ("shares", of.collect::<Vec<_>>().join("; "))];
+    (tiles.tiles() > 0).then(|| (least(0) && least(1), values))
 }
 
 /// Returns the share of tiles below [`BAD_DB`], and the share of those that are exact or reach [`PERFECT_DB`].
@@ -393,15 +358,8 @@ fn time_is_linear(results: &Results) -> Option<Judged> {
         let mean = 0.5 * (first + last);
         (first - mean).abs() <= STRAIGHT * mean.abs()
     };
-    majority(&rows, is_straight, |kept| {
-        let [first, last] =
-            [0, 1].map(|half| short(1e3 * rows.iter().map(|row| row[half]).sum::<f64>() / rows.len() as f64));
-        format!(
-            "A further view takes {first} ms in the first half of the rows and {last} ms in the last. {kept} of {} rows keep \
-             the rule.",
-            rows.len()
-        )
-    })
+    let [first, last] = means(&rows).map(|seconds| short(1e3 * seconds));
+    majority(&rows, is_straight, vec![("first", first), ("last", last)])
 }
 
 /// Ratio of the paper's peak overdraw to its budget: 5.6 for a budget of 5 (table 1).
@@ -412,12 +370,12 @@ const CONVERGED: f64 = 0.01;
 fn peak_budget_kept_nearly(results: &Results) -> Option<Judged> {
     let excess = |of: &Measured| Some(of.number("peak_overdraw_measured")? / of.point.number("peak-overdraw")?);
     let most = results.measured.iter().filter_map(excess).reduce(f64::max)?;
-    Some((most <= EXCESS, format!("At most {} times the budget was measured.", short(most))))
+    Some((most <= EXCESS, vec![("most", short(most))]))
 }
 
 fn selection_converges(results: &Results) -> Option<Judged> {
     let most = results.measured.iter().filter_map(|of| of.number("gap")).reduce(f64::max)?;
-    Some((most <= CONVERGED, format!("The largest gap is {} %.", short(100.0 * most))))
+    Some((most <= CONVERGED, vec![("most", short(100.0 * most))]))
 }
 
 fn area_improves_ssim(results: &Results) -> Option<Judged> {
@@ -425,15 +383,9 @@ fn area_improves_ssim(results: &Results) -> Option<Judged> {
     let series = runs.iter().map(|run| run.points.iter().filter_map(|(_, point)| point.number("ssim")).collect());
     let rows: Vec<Vec<f64>> = series.filter(|row: &Vec<f64>| row.len() > 1).collect();
     let rises = |row: &Vec<f64>| row[1..].iter().copied().fold(f64::INFINITY, f64::min) - row[0] > 0.0;
-    majority(&rows, rises, |kept| {
-        let first = rows.iter().map(|row| row[0]).sum::<f64>() / rows.len() as f64;
-        let best = rows.iter().map(|row| row.iter().copied().fold(0.0, f64::max)).sum::<f64>() / rows.len() as f64;
-        format!(
-            "SSIM is {first:.4} at the least area and at best {best:.4}, in the mean of {} rows of points. {kept} of them keep \
-             the rule.",
-            rows.len()
-        )
-    })
+    let first = mean(rows.iter().map(|row| row[0]));
+    let best = mean(rows.iter().map(|row| row.iter().copied().fold(0.0, f64::max)));
+    majority(&rows, rises, vec![("first", format!("{first:.4}")), ("best", format!("{best:.4}"))])
 }
 
 fn quadtree_beats_grid(results: &Results) -> Option<Judged> {
@@ -441,11 +393,11 @@ fn quadtree_beats_grid(results: &Results) -> Option<Judged> {
     let gain = |[tree, grid]: &[&Measured; 2]| Some(tree.number("ssim")? - grid.number("ssim")?);
     let gains: Vec<f64> = pairs.iter().filter_map(gain).collect();
     let least = gains.iter().copied().reduce(f64::min)?;
-    let rests_on = match least < 0.0 {
-        true => format!("The quadtree's SSIM is lower by up to {:.4}.", -least),
-        false => format!("The quadtree's SSIM is higher by at least {least:.4}, at {} pairs of points.", gains.len()),
+    let by = match least < 0.0 {
+        true => format!("lower by up to {:.4}", -least),
+        false => format!("higher by at least {least:.4}, at {} pairs of points", gains.len()),
     };
-    Some((least > 0.0, rests_on))
+    Some((least > 0.0, vec![("by", by)]))
 }
 
 /// Projected area at which the paper's uniform grid is infeasible (figure 13).
@@ -457,8 +409,8 @@ fn grid_needs_area(results: &Results) -> Option<Judged> {
     };
     let points: Vec<Point> = all_points(&results.studies).into_iter().filter(is_small).collect();
     let feasible = points.iter().filter(|point| results.of(point).is_some()).count();
-    let rests_on = format!("{feasible} of {} such points are feasible.", points.len());
-    (!points.is_empty()).then_some((feasible == 0, rests_on))
+    let values = vec![("feasible", feasible.to_string()), ("rows", points.len().to_string())];
+    (!points.is_empty()).then_some((feasible == 0, values))
 }
 
 /// Minimum fraction of texels that adaptive sizes save (figure 14).
@@ -485,13 +437,8 @@ fn adaptive_sizes_save_texels(results: &Results) -> Option<Judged> {
     }
     let most = ratios.iter().copied().reduce(f64::max)?;
     let least = ratios.iter().copied().fold(most, f64::min);
-    let rests_on = format!(
-        "Adaptive sizes need {} to {} times the texels, at the PSNR of {} atlases of uniform sizes.",
-        short(least),
-        short(most),
-        ratios.len()
-    );
-    Some((most <= 1.0 - MIN_SAVING, rests_on))
+    let values = vec![("least", short(least)), ("most", short(most)), ("rows", ratios.len().to_string())];
+    Some((most <= 1.0 - MIN_SAVING, values))
 }
 
 /// Returns the texels at which a curve of (PSNR, texels) reaches a PSNR, by interpolating the logarithm of the texels.

@@ -398,6 +398,7 @@ mod tests {
             }
             let implied = kind.knobs.iter().flat_map(|knob| &knob.implies).map(|(name, _)| *name);
             let presets = kind.presets.iter().flat_map(|study| &study.axes).map(|axis| axis.knob);
+            assert!(kind.findings.iter().all(|claim| claim.rests_on.contains('{')), "{}", kind.stem);
             for name in implied.chain(presets).chain(rows().map(|rows| rows.along)) {
                 assert!(kind.knob(name).is_some(), "{}: {name}", kind.stem);
             }
