@@ -173,7 +173,7 @@ pub struct Cost {
     pub run: f64,
 }
 
-/// JSON report of a command, or a part of it.
+/// JSON report of a command, or of several.
 pub struct Report {
     pub value: Json,
     pub command: String,
