@@ -4,16 +4,12 @@ mod args;
 mod child;
 mod coding;
 mod fixed;
+mod grid;
 mod input;
-mod interpolation;
 mod measure;
-mod placement;
-mod rendering;
-mod simplification;
 mod text;
-mod tiles;
 
-use crate::report::tradeoff::knob::Stage;
+use crate::report::tradeoff::kind::{INTERPOLATION, PLACEMENT, RENDERING, SIMPLIFICATION, SweepKind};
 use crate::{ExitStatus, GlobalArgs, refuse};
 use codec::error::Result;
 use scene::Scene;
@@ -21,23 +17,32 @@ use scene::Scene;
 pub use args::Args;
 pub use child::end_with_parent;
 
+/// Returns the kind of sweep whose points are a command each. `None` for coding.
+fn kind(args: &Args, input: &str) -> Option<&'static SweepKind> {
+    let has = |kind: &SweepKind| args.sweep.iter().any(|sweep| sweep.kind == kind);
+    let mut names = args.sweep.iter().map(|sweep| sweep.knob.name);
+    let mut is_interpolated = || names.any(|name| INTERPOLATION.knob(name).is_some() && PLACEMENT.knob(name).is_none());
+    match Scene::is_named_by(input) {
+        true if is_interpolated() => Some(&INTERPOLATION),
+        true => Some(&PLACEMENT),
+        false if has(&RENDERING) => Some(&RENDERING),
+        false if has(&SIMPLIFICATION) => Some(&SIMPLIFICATION),
+        false => None,
+    }
+}
+
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.list_knobs {
         text::list_knobs(args.json)?;
         return Ok(ExitStatus::Passed);
     }
     let demands = args.recommend.demands()?;
+    if let Some(input) = &args.input
+        && let Some(kind) = kind(args, input)
+    {
+        return grid::measure(args, kind, input, global);
+    }
     match (&args.input, demands) {
-        (Some(scene), _) if Scene::is_named_by(scene) && interpolation::is_swept(args) => {
-            interpolation::measure(args, scene, global)
-        }
-        (Some(scene), _) if Scene::is_named_by(scene) => placement::measure(args, scene, global),
-        (Some(dataset), _) if args.sweep.iter().any(|sweep| sweep.knob.stage == Stage::Render) => {
-            rendering::measure(args, dataset, global)
-        }
-        (Some(capture), _) if args.sweep.iter().any(|sweep| sweep.knob.stage == Stage::Simplify) => {
-            simplification::measure(args, capture, global)
-        }
         (Some(input), demands) => coding::measure(args, input, demands, global),
         (None, Some(demands)) => {
             let measuring = !args.sweep.is_empty() || args.preset.is_some() || !args.fixed.is_empty();

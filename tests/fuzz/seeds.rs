@@ -436,7 +436,7 @@ pub fn shards() -> Vec<Vec<u8>> {
 
 /// Returns CSV files of sweeps.
 pub fn sweeps() -> Vec<Vec<u8>> {
-    let knobs: Vec<&str> = CODING.knobs.iter().map(|knob| knob.key()).collect();
+    let knobs: Vec<&str> = CODING.knobs.iter().map(|knob| knob.name).collect();
     let figures: Vec<&str> = CODING.measures.iter().map(|measure| measure.name).collect();
     let heads = [&["studies", "kind"][..], &knobs, &figures, &["command", "made_of"]].concat();
     let row = |kind: &str, psnr: &str| {

@@ -84,7 +84,7 @@ fn bytes_and_decibels_are_the_same_on_every_run_and_kept_runs_are_not_repeated()
         assert_eq!((a["ssim"].is_number(), a["max_error_codes"].is_number()), (is_color, !is_color));
     }
     // The depth point with the default bound is first, followed by the colour points; lossless depth is last.
-    assert_eq!(points(&first)[0]["settings"]["error"], "100");
+    assert_eq!(points(&first)[0]["settings"]["max-error"], "100");
     assert_eq!(points(&first)[3]["psnr_db_is"], "inf");
     let csv = std::fs::read(place().join("same-1").join(FILE_NAME)).unwrap();
     let again = json(&format!("{sweep} same-1"));
@@ -96,9 +96,9 @@ fn bytes_and_decibels_are_the_same_on_every_run_and_kept_runs_are_not_repeated()
     assert!(first["findings"].as_array().unwrap().len() >= 5);
     // A sweep of another parameter keeps the existing points.
     let cells = json("scene --sweep color-cell=8,64 --repeats 1 --json -o same-1");
-    assert_eq!(points(&cells)[0]["studies"], serde_json::json!(["color-cell"]));
+    assert_eq!(points(&cells)[0]["studies"], serde_json::json!(["color-color-cell"]));
     let listed: Vec<_> = cells["files"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
-    for name in ["color-psnr.svg", "color-cell.svg", "tradeoff.csv", "tradeoff.json", "index.html"] {
+    for name in ["color-psnr.svg", "color-color-cell.svg", "tradeoff.csv", "tradeoff.json", "index.html"] {
         assert!(listed.contains(&name) && place().join("same-1").join(name).is_file(), "{name}: {listed:?}");
     }
     let rows = rows(&place().join("same-1"));
@@ -124,7 +124,7 @@ fn what_is_of_something_else_is_refused_or_replaced() {
     json(&format!("{sweep} --overwrite --json -- --near 0.01"));
     assert_eq!(rows(&folder).len(), 2);
     assert!(!folder.join("color-psnr.png").exists() && !folder.join("color-rate-distortion.svg").exists());
-    assert!(folder.join("depth-error.png").is_file() && folder.join("notes.txt").is_file());
+    assert!(folder.join("depth-max-error.png").is_file() && folder.join("notes.txt").is_file());
     // The modification time does not identify footage: points of a touched manifest are reused.
     let file = std::fs::File::options().write(true).open(place().join("scene/lightfield.json")).unwrap();
     file.set_modified(std::time::SystemTime::UNIX_EPOCH).unwrap();
@@ -268,7 +268,7 @@ fn a_lone_sequence_is_measured_and_recommended_from() {
     let allowed = points.iter().filter(|point| point["max_error_codes"].as_u64() <= Some(60));
     let smallest = allowed.min_by_key(|point| point["bytes_container"].as_u64()).unwrap();
     assert_eq!(report["recommended"][0]["point"], *smallest);
-    assert_ne!(smallest["settings"]["error"], "200");
+    assert_ne!(smallest["settings"]["max-error"], "200");
     // The recommendation is the same from the stored points.
     let later = json("--recommend --max-error 60 -o alone --json");
     assert_eq!(later["recommended"], report["recommended"]);
@@ -283,7 +283,7 @@ fn a_budget_is_kept_by_leaving_out_what_is_named() {
     let report =
         json("scene --sweep psnr=30,40,50 --sweep max-error=0,100 --repeats 2 --budget-seconds 0.001 --json -o budget");
     let left_out = report["left_out"].as_array().unwrap();
-    assert!(left_out[0].as_str().unwrap().contains("Study depth-error was left out"), "{left_out:?}");
+    assert!(left_out[0].as_str().unwrap().contains("Study depth-max-error was left out"), "{left_out:?}");
     assert!(left_out[1].as_str().unwrap().contains("psnr 40, 50 did not fit"), "{left_out:?}");
     let values: Vec<_> = report["points"].as_array().unwrap().iter().map(|point| &point["settings"]["psnr"]).collect();
     assert_eq!(values, ["30"]);

@@ -1,9 +1,9 @@
 //! Runs commands of this program as child processes.
 
 use std::ffi::OsString;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::PathBuf;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -46,48 +46,38 @@ impl<'a> Children<'a> {
             .map_err(|error| Error::Usage(format!("cannot find the path of this program: {error}")))?;
         Ok(Children { program, monitor, start })
     }
-
-    fn wait(&self, child: &mut Running) -> Result<ExitStatus> {
-        loop {
-            if let Some(status) = child.0.try_wait().map_err(|error| Error::io(&self.program, error))? {
-                return Ok(status);
-            }
-            self.monitor.check()?;
-            std::thread::sleep(POLL);
-        }
-    }
 }
 
 impl Runner for Children<'_> {
     fn run(&self, words: &[OsString]) -> Result<Value> {
         self.monitor.check()?;
         let failed = |what: String| Error::invalid(format!("{}: {what}", shell_line(words)));
-        let child = Command::new(&self.program)
+        let io = |error| Error::io(&self.program, error);
+        let mut child = Command::new(&self.program)
             .args(words)
             .env(ENDS_WITH_INPUT, "1")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
-            .map_err(|error| Error::io(&self.program, error).context("cannot start a process"))?;
-        let mut child = Running(child);
-        let (out, said) = (child.0.stdout.take(), child.0.stderr.take());
-        // Both pipes are read while the child runs: a full pipe would block it.
-        let (status, out, said) = std::thread::scope(|scope| {
-            let out = scope.spawn(move || read(out));
-            let said = scope.spawn(move || read(said));
-            let status = self.wait(&mut child);
-            // Dropping the child ends it, which closes its pipes.
-            drop(child);
-            (status, out.join().unwrap_or_default(), said.join().unwrap_or_default())
-        });
-        let status = status?;
+            .map_err(|error| io(error).context("cannot start a process"))?;
+        let mut input = child.stdin.take();
+        let done = std::thread::spawn(move || child.wait_with_output());
+        while !done.is_finished() {
+            if self.monitor.check().is_err() {
+                // The child ends when its input is closed.
+                input.take();
+            }
+            std::thread::sleep(POLL);
+        }
+        let output = done.join().map_err(|_| failed("its output cannot be read".to_owned()))?.map_err(io)?;
+        let status = output.status;
         // A signal to all processes of a terminal may reach a child before its handler is set.
         if status.code() == Some(EXIT_INTERRUPTED.into()) || was_stopped(status) {
             return Err(Error::Interrupted);
         }
         if !status.success() {
-            let said = String::from_utf8_lossy(&said);
+            let said = String::from_utf8_lossy(&output.stderr);
             let said = said.trim().lines().last().unwrap_or_default();
             let said = said.strip_prefix("lightfold: ").unwrap_or(said);
             let said = if said.is_empty() { format!("it failed ({status})") } else { said.to_owned() };
@@ -97,7 +87,7 @@ impl Runner for Children<'_> {
                 false => failed(said),
             });
         }
-        serde_json::from_slice(&out).map_err(|error| failed(format!("its report is not JSON: {error}")))
+        serde_json::from_slice(&output.stdout).map_err(|error| failed(format!("its report is not JSON: {error}")))
     }
 
     fn now_seconds(&self) -> f64 {
@@ -118,26 +108,6 @@ fn was_stopped(status: ExitStatus) -> bool {
         let _ = status;
         false
     }
-}
-
-/// A child that is killed when dropped.
-struct Running(Child);
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        // It may have ended already.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-fn read(from: Option<impl Read>) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    if let Some(mut from) = from {
-        // If reading fails, the bytes read so far are reported.
-        let _ = from.read_to_end(&mut bytes);
-    }
-    bytes
 }
 
 #[cfg(unix)]

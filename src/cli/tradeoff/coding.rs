@@ -2,19 +2,19 @@
 
 use std::time::Instant;
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::args::Args;
-use super::measure::{Opened, Sweeping};
-use super::{input, text, tiles};
-use crate::report::tradeoff::coding::bench::CodingBench;
-use crate::report::tradeoff::coding::recommend::{Demands, recommend};
-use crate::report::tradeoff::coding::{CODING, figures, findings, json as report};
-use crate::report::tradeoff::kind::Setting;
+use super::measure::Sweeping;
+use super::{input, text};
+use crate::report::tradeoff::coding::{CODING, CodingBench};
 use crate::report::tradeoff::page::Extras;
 use crate::report::tradeoff::plan::{self, Preset};
+use crate::report::tradeoff::point::Setting;
+use crate::report::tradeoff::recommend::{Demands, recommend};
 use crate::report::tradeoff::store::{Store, StoredPoint};
 use crate::report::tradeoff::study::{Study, all_points};
+use crate::report::tradeoff::{figures, findings, json as report};
 use crate::{ExitStatus, GlobalArgs, output, refuse};
 use codec::error::{Error, Result};
 use codec::image::StreamKind;
@@ -72,45 +72,37 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
     let plan = plan::plan(&request)?;
     input::check(&footage.input, &all_points(&plan.studies))?;
     let made_of = footage.input.made_of;
-    let mut opened = Opened::new(args, &plan.studies[0], made_of)?;
+    let mut sweeping = Sweeping::open(args, &plan.studies[0], made_of, global)?;
     implied(&plan.studies, &footage.knobs).iter().for_each(|note| global.note(note));
-    let mut left_out = plan.left_out;
+    sweeping.results.left_out = plan.left_out;
     // Tiles come first, so that the points get all of the remaining time.
-    let tiles = plan.tiles.then(|| tiles::measure(&footage, args.budget_seconds, global)).transpose()?;
-    let tiles = tiles.and_then(|tiles| tiles.map_err(|why| left_out.push(why)).ok());
-    let sweeping = Sweeping {
-        args,
-        global,
-        start,
-        studies: plan.studies,
-        left_out,
-        about: "Less is better for bytes, time and score.".to_owned(),
-        commands: Vec::new(),
-    };
-    let finished = sweeping.measure(&mut opened, |work| CodingBench::new(&footage.input, work))?;
+    let tiles = plan.tiles.then(|| input::model_tiles(&footage, args.budget_seconds, global)).transpose()?;
+    let tiles = tiles.and_then(|tiles| tiles.map_err(|why| sweeping.results.left_out.push(why)).ok());
+    sweeping.measure(&plan.studies, start, |work| CodingBench::new(&footage.input, work))?;
     if input::made_of(&footage.input, &footage.source)? != made_of {
         return Err(Error::invalid(format!(
             "{path}: the footage, or lightfold, changed during the measurement: measure again with --overwrite"
         )));
     }
     let mut extras = Extras {
-        figures: figures::bounds(&finished.results),
-        findings: findings::judge(&finished.results, tiles.as_ref()),
+        figures: figures::bounds(&sweeping.results),
+        findings: findings::judge(&sweeping.results, tiles.as_ref()),
     };
-    let mut more = json!({});
+    let mut more = Map::new();
     if let Some(tiles) = &tiles {
         extras.figures.extend(figures::tiles(tiles, &footage.tiles_how));
-        more["tiles"] = report::tile_psnr(tiles);
-        more["tiles"]["how"] = json!(footage.tiles_how);
+        let mut report = report::tile_psnr(tiles);
+        report["how"] = json!(footage.tiles_how);
+        more.insert("tiles".to_owned(), report);
     }
     let is_of_input = |row: &&StoredPoint| row.measured.point.stream.is_some_and(|stream| streams.contains(&stream));
-    let at_hand: Vec<&StoredPoint> = opened.store.rows.iter().filter(is_of_input).collect();
+    let at_hand: Vec<&StoredPoint> = sweeping.store.rows.iter().filter(is_of_input).collect();
     let advised = demands.map(|demands| Advised::new(&at_hand, &demands));
     if let Some(advised) = &advised {
-        more["recommended"] = json!(advised.json);
+        more.insert("recommended".to_owned(), json!(advised.json));
     }
     let words = advised.as_ref().map_or_else(String::new, |advised| format!("\n{}", advised.text));
-    finished.tell(&opened, &extras, more, &words)?;
+    sweeping.tell(&extras, more, &words)?;
     Ok(advised.map_or(ExitStatus::Passed, |advised| advised.status))
 }
 

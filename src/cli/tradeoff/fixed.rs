@@ -5,7 +5,8 @@ use std::ffi::OsString;
 use clap::parser::ValueSource;
 use clap::{CommandFactory, Parser};
 
-use crate::report::tradeoff::kind::{Setting, SweepKind};
+use crate::report::tradeoff::kind::SweepKind;
+use crate::report::tradeoff::point::Setting;
 use crate::report::tradeoff::study::Axis;
 use crate::{Cli, refuse};
 use codec::error::{Error, Result};
@@ -93,31 +94,10 @@ pub fn implied(kind: &SweepKind, axes: &[Axis], options: &[FixedOption]) -> Vec<
     let knobs = axes.iter().filter_map(|axis| kind.knob(axis.knob));
     let is_open =
         |name: &str| axes.iter().all(|axis| axis.knob != name) && options.iter().all(|option| option.name != name);
-    let settings = knobs.flat_map(|knob| knob.implies).filter(|(name, _)| is_open(name));
+    let settings = knobs.flat_map(|knob| &knob.implies).filter(|(name, _)| is_open(name));
     let mut settings: Vec<Setting> = settings.map(|&(name, value)| (name, value.to_owned())).collect();
     settings.dedup();
     settings
-}
-
-/// Options of all points: settings of knobs, and others.
-#[derive(Debug, PartialEq)]
-pub struct FixedSettings {
-    pub knobs: Vec<Setting>,
-    pub words: Vec<String>,
-}
-
-impl FixedSettings {
-    /// Sorts options, and adds the settings that swept knobs require.
-    pub fn new(kind: &SweepKind, axes: &[Axis], options: &[FixedOption]) -> FixedSettings {
-        let mut fixed = FixedSettings { knobs: implied(kind, axes, options), words: Vec::new() };
-        for option in options {
-            match (kind.knob(&option.name), option.value()) {
-                (Some(knob), Some(value)) => fixed.knobs.push((knob.name, value)),
-                _ => fixed.words.extend(option.words()),
-            }
-        }
-        fixed
-    }
 }
 
 pub fn parse(words: &[OsString]) -> Result<Cli> {

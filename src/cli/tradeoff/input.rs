@@ -1,24 +1,28 @@
-//! Footage of a coding sweep and the options of all its points, checked before anything runs.
+//! Footage of a coding sweep and the options of all its points, checked before anything runs. Statistics of its depth
+//! tiles, within a share of the time budget.
 
 use std::ffi::OsString;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 use clap::CommandFactory;
 
 use super::fixed::{OptionsOf, parse};
+use crate::progress::Progress;
 use crate::report::machine;
-use crate::report::tradeoff::coding::CODING;
-use crate::report::tradeoff::coding::commands::{self, Form, Input, into_file};
-use crate::report::tradeoff::coding::table::KNOBS;
-use crate::report::tradeoff::kind::{Point, Setting};
+use crate::report::tradeoff::coding::{CODING, Input, into_file, pack};
+use crate::report::tradeoff::point::{Point, Setting};
 use crate::{Cli, GlobalArgs, refuse};
+use codec::depth::tile_psnr::TilePsnr;
 use codec::error::{Error, Result};
 use codec::image::StreamKind;
+use codec::monitor::Monitor;
 use codec::ordered::try_map_ordered;
 use footage::dataset::manifest;
 use footage::dataset::source::Source;
-use footage::encode::EncodeSettings;
+use footage::encode::{EncodeSettings, tile_quality};
 
 /// Encoding options that are set by tradeoff.
 const OWN: &[&str] = &["output", "stream", "json", "quiet"];
@@ -44,12 +48,13 @@ pub struct Footage {
     pub knobs: Vec<Setting>,
 }
 
-fn encoder(form: Form, kinds: &[StreamKind], path: &str) -> Result<&'static str> {
-    match (form, kinds) {
-        (Form::Dataset, _) => Ok("encode"),
-        (Form::Sequence, [StreamKind::Color]) => Ok("encode-color"),
-        (Form::Sequence, [StreamKind::Depth]) => Ok("encode-depth"),
-        (Form::Sequence, _) => refuse(format!(
+/// Returns the command that encodes footage.
+fn encoder(path: &str, kinds: &[StreamKind]) -> Result<&'static str> {
+    match kinds {
+        _ if manifest::is_dataset(Path::new(path)) => Ok("encode"),
+        [StreamKind::Color] => Ok("encode-color"),
+        [StreamKind::Depth] => Ok("encode-depth"),
+        _ => refuse(format!(
             "{path}: neither a lightfield.json nor a folder with one; for a single sequence add --stream depth or \
             --stream color"
         )),
@@ -58,24 +63,23 @@ fn encoder(form: Form, kinds: &[StreamKind], path: &str) -> Result<&'static str>
 
 /// Opens footage. `kinds` are the requested kinds of streams, and `words` the options of all points.
 pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalArgs) -> Result<Footage> {
-    let form = if manifest::is_dataset(Path::new(path)) { Form::Dataset } else { Form::Sequence };
-    let subcommand = encoder(form, kinds, path)?;
-    let mut fixed = fixed(subcommand, path, words)?;
+    let encoder = encoder(path, kinds)?;
+    let mut fixed = fixed(encoder, path, words)?;
     if let Some(threads) = global.threads.filter(|_| fixed.knobs.iter().all(|(name, _)| *name != "threads")) {
         fixed.knobs.push(("threads", threads.to_string()));
     }
-    let mut line: Vec<OsString> = [subcommand, path, "-o", "point.lfold"].map(OsString::from).to_vec();
+    let mut line: Vec<OsString> = [encoder, path, "-o", "point.lfold"].map(OsString::from).to_vec();
     line.extend(fixed.encode.iter().map(OsString::from));
     // Other knobs do not affect modelling alone, and might require a setting that is swept.
     let of_tiles = [("effort", "fast"), ("depth-domain", "log")].map(|(name, usual)| {
         let given = fixed.knobs.iter().find(|(other, _)| *other == name);
         (name, given.map_or(usual, |(_, value)| value.as_str()))
     });
-    let domain_too = if subcommand == "encode-color" { 1 } else { 2 };
+    let domain_too = if encoder == "encode-color" { 1 } else { 2 };
     line.extend(of_tiles.iter().take(domain_too).map(|(name, value)| format!("--{name}={value}").into()));
     let tiles_how = of_tiles.map(|(name, value)| format!("{} {value}", name.trim_start_matches("depth-"))).join(", ");
     let cli = parse(&line)?;
-    let Some(command) = cli.command.as_encoder() else { return refuse(format!("{subcommand} does not encode")) };
+    let Some(command) = cli.command.as_encoder() else { return refuse(format!("{encoder} does not encode")) };
     let (options, tiles) = command.settings()?;
     let source = command.open(&options)?;
     let frames = |kind| {
@@ -89,7 +93,7 @@ pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalA
     let wanted = there.into_iter().filter(|(kind, _)| kinds.is_empty() || kinds.contains(kind)).collect();
     let mut input = Input {
         path: path.into(),
-        form,
+        encoder,
         kinds: wanted,
         made_of: 0,
         encode: fixed.encode,
@@ -129,7 +133,7 @@ fn fixed(subcommand: &'static str, path: &str, words: &[String]) -> Result<Fixed
         }
         fixed.encode.push(word);
     }
-    fixed.knobs.sort_by_key(|(name, _)| KNOBS.iter().position(|knob| knob.name == *name));
+    fixed.knobs.sort_by_key(|(name, _)| CODING.knobs.iter().position(|knob| knob.name == *name));
     Ok(fixed)
 }
 
@@ -139,7 +143,7 @@ pub fn check(input: &Input, points: &[Point]) -> Result<()> {
         Some(command) => command.settings().map(drop),
         None => Ok(()),
     };
-    judge(commands::pack(output, output))?;
+    judge(pack(output, output))?;
     for point in points {
         let named = |error: Error| error.context(point);
         judge(into_file(input.encode(point), output)).map_err(named)?;
@@ -197,28 +201,78 @@ fn crc_of(path: &Path) -> Result<u32> {
     }
 }
 
+/// Share of the budget that the statistics may take. The points get the rest.
+const SHARE: f64 = 1.0 / 3.0;
+
+/// Message for statistics omitted for lack of time.
+const LATE: &str = "The statistics of tiles were left out: they did not fit into a third of the budget.";
+
+/// Monitor that interrupts work which will not finish in time.
+struct Until<'a> {
+    progress: &'a dyn Monitor,
+    start: Instant,
+    most: Option<Duration>,
+    steps: u64,
+    done: AtomicU64,
+}
+
+impl Until<'_> {
+    /// True if the time is exceeded, or will be at the rate of the steps so far.
+    fn is_late(&self) -> bool {
+        let Some(most) = self.most else { return false };
+        let (spent, done) = (self.start.elapsed(), self.done.load(Ordering::Relaxed));
+        let all = spent.as_secs_f64() * self.steps as f64 / done.max(1) as f64;
+        spent > most || (done > 0 && all > most.as_secs_f64())
+    }
+}
+
+impl Monitor for Until<'_> {
+    fn advance(&self, steps: u64) {
+        self.done.fetch_add(steps, Ordering::Relaxed);
+        self.progress.advance(steps);
+    }
+
+    fn interrupted(&self) -> bool {
+        self.progress.interrupted() || self.is_late()
+    }
+}
+
+/// Measures the PSNR of all depth tiles by modelling function. The inner error states why there is no result.
+pub fn model_tiles(
+    footage: &Footage,
+    budget_seconds: Option<f64>,
+    global: &GlobalArgs,
+) -> Result<Result<TilePsnr, String>> {
+    let steps = tile_quality::images(&footage.source);
+    let progress = Progress::start(global, "modelling tiles", steps)?;
+    let most = budget_seconds.map(|seconds| Duration::from_secs_f64((seconds * SHARE).min(1e9)));
+    let until = Until { progress: &progress, start: Instant::now(), most, steps, done: AtomicU64::new(0) };
+    match tile_quality::measure(&footage.source, &footage.tiles, &until) {
+        Ok(tiles) => Ok(Ok(tiles)),
+        Err(Error::Interrupted) if progress.interrupted() => Err(Error::Interrupted),
+        Err(Error::Interrupted) => Ok(Err(LATE.to_owned())),
+        Err(error) => Ok(Err(format!("The statistics of tiles failed: {error}"))),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use clap::Parser;
 
     use super::*;
-    use crate::report::tradeoff::knob::Stage;
+    use codec::monitor::Silent;
 
     #[test]
     fn every_knob_is_an_option_of_its_command_and_takes_its_usual_values() {
         let root = crate::command();
-        for knob in KNOBS {
-            let commands: &[&str] = match (knob.stage, knob.is_general(), knob.streams[0]) {
-                (Stage::Decode, ..) => &["decode"],
-                (Stage::Place, ..) => &["place"],
-                (Stage::Render, ..) => &["render"],
-                (Stage::Simplify, ..) => &["simplify"],
-                (Stage::Interpolate, ..) => &["interpolate"],
-                (Stage::Both, ..) => &["encode", "encode-depth", "encode-color", "decode"],
-                (Stage::Encode, true, _) => &["encode", "encode-depth", "encode-color"],
-                (Stage::Encode, false, StreamKind::Color) => &["encode", "encode-color"],
-                (Stage::Encode, false, StreamKind::Material | StreamKind::Alpha) => &["encode"],
-                (Stage::Encode, false, StreamKind::Depth) => &["encode", "encode-depth"],
+        for knob in &CODING.knobs {
+            let commands: &[&str] = match (CODING.stage(knob), knob.is_general(), knob.streams[0]) {
+                ("decode", ..) => &["decode"],
+                ("both", ..) => &["encode", "encode-depth", "encode-color", "decode"],
+                (_, true, _) => &["encode", "encode-depth", "encode-color"],
+                (_, false, StreamKind::Color) => &["encode", "encode-color"],
+                (_, false, StreamKind::Material | StreamKind::Alpha) => &["encode"],
+                (_, false, StreamKind::Depth) => &["encode", "encode-depth"],
             };
             let mut built = root.clone();
             built.build();
@@ -226,7 +280,7 @@ mod tests {
                 let found = built.find_subcommand(name).unwrap();
                 let has = found.get_arguments().any(|argument| argument.get_long() == Some(knob.name));
                 assert!(has, "{name} has no option --{}", knob.name);
-                for value in knob.usual {
+                for value in &knob.usual {
                     let implied = knob.implies.iter().filter(|_| *name != "decode");
                     let implied = implied.map(|(name, value)| format!("--{name}={value}"));
                     let line = ["lightfold", name, "in"].map(str::to_owned).into_iter();
@@ -246,8 +300,8 @@ mod tests {
     fn defaults_are_those_of_the_options() {
         let mut built = crate::command();
         built.build();
-        for knob in KNOBS {
-            let command = if knob.stage == Stage::Decode { "decode" } else { "encode" };
+        for knob in &CODING.knobs {
+            let command = if CODING.stage(knob) == "decode" { "decode" } else { "encode" };
             let found = built.find_subcommand(command).unwrap();
             let option = found.get_arguments().find(|argument| argument.get_long() == Some(knob.name)).unwrap();
             // Other defaults are stated in the help text of the option.
@@ -278,5 +332,23 @@ mod tests {
         let colour = of("--color-channel A").unwrap();
         assert_eq!((colour.encode, colour.diff), (vec!["--color-channel=A".into()], vec!["--color-channel=A".into()]));
         assert!(!said("--color-cell 0").contains('\n'));
+    }
+
+    #[test]
+    fn what_will_be_late_is_stopped_after_its_first_step() {
+        let until = |most: Option<u64>, steps: u64| {
+            let start = Instant::now().checked_sub(Duration::from_secs(10)).unwrap();
+            Until { progress: &Silent, start, most: most.map(Duration::from_secs), steps, done: AtomicU64::new(0) }
+        };
+        let of = until(Some(100), 50);
+        assert!(!of.interrupted());
+        of.advance(1);
+        assert!(of.interrupted(), "50 steps of 10 s are more than 100 s");
+        of.advance(9);
+        assert!(!of.interrupted());
+        assert!(until(Some(9), 50).interrupted());
+        let free = until(None, 50);
+        free.advance(1);
+        assert!(!free.interrupted());
     }
 }

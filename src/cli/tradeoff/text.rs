@@ -7,13 +7,12 @@ use serde::Serialize;
 
 use crate::output;
 use crate::report::Table;
-use crate::report::tradeoff::coding::recommend::{Advice, Aim};
 use crate::report::tradeoff::findings::{Finding, Verdict};
-use crate::report::tradeoff::kind::words;
-use crate::report::tradeoff::knob::{Knob, Stage};
-use crate::report::tradeoff::plan::KINDS;
+use crate::report::tradeoff::kind::{KINDS, Knob};
+use crate::report::tradeoff::page;
+use crate::report::tradeoff::point::words;
+use crate::report::tradeoff::recommend::{Advice, Aim};
 use crate::report::tradeoff::study::Results;
-use crate::report::tradeoff::table;
 use codec::error::Result;
 use codec::image::StreamKind;
 
@@ -28,7 +27,7 @@ pub fn report(results: &Results, findings: &[Finding], files: &[PathBuf]) -> Str
             }
         }
         let name = stream.map_or_else(String::new, |stream| format!("{}\n", stream.name()));
-        let _ = writeln!(text, "{name}{}", table::of(results, stream).text());
+        let _ = writeln!(text, "{name}{}", page::table_of(results, stream).text());
     }
     let _ = writeln!(text, "{} {}\n", results.about, results.sweep.method);
     let tested: Vec<_> = findings.iter().filter(|finding| finding.verdict != Verdict::NotMeasured).collect();
@@ -65,7 +64,7 @@ pub fn advice(advice: &[Advice<'_>], unasked: &[StreamKind]) -> String {
             Some(start) => format!("{start}{stream}.lfold"),
             None => row.command.clone(),
         };
-        let _ = writeln!(text, "  {}\n  {command}", table::words(&row.measured));
+        let _ = writeln!(text, "  {}\n  {command}", page::measure_words(&row.measured));
         if let Some(device) = point.value("device") {
             let _ = writeln!(text, "  decoded with --device {device}");
         }
@@ -103,28 +102,25 @@ struct KnobReport {
 }
 
 pub fn list_knobs(as_json: bool) -> Result<()> {
-    let kinds = |knob: &Knob| knob.streams.iter().map(|kind| kind.name()).collect::<Vec<_>>();
-    let all: Vec<&Knob> = KINDS.iter().flat_map(|kind| kind.knobs).collect();
-    let report = |knob: &&Knob| KnobReport {
+    let streams = |knob: &Knob| knob.streams.iter().map(|stream| stream.name()).collect::<Vec<_>>();
+    let all = || KINDS.iter().flat_map(|kind| kind.knobs.iter().map(move |knob| (kind, knob)));
+    let report = all().map(|(kind, knob)| KnobReport {
         name: knob.name,
         label: knob.label,
-        kinds: kinds(knob),
-        stage: knob.stage.name(),
+        kinds: streams(knob),
+        stage: kind.stage(knob),
         default: knob.default,
-        usual: knob.usual,
-    };
-    output::print_either(as_json, &KnobList { knobs: all.iter().map(report).collect() }, || {
+        usual: &knob.usual,
+    });
+    output::print_either(as_json, &KnobList { knobs: report.collect() }, || {
         let mut table = Table::new("Knob|Description|Kinds|Option of|Default|Default values of a sweep");
-        for knob in &all {
-            let of = match knob.stage {
-                Stage::Place => "cameras".to_owned(),
-                Stage::Render => "pictures".to_owned(),
-                Stage::Simplify => "captures".to_owned(),
-                Stage::Interpolate => "scenes".to_owned(),
-                _ if knob.is_general() => "all".to_owned(),
-                _ => kinds(knob).join(", "),
+        for (kind, knob) in all() {
+            let of = match (kind.points_of, knob.is_general()) {
+                ("", true) => "all".to_owned(),
+                ("", false) => streams(knob).join(", "),
+                (of, _) => of.to_owned(),
             };
-            let cells = [knob.name, knob.label, &of, knob.stage.name(), knob.default, &knob.usual.join(",")];
+            let cells = [knob.name, knob.label, &of, kind.stage(knob), knob.default, &knob.usual.join(",")];
             table.row(cells.map(str::to_owned));
         }
         table.to_string()

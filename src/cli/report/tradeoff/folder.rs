@@ -100,8 +100,7 @@ impl Drop for Folder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::tradeoff::coding::CODING;
-    use crate::report::tradeoff::rendering::RENDERING;
+    use crate::report::tradeoff::kind::{CODING, RENDERING};
 
     #[test]
     fn one_process_at_a_time_and_nothing_stays() {

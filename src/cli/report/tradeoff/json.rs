@@ -1,13 +1,15 @@
-//! JSON report of a sweep. Keys are the names of the CSV columns.
+//! JSON reports of sweeps and recommendations. Keys are the names of the CSV columns.
 
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::findings::Finding;
-use super::kind::{self, Measured};
+use super::point::{self, Measured};
+use super::recommend::Advice;
 use super::schedule::FailedPoint;
 use super::store::StoredPoint;
 use super::study::Results;
+use codec::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TileModel, TilePsnr};
 use footage::json::put;
 
 #[derive(Serialize)]
@@ -19,6 +21,10 @@ pub struct Report<'a> {
     pub points: Vec<Value>,
     pub findings: &'a [Finding],
     pub failed: &'a [FailedPoint],
+    /// Names of all files of the folder that the sweep wrote.
+    pub files: Vec<String>,
+    #[serde(flatten)]
+    pub more: Map<String, Value>,
 }
 
 pub fn point(row: &StoredPoint) -> Value {
@@ -29,18 +35,46 @@ pub fn point(row: &StoredPoint) -> Value {
 }
 
 fn values(of: &Measured) -> Value {
-    let settings = of.point.settings.iter().map(|(name, value)| (of.kind.key(name).to_owned(), json!(value)));
+    let settings = of.point.settings.iter().map(|(name, value)| ((*name).to_owned(), json!(value)));
     let mut value = json!({ "settings": settings.collect::<Map<_, _>>() });
     if let Some(stream) = of.point.stream {
         value["kind"] = json!(stream.name());
     }
-    for measure in of.kind.measures {
+    for measure in &of.kind.measures {
         match of.value(measure.name) {
             None => value[measure.name] = Value::Null,
-            Some(kind::Value::Count(count)) => value[measure.name] = json!(count),
-            Some(kind::Value::Number(number)) => put(&mut value, measure.name, number),
-            Some(kind::Value::Runs(runs)) => value[measure.name] = json!(runs),
+            Some(point::Value::Count(count)) => value[measure.name] = json!(count),
+            Some(point::Value::Number(number)) => put(&mut value, measure.name, number),
+            Some(point::Value::Runs(runs)) => value[measure.name] = json!(runs),
         }
     }
     value
+}
+
+pub fn advice(advice: &Advice<'_>) -> Value {
+    json!({
+        "kind": advice.row.measured.point.stream.map(|stream| stream.name()),
+        "found": advice.misses.is_empty(),
+        "misses": advice.misses,
+        "command": advice.row.command,
+        "point": point(advice.row),
+    })
+}
+
+pub fn tile_psnr(found: &TilePsnr) -> Value {
+    let model = |psnr: &PsnrDistribution| {
+        let mut model = json!({
+            "mean_db": psnr.mean_db(),
+            "exact_tiles": psnr.exact,
+            "unmodelled_tiles": psnr.unmodelled,
+            "histogram": psnr.histogram(),
+        });
+        put(&mut model, "min_db", psnr.min_db);
+        for (key, share) in [("p05_db", 0.05), ("p50_db", 0.5), ("p95_db", 0.95)] {
+            put(&mut model, key, psnr.quantile_db(share));
+        }
+        model
+    };
+    let models: Map<_, _> = TileModel::ALL.into_iter().map(|of| (of.name().to_owned(), model(found.of(of)))).collect();
+    json!({ "count": found.tiles(), "bin_db": BIN_DB, "exact_counts_as_db": EXACT_DB, "models": models })
 }

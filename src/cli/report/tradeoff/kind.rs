@@ -1,34 +1,83 @@
-//! Definition of a kind of sweep, and the measured values of its points.
+//! Kinds of sweeps: tables of knobs, measures, charts, commands and claims of papers, read from `kinds/*.json`.
 //!
-//! A [`SweepKind`] is a table of knobs, measures and charts. Stores, pages and charts look measures up by name and
-//! contain no code for a particular kind.
+//! Stores, pages and charts look measures up by name and contain no code for a particular kind.
 
-use std::collections::BTreeMap;
-use std::ffi::OsString;
+use std::sync::LazyLock;
 
-use super::knob::Knob;
-use crate::report::timing::{Spread, median, spread};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
+
 use codec::image::StreamKind;
 
-#[derive(Debug)]
+pub static CODING: LazyLock<SweepKind> = LazyLock::new(|| read(include_str!("kinds/coding.json")));
+pub static PLACEMENT: LazyLock<SweepKind> = LazyLock::new(|| read(include_str!("kinds/placement.json")));
+pub static RENDERING: LazyLock<SweepKind> = LazyLock::new(|| read(include_str!("kinds/rendering.json")));
+pub static SIMPLIFICATION: LazyLock<SweepKind> = LazyLock::new(|| read(include_str!("kinds/simplification.json")));
+pub static INTERPOLATION: LazyLock<SweepKind> = LazyLock::new(|| read(include_str!("kinds/interpolation.json")));
+
+/// All kinds of sweeps. A knob shared by several kinds is described by the first.
+pub static KINDS: [&LazyLock<SweepKind>; 5] = [&CODING, &PLACEMENT, &RENDERING, &SIMPLIFICATION, &INTERPOLATION];
+
+/// Reads a table of this program. A test parses all of them.
+fn read(table: &'static str) -> SweepKind {
+    serde_json::from_str(table).unwrap_or_default()
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct SweepKind {
     /// Stem of the names of the CSV and JSON files.
     pub stem: &'static str,
     /// Title of the page, followed by the name of the input.
     pub title: &'static str,
     pub input_label: &'static str,
-    pub knobs: &'static [Knob],
-    pub measures: &'static [Measure],
-    pub panels: &'static [Panel],
-    pub trades: &'static [Trade],
+    /// Activity in messages, and the same with its object.
+    pub doing: &'static str,
+    pub doing_what: &'static str,
+    /// Command that the knobs are options of, unless they name another.
+    pub command: &'static str,
+    /// Things that a point consists of, in the list of knobs.
+    pub points_of: &'static str,
     /// True if studies have a score of bytes and decoding time.
     pub is_scored: bool,
     /// True if the CSV holds all runs, so that a later process can resume the sweep.
     pub is_resumable: bool,
     /// Number of timed runs that the first measurement of a point includes.
     pub survey_runs: u32,
+    /// Sentence below the title of the page.
+    pub about: &'static str,
     /// Description of how points were measured, printed at the end of the page.
     pub method: &'static str,
+    /// Keys of the JSON report with the variables that they show.
+    pub reported: Vec<(&'static str, &'static str)>,
+    /// Words that make a command line of fixed options complete.
+    pub line: &'static str,
+    /// Options of the command that are set by tradeoff.
+    pub own: Vec<&'static str>,
+    /// Options of a search, which do not apply to the comparison of its results.
+    pub search: Vec<&'static str>,
+    /// True if fixed options that are knobs are settings of the points.
+    pub fixes_knobs: bool,
+    /// Output of the preparation.
+    pub makes: &'static str,
+    /// Command lines: before all points, of a point, the same as a user would type it, and of its comparison. In braces
+    /// are variables of [`super::runner::CommandBench`]. Placements are compared by as many surface samples as an
+    /// exhaustive search uses; given cameras do not depend on the number of candidates.
+    pub prepare: &'static str,
+    pub point: &'static str,
+    pub user: &'static str,
+    pub compared: &'static str,
+    pub knobs: Vec<Knob>,
+    /// Measures, in the order of columns. Sizes of coding are those of CALF table 1: footage, temporal coding, blocks or
+    /// functions, container, container with LZMA2. Errors of depth are in 16-bit log codes, those of material in 8-bit
+    /// steps.
+    pub measures: Vec<Measure>,
+    pub panels: Vec<Panel>,
+    /// Panels of decoding by error bound.
+    pub bounds: Vec<Panel>,
+    pub trades: Vec<Trade>,
+    pub presets: Vec<PresetStudy>,
+    pub findings: Vec<Claim>,
 }
 
 impl PartialEq for SweepKind {
@@ -38,17 +87,21 @@ impl PartialEq for SweepKind {
 }
 
 impl SweepKind {
-    pub fn knob(&self, name: &str) -> Option<&'static Knob> {
-        self.knobs.iter().find(|knob| knob.name == name || knob.former == Some(name))
+    pub fn knob(&self, name: &str) -> Option<&Knob> {
+        self.knobs.iter().find(|knob| knob.name == name)
     }
 
-    /// Returns the key of a knob in CSV and JSON.
-    pub fn key(&self, name: &'static str) -> &'static str {
-        self.knob(name).map_or(name, Knob::key)
-    }
-
-    pub fn measure(&self, name: &str) -> Option<&'static Measure> {
+    pub fn measure(&self, name: &str) -> Option<&Measure> {
         self.measures.iter().find(|measure| measure.name == name)
+    }
+
+    /// Returns the command that a knob is an option of. `both` is encoding and decoding.
+    pub fn stage(&self, knob: &Knob) -> &'static str {
+        knob.stage.unwrap_or(self.command)
+    }
+
+    pub fn knob_names(&self) -> String {
+        self.knobs.iter().map(|knob| knob.name).collect::<Vec<_>>().join(", ")
     }
 
     pub fn csv_name(&self) -> String {
@@ -60,7 +113,50 @@ impl SweepKind {
     }
 }
 
-#[derive(Debug, Clone, Copy)]
+/// Option that trades quality, bytes or time, under its command-line name.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Knob {
+    /// Option name without dashes.
+    pub name: &'static str,
+    pub label: &'static str,
+    /// Kinds of streams that it affects. Empty in sweeps whose points have no stream.
+    #[serde(deserialize_with = "streams")]
+    pub streams: Vec<StreamKind>,
+    stage: Option<&'static str>,
+    /// Settings that it requires. They are added unless they are swept or fixed.
+    pub implies: Vec<(&'static str, &'static str)>,
+    /// Value that stands for omitting the option, if the option itself has no such value.
+    without: Option<&'static str>,
+    /// Value that completes a command line in which the knob is swept, if the option is required.
+    pub required: Option<&'static str>,
+    pub default: &'static str,
+    pub usual: Vec<&'static str>,
+}
+
+impl Knob {
+    pub fn usual_values(&self) -> Vec<String> {
+        self.usual.iter().map(|value| (*value).to_owned()).collect()
+    }
+
+    /// Returns the option with a value. `None` for the value that stands for omitting the option.
+    pub fn option(&self, value: &str) -> Option<String> {
+        (self.without != Some(value)).then(|| format!("--{}={value}", self.name))
+    }
+
+    /// True if points of a kind of stream depend on the knob.
+    pub fn concerns(&self, stream: Option<StreamKind>) -> bool {
+        stream.is_none_or(|stream| self.streams.contains(&stream))
+    }
+
+    /// True if all kinds of streams depend on the knob. Such knobs join every study.
+    pub fn is_general(&self) -> bool {
+        self.streams == StreamKind::ALL
+    }
+}
+
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Measure {
     /// CSV column and JSON key.
     pub name: &'static str,
@@ -68,73 +164,75 @@ pub struct Measure {
     pub heading: &'static str,
     pub format: Format,
     pub source: Source,
+    /// Smallest valid count.
+    pub least: u64,
+    /// True if a point may lack it, such as SSIM of half floats or of pictures smaller than its windows.
+    pub optional: bool,
+    /// Kinds of streams that have it. Empty if all points have it.
+    #[serde(deserialize_with = "streams")]
+    pub streams: Vec<StreamKind>,
+    /// Path in the report of the commands, or a formula of several.
+    pub report: &'static str,
+    /// Formula of other measures.
+    pub formula: &'static str,
     /// Measure of runs of which this measure is the median. Gives its range.
     pub runs: Option<&'static str>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+impl Measure {
+    /// Returns the factor that values are multiplied by in charts.
+    pub fn factor(&self) -> f64 {
+        if self.format == Format::Percent { 100.0 } else { 1.0 }
+    }
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Format {
     Bytes,
     /// Fixed number of decimals. Infinity is printed as "lossless".
     Decimals(usize),
     /// Percent with two decimals; a value of 1 is 100%.
     Percent,
+    #[default]
     Even,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Source {
-    /// Stored count with this minimum. `None` if it may be missing.
-    Count(Option<u64>),
-    /// Stored number of at least 0.
-    Number {
-        is_needed: bool,
-        may_be_infinite: bool,
-    },
-    /// Stored finite number of any sign. It may be missing.
+    /// Stored count.
+    #[default]
+    Count,
+    /// Stored finite number of at least 0.
+    Number,
+    /// Stored number of at least 0, which may be infinite.
+    Decibels,
+    /// Stored finite number of any sign.
     Signed,
     /// Stored numbers, one per timed run.
     Runs,
-    Derived(fn(&Measured) -> Option<f64>),
+    /// Median, minimum and maximum of runs.
+    Median,
+    Shortest,
+    Longest,
+    Formula,
 }
 
-/// Finite number that every point has.
-pub const NUMBER: Source = Source::Number { is_needed: true, may_be_infinite: false };
-pub const DECIBELS: Source = Source::Number { is_needed: true, may_be_infinite: true };
-
-impl Measure {
-    pub const fn new(name: &'static str, source: Source) -> Measure {
-        Measure { name, heading: "", format: Format::Decimals(0), source, runs: None }
-    }
-
-    /// Returns the factor that values are multiplied by in charts.
-    pub fn factor(&self) -> f64 {
-        if self.format == Format::Percent { 100.0 } else { 1.0 }
-    }
-
-    pub const fn derived(name: &'static str, of: fn(&Measured) -> Option<f64>) -> Measure {
-        Measure::new(name, Source::Derived(of))
-    }
-
-    pub const fn shown(self, heading: &'static str, format: Format) -> Measure {
-        Measure { heading, format, ..self }
-    }
-
-    pub const fn median_of(self, runs: &'static str) -> Measure {
-        Measure { runs: Some(runs), ..self }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Better {
+    #[default]
     Less,
     More,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Scale {
     /// Bytes from 0, in the unit of the largest value.
     Bytes,
+    #[default]
     Linear,
     /// Linear, from the smallest value.
     WithoutZero,
@@ -143,49 +241,31 @@ pub enum Scale {
     Logarithmic,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct PanelLine {
     /// Name in the legend. Empty for a single line.
     pub label: &'static str,
     pub measure: &'static str,
 }
 
-impl PanelLine {
-    pub const fn of(measure: &'static str) -> PanelLine {
-        PanelLine { label: "", measure }
-    }
-}
-
-#[derive(Debug, Clone, Copy)]
+/// Chart of measures along a knob.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Panel {
     /// Title with unit. The unit of bytes is chosen from the values.
     pub title: &'static str,
-    pub lines: &'static [PanelLine],
+    pub lines: Vec<PanelLine>,
     pub scale: Scale,
     /// Kinds of streams that have the panel. Empty if all points have it.
-    pub streams: &'static [StreamKind],
+    #[serde(deserialize_with = "streams")]
+    pub streams: Vec<StreamKind>,
+    /// Better direction, if the panel is a heat map as well.
     pub map: Option<Better>,
 }
 
-impl Panel {
-    pub const fn new(title: &'static str, scale: Scale, lines: &'static [PanelLine]) -> Panel {
-        Panel { title, lines, scale, streams: &[], map: None }
-    }
-
-    pub const fn mapped(self, better: Better) -> Panel {
-        Panel { map: Some(better), ..self }
-    }
-
-    pub const fn for_streams(self, streams: &'static [StreamKind]) -> Panel {
-        Panel { streams, ..self }
-    }
-
-    pub fn concerns(&self, stream: Option<StreamKind>) -> bool {
-        self.streams.is_empty() || stream.is_some_and(|stream| self.streams.contains(&stream))
-    }
-}
-
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct TradeAxis {
     pub label: &'static str,
     pub measure: &'static str,
@@ -193,7 +273,8 @@ pub struct TradeAxis {
 }
 
 /// Plot of all points by two measures, with their Pareto front. Less is better on the horizontal axis.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Trade {
     /// Suffix of the file names.
     pub name: &'static str,
@@ -206,180 +287,121 @@ pub struct Trade {
     pub note: &'static str,
 }
 
-pub type Setting = (&'static str, String);
-
-/// A setting of the knobs. Knobs that are not listed have their default.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Point {
-    /// Kind of the coded stream, in coding sweeps.
-    pub stream: Option<StreamKind>,
-    pub settings: Vec<Setting>,
+/// Study of a paper's figure.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PresetStudy {
+    pub name: &'static str,
+    pub title: &'static str,
+    pub figures: &'static str,
+    /// Axes; the first knob determines the kind of stream.
+    pub axes: Vec<PresetAxis>,
+    /// Settings of all points, unless the user gives others.
+    pub fixed: Vec<(&'static str, &'static str)>,
 }
 
-impl Point {
-    /// Creates a point and sorts its settings into the order of the kind's knobs.
-    pub fn new(kind: &SweepKind, stream: Option<StreamKind>, mut settings: Vec<Setting>) -> Point {
-        settings.sort_by_key(|(name, _)| kind.knobs.iter().position(|knob| knob.name == *name));
-        Point { stream, settings }
-    }
-
-    /// Returns the settings as `name=value name=value`, or `default settings` if there are none.
-    pub fn words(&self) -> String {
-        words(&self.settings).unwrap_or_else(|| "default settings".to_owned())
-    }
-
-    pub fn value(&self, knob: &str) -> Option<&str> {
-        self.settings.iter().find(|(name, _)| *name == knob).map(|(_, value)| value.as_str())
-    }
-
-    /// Returns the settings as command-line options.
-    pub fn options(&self) -> impl Iterator<Item = OsString> {
-        self.settings.iter().map(|(name, value)| format!("--{name}={value}").into())
-    }
-
-    pub fn without(&self, knob: &str) -> Vec<Setting> {
-        self.settings.iter().filter(|(name, _)| *name != knob).cloned().collect()
-    }
+/// Values of a knob, separated by commas: all, and few.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PresetAxis {
+    pub knob: &'static str,
+    pub paper: &'static str,
+    pub quick: &'static str,
 }
 
-impl std::fmt::Display for Point {
-    /// Prints, for example, `depth with max-error=50 threads=1`.
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.stream {
-            Some(stream) => write!(f, "{} with {}", stream.name(), self.words()),
-            None => f.write_str(&self.words()),
-        }
-    }
+/// Claim of a paper, which is tested on the points of a sweep.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Claim {
+    pub name: &'static str,
+    /// The claim with its location.
+    pub sentence: &'static str,
+    pub rule: &'static str,
+    /// Measurements that the test needs.
+    pub needs: &'static str,
+    /// Rows that the test compares. A claim without them has a function in [`super::findings`].
+    pub rows: Option<RowTest>,
+    /// Sentence with the values on which the verdict rests, in braces.
+    pub rests_on: &'static str,
 }
 
-/// Returns settings as `name=value name=value`. `None` without settings.
-pub fn words(settings: &[Setting]) -> Option<String> {
-    let words: Vec<String> = settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
-    (!words.is_empty()).then(|| words.join(" "))
+/// Test of a claim that holds if most rows of points that differ in one knob only keep a limit.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RowTest {
+    pub along: &'static str,
+    /// Two values of the knob that are compared, instead of the least and the largest.
+    pub pair: Option<[&'static str; 2]>,
+    /// Number that the least value is below and the largest is not.
+    pub across: Option<f64>,
+    pub measure: &'static str,
+    /// Formula of `first` and `last`, the measure at both ends; `value` and `span`, the last value of the knob and its
+    /// distance to the first; and other measures of the last point.
+    pub row: &'static str,
+    pub keeps: (Limit, f64),
 }
 
-#[derive(Debug, Clone, PartialEq)]
-pub enum Value {
-    Count(u64),
-    Number(f64),
-    Runs(Vec<f64>),
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Limit {
+    #[default]
+    Above,
+    From,
+    Below,
+    To,
 }
 
-#[derive(Debug, Clone, PartialEq)]
-pub struct Measured {
-    pub kind: &'static SweepKind,
-    pub point: Point,
-    values: BTreeMap<&'static str, Value>,
+/// True if points of a kind of stream have what only these kinds have. An empty list stands for all points.
+pub fn concerns(streams: &[StreamKind], stream: Option<StreamKind>) -> bool {
+    streams.is_empty() || stream.is_some_and(|stream| streams.contains(&stream))
 }
 
-impl Measured {
-    pub fn new(kind: &'static SweepKind, point: Point) -> Measured {
-        Measured { kind, point, values: BTreeMap::new() }
-    }
-
-    /// Stores a value. `None` changes nothing.
-    pub fn set(&mut self, name: &'static str, value: impl Into<Option<Value>>) {
-        debug_assert!(self.kind.measure(name).is_some(), "{name}");
-        if let Some(value) = value.into() {
-            self.values.insert(name, value);
+/// Replaces names in braces by their values. Braces around other words are kept.
+pub fn fill(template: &str, values: &[(&str, String)]) -> String {
+    let mut parts = template.split('{');
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once('}').unwrap_or((part, ""));
+        match values.iter().find(|(known, _)| *known == name) {
+            Some((_, value)) => text.extend([value, rest]),
+            None => text.extend(["{", part]),
         }
     }
+    text
+}
 
-    pub fn push_run(&mut self, name: &'static str, number: f64) {
-        match self.values.get_mut(name) {
-            Some(Value::Runs(runs)) => runs.push(number),
-            _ => self.set(name, Value::Runs(vec![number])),
-        }
-    }
-
-    /// Returns a value by the name of its measure. Derived measures are computed.
-    pub fn value(&self, name: &str) -> Option<Value> {
-        match self.kind.measure(name)?.source {
-            Source::Derived(of) => of(self).map(Value::Number),
-            Source::Runs => Some(Value::Runs(self.runs(name).to_vec())),
-            _ => self.values.get(name).cloned(),
-        }
-    }
-
-    /// Returns a count or number by the name of its measure.
-    pub fn number(&self, name: &str) -> Option<f64> {
-        debug_assert!(self.kind.measure(name).is_some(), "{name}");
-        match self.value(name)? {
-            Value::Count(count) => Some(count as f64),
-            Value::Number(number) => Some(number),
-            Value::Runs(_) => None,
-        }
-    }
-
-    pub fn drawn(&self, name: &str) -> Option<f64> {
-        Some(self.number(name)? * self.kind.measure(name)?.factor())
-    }
-
-    /// Returns a count. 0 if it is missing.
-    pub fn count(&self, name: &str) -> u64 {
-        match self.values.get(name) {
-            Some(Value::Count(count)) => *count,
-            _ => 0,
-        }
-    }
-
-    pub fn runs(&self, name: &str) -> &[f64] {
-        match self.values.get(name) {
-            Some(Value::Runs(runs)) => runs,
-            _ => &[],
-        }
-    }
-
-    pub fn timed_runs(&self) -> usize {
-        let measures = self.kind.measures.iter().filter(|measure| matches!(measure.source, Source::Runs));
-        measures.map(|measure| self.runs(measure.name).len()).min().unwrap_or(0)
-    }
-
-    /// Returns the range of a median of runs. `None` for other measures and without runs.
-    pub fn spread(&self, name: &str) -> Option<Spread> {
-        let value = self.number(name)?;
-        let runs = self.runs(self.kind.measure(name)?.runs?);
-        let (middle, Spread { low, high }) = (median(runs)?, spread(runs)?);
-        let factor = if middle > 0.0 { value / middle } else { 1.0 };
-        Some(Spread { low: low * factor, high: high * factor })
-    }
+fn streams<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<StreamKind>, D::Error> {
+    let named = |name: &str| StreamKind::from_name(name).ok_or_else(|| D::Error::custom(format!("{name}: no stream")));
+    Vec::<&str>::deserialize(from)?.into_iter().map(named).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::tradeoff::coding::CODING;
-    use crate::report::tradeoff::tests::sample;
 
-    impl Measured {
-        /// Returns the same values for another point.
-        pub fn at(&self, point: Point) -> Measured {
-            Measured { point, ..self.clone() }
-        }
-
-        /// Returns the point without the value of a measure.
-        pub fn without(mut self, name: &str) -> Measured {
-            self.values.remove(name);
-            self
-        }
+    #[test]
+    fn known_names_in_braces_are_filled() {
+        let values = [("a", "{b}".to_owned()), ("b", "2".to_owned())];
+        assert_eq!(fill("x {a}{b} {c} {", &values), "x {b}2 {c} {");
     }
 
     #[test]
-    fn points_have_a_name_for_people() {
-        let settings = vec![("threads", "1".to_owned()), ("max-error", "50".to_owned())];
-        let point = Point::new(&CODING, Some(StreamKind::Depth), settings);
-        assert_eq!(point.to_string(), "depth with max-error=50 threads=1");
-        assert_eq!(Point::new(&CODING, Some(StreamKind::Color), vec![]).to_string(), "color with default settings");
-    }
-
-    #[test]
-    fn medians_and_ranges() {
-        let mut of = sample::measured(&[], 1, 1.0);
-        of.set("decode_runs", Value::Runs(vec![3.0, 1.5, 2.0]));
-        assert_eq!(of.spread("decode_seconds"), Some(Spread { low: 1.5, high: 3.0 }));
-        assert_eq!(of.number("decode_ms_per_frame"), Some(2000.0 / 30.0));
-        let spread = of.spread("decode_ms_per_frame").unwrap();
-        assert!((spread.low - 50.0).abs() < 1e-9 && (spread.high - 100.0).abs() < 1e-9, "{spread:?}");
-        assert_eq!((of.spread("psnr_db"), of.timed_runs()), (None, 3));
+    fn tables_are_read_and_name_measures_and_knobs_that_they_have() {
+        for kind in KINDS {
+            assert!(!kind.stem.is_empty() && !kind.knobs.is_empty());
+            let lines = kind.panels.iter().flat_map(|panel| &panel.lines).map(|line| line.measure);
+            let axes = kind.trades.iter().flat_map(|trade| [trade.across.measure, trade.up.measure]);
+            let rows = || kind.findings.iter().filter_map(|claim| claim.rows.as_ref());
+            let runs = kind.measures.iter().filter_map(|measure| measure.runs);
+            for name in lines.chain(axes).chain(runs).chain(rows().map(|rows| rows.measure)) {
+                assert!(kind.measure(name).is_some(), "{}: {name}", kind.stem);
+            }
+            let implied = kind.knobs.iter().flat_map(|knob| &knob.implies).map(|(name, _)| *name);
+            let presets = kind.presets.iter().flat_map(|study| &study.axes).map(|axis| axis.knob);
+            assert!(kind.findings.iter().all(|claim| claim.rests_on.contains('{')), "{}", kind.stem);
+            for name in implied.chain(presets).chain(rows().map(|rows| rows.along)) {
+                assert!(kind.knob(name).is_some(), "{}: {name}", kind.stem);
+            }
+        }
     }
 }

@@ -1,41 +1,28 @@
 //! HTML page of a sweep: figures, findings, all points, and how they were measured. It is self-contained: no other
 //! files, no network, no scripts.
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::figures::{self, Figure};
 use super::findings::{Finding, Verdict};
-use super::kind::{Measured, words};
+use super::kind::{Format, Measure, fill};
+use super::point::{Measured, words};
 use super::score::Scored;
-use super::study::{Axis, Results};
-use super::table::{self, PointTable};
+use super::study::{Axis, Results, Study};
+use crate::report::Table;
 use crate::report::plot::number;
 use crate::report::plot::save::{self, escape};
 use crate::report::timing::runs_in_words;
 use codec::error::{Result, counted};
+use codec::image::StreamKind;
 use footage::files::write_whole;
 
 /// File name of the page.
 pub const PAGE: &str = "index.html";
 
-const STYLE: &str = "\
-body{font:16px/1.5 'DejaVu Sans',Verdana,sans-serif;color:#222;background:#fff;max-width:1320px;margin:0 auto;padding:24px}\
-h1{font-size:26px;margin:0 0 4px}h2{font-size:20px;margin:40px 0 8px;border-bottom:1px solid #ddd;padding-bottom:4px}\
-p{margin:6px 0}.faint{color:#606060}figure{margin:24px 0 36px;break-inside:avoid}\
-figure svg{max-width:100%;height:auto;border:1px solid #e2e2e2}figcaption{font-size:14px;max-width:1000px;color:#444}\
-.scroll{overflow-x:auto}table{border-collapse:collapse;font-size:13px;font-variant-numeric:tabular-nums}\
-th,td{padding:3px 8px;text-align:right;border-bottom:1px solid #e2e2e2;white-space:nowrap;vertical-align:top}\
-th{background:#f5f5f5;border-bottom:2px solid #bbb;white-space:normal;vertical-align:bottom}\
-td small{display:block;font-size:10px;color:#606060}h4{font-size:14px;margin:16px 0 4px}tr.best td{background:#fdf3d7}\
-ol.findings{padding-left:24px}ol.findings li{margin:12px 0;max-width:1100px}\
-.verdict{display:inline-block;padding:0 8px;border-radius:3px;font-size:13px;font-weight:bold;color:#fff;margin-left:6px}\
-.found{background:#1b7a4b}.not-found{background:#b3261e}.not-measured{background:#6b6b6b}\
-.small{font-size:14px;color:#444}code{font:13px 'DejaVu Sans Mono',Consolas,monospace;background:#f5f5f5;padding:1px 4px;\
-overflow-wrap:anywhere}dl{display:grid;grid-template-columns:max-content 1fr;gap:4px 16px;font-size:14px}dt{color:#606060}\
-dd{margin:0;overflow-wrap:anywhere}\
-@media print{body{max-width:none;padding:0;font-size:12px}h2{break-after:avoid}.scroll{overflow:visible}table{font-size:8px}\
-th,td{padding:1px 3px}}";
+/// Frame of the page, with the sections in braces.
+const FRAME: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
 
 #[derive(Debug, Clone, Default)]
 pub struct Extras {
@@ -59,130 +46,124 @@ pub fn write(results: &Results, extras: &Extras, folder: &Path) -> Result<Vec<Pa
 }
 
 fn html(results: &Results, figures: &[Figure], findings: &[Finding]) -> Result<String> {
-    let title = escape(&format!("{}: {}", results.sweep.title, results.input));
-    let mut page = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n\
-         <p class=\"faint\">{} in {}. {}</p>\n",
-        counted(results.measured.len() as u64, "point"),
-        counted(results.studies.len() as u64, "grid"),
-        escape(&results.about)
-    );
-    measured(&mut page, results);
-    page.push_str("<h2>Figures</h2>\n");
-    if figures.is_empty() {
-        page.push_str("<p>There is nothing to draw: no study has two points.</p>\n");
-    }
-    for figure in figures {
+    let figure = |figure: &Figure| {
         let (name, caption) = (escape(&figure.name), escape(&figure.caption));
         let svg = save::to_svg(&figure.drawing)?;
-        let _ = writeln!(page, "<figure id=\"{name}\">\n{svg}<figcaption>{caption}</figcaption>\n</figure>");
-    }
-    least_points(&mut page, results);
-    findings_of(&mut page, findings);
-    if !results.left_out.is_empty() {
-        let sentences: Vec<String> = results.left_out.iter().map(|of| format!("<li>{}</li>\n", escape(of))).collect();
-        let _ = write!(page, "<h2>Left out</h2>\n<ul>\n{}</ul>\n", sentences.concat());
-    }
-    page.push_str("<h2>All points</h2>\n");
-    tables(&mut page, results);
-    foot(&mut page, results);
-    page.push_str("</body>\n</html>\n");
-    Ok(page)
+        Ok(format!("<figure id=\"{name}\">\n{svg}<figcaption>{caption}</figcaption>\n</figure>\n"))
+    };
+    let figures = match figures.is_empty() {
+        true => "<p>There is nothing to draw: no study has two points.</p>\n".to_owned(),
+        false => figures.iter().map(figure).collect::<Result<String>>()?,
+    };
+    let left_out: String = results.left_out.iter().map(|of| format!("<li>{}</li>\n", escape(of))).collect();
+    let timed = runs_in_words(results.measured.iter().map(Measured::timed_runs));
+    let values = [
+        ("title", escape(&format!("{}: {}", results.sweep.title, results.input))),
+        ("style", STYLE.replace('\n', "")),
+        ("points", counted(results.measured.len() as u64, "point")),
+        ("grids", counted(results.studies.len() as u64, "grid")),
+        ("about", escape(&results.about)),
+        ("measured", measured(results)),
+        ("figures", figures),
+        ("least", least_points(results)),
+        ("findings", findings_of(findings)),
+        ("left_out", section("Left out", &left_out)),
+        ("tables", tables(results)),
+        ("facts", facts(results)),
+        ("method", escape(results.sweep.method)),
+        ("timed", timed.map_or_else(String::new, |runs| format!(" Times are {runs}."))),
+    ];
+    Ok(fill(FRAME, &values))
 }
 
-/// Writes the values of each knob, and the default point of each study that contains it.
-fn measured(page: &mut String, results: &Results) {
-    page.push_str("<h2>Measured</h2>\n<ul>\n");
-    for study in &results.studies {
+/// Returns a section with a list. Empty without items.
+fn section(title: &str, items: &str) -> String {
+    if items.is_empty() { String::new() } else { format!("<h2>{title}</h2>\n<ul>\n{items}</ul>\n") }
+}
+
+/// Returns the values of each knob, and the default point of each study that contains it.
+fn measured(results: &Results) -> String {
+    let study = |study: &Study| {
         let axis = |axis: &Axis| format!("{} {}", axis.knob, axis.values.join(", "));
         let axes = study.axes.iter().map(axis).collect::<Vec<_>>().join("; ");
         let fixed = words(&study.fixed).map_or_else(String::new, |fixed| format!("; all with {fixed}"));
-        let _ = writeln!(page, "<li>{}: {}</li>", escape(&study.title), escape(&format!("{axes}{fixed}")));
-    }
+        format!("<li>{}: {}</li>\n", escape(&study.title), escape(&format!("{axes}{fixed}")))
+    };
+    let default = |point: &Measured| {
+        let bytes = Some(point.count("bytes_container")).filter(|bytes| *bytes > 0);
+        let bytes = bytes.map(|bytes| number::bytes(bytes as f64)).into_iter();
+        let figures = bytes.chain([quality(point)].into_iter().filter(|words| !words.is_empty()));
+        let figures = escape(&figures.collect::<Vec<_>>().join(", "));
+        format!("<li>Default settings, <code>{}</code>: {figures}</li>\n", escape(&point.point.words()))
+    };
     let defaults = results.studies.iter().filter_map(|study| results.of(&study.default_point()?));
-    for point in defaults {
-        let bytes = point.count("bytes_container");
-        let bytes = if bytes == 0 { String::new() } else { format!("{}, ", number::bytes(bytes as f64)) };
-        let figures = format!("{bytes}{}", quality(point));
-        let _ = writeln!(
-            page,
-            "<li>Default settings, <code>{}</code>: {}</li>",
-            escape(&point.point.words()),
-            escape(figures.trim_end_matches(", "))
-        );
-    }
-    page.push_str("</ul>\n");
+    results.studies.iter().map(study).chain(defaults.map(default)).collect()
 }
 
-/// Writes the findings that were tested, and one line with the measurements that the others need.
-fn findings_of(page: &mut String, findings: &[Finding]) {
+/// Returns the findings that were tested, and one line with the measurements that the others need.
+fn findings_of(findings: &[Finding]) -> String {
     if findings.is_empty() {
-        return;
+        return String::new();
     }
+    let item = |finding: &&Finding| {
+        let verdict = finding.verdict.name();
+        format!(
+            "<li>{}<br>{} <span class=\"verdict {}\">{verdict}</span><br><span class=\"small\">Rule: {}</span></li>\n",
+            escape(&finding.rests_on),
+            escape(finding.sentence),
+            verdict.replace(' ', "-"),
+            escape(finding.rule)
+        )
+    };
+    let need = |finding: &&Finding| {
+        format!("{} ({})", finding.sentence.trim_end_matches('.'), finding.rests_on.trim_end_matches('.'))
+    };
     let (unmeasured, judged): (Vec<&Finding>, Vec<&Finding>) =
         findings.iter().partition(|finding| finding.verdict == Verdict::NotMeasured);
-    page.push_str("<h2>Findings of the papers on this footage</h2>\n");
-    if !judged.is_empty() {
-        let items: Vec<String> = judged.into_iter().map(item).collect();
-        let _ = write!(page, "<ol class=\"findings\">\n{}</ol>\n", items.concat());
-    }
-    if !unmeasured.is_empty() {
-        let each = unmeasured.iter().map(|finding| {
-            format!("{} ({})", finding.sentence.trim_end_matches('.'), finding.rests_on.trim_end_matches('.'))
-        });
-        let all = each.collect::<Vec<_>>().join("; ");
-        let _ = writeln!(page, "<p class=\"small\">Not measured: {}.</p>", escape(&all));
-    }
+    let (items, needs) =
+        (judged.iter().map(item).collect::<String>(), unmeasured.iter().map(need).collect::<Vec<_>>().join("; "));
+    let items = if items.is_empty() { items } else { format!("<ol class=\"findings\">\n{items}</ol>\n") };
+    let needs = match needs.is_empty() {
+        true => needs,
+        false => format!("<p class=\"small\">Not measured: {}.</p>\n", escape(&needs)),
+    };
+    format!("<h2>Findings of the papers on this footage</h2>\n{items}{needs}")
 }
 
-fn item(finding: &Finding) -> String {
-    let verdict = finding.verdict.name();
-    format!(
-        "<li>{}<br>{} <span class=\"verdict {}\">{verdict}</span><br><span class=\"small\">Rule: {}</span></li>\n",
-        escape(&finding.rests_on),
-        escape(finding.sentence),
-        verdict.replace(' ', "-"),
-        escape(finding.rule)
-    )
-}
-
-fn least_points(page: &mut String, results: &Results) {
-    let mut items = String::new();
+fn least_points(results: &Results) -> String {
     let mut warning = "";
-    for study in &results.studies {
+    let item = |study: &Study| {
         let scored = Scored::of_study(results, study);
-        let Some(point) = scored.winner() else { continue };
+        let point = scored.winner()?;
         let (mut what, mut alike) = ("best compromise", " of the same quality");
         if scored.quality_differs() {
             (what, alike) = ("least bytes and time", "");
             warning = " It ignores quality: where a knob that changes quality is swept, the worst quality often has the least \
                        score. Compare such settings by the Pareto fronts of the figures.";
         }
-        let _ = writeln!(
-            items,
-            "<li>{}: {what} of {} points{alike}: <code>{}</code>: {}, {} ms a frame, {}</li>",
+        Some(format!(
+            "<li>{}: {what} of {} points{alike}: <code>{}</code>: {}, {} ms a frame, {}</li>\n",
             escape(&study.title),
             scored.count(),
             escape(&point.point.words()),
             number::bytes(point.count("bytes_container") as f64),
             number::short(point.number("decode_ms_per_frame").unwrap_or(f64::NAN)),
             quality(point),
-        );
-    }
+        ))
+    };
+    let items: String = results.studies.iter().filter_map(item).collect();
     if items.is_empty() {
-        return;
+        return items;
     }
-    let _ = write!(
-        page,
-        "<h2>Least bytes and time</h2>\n<ul>\n{items}</ul>\n<p>The score weighs bytes and decoding time only.{warning}</p>\n\
+    format!(
+        "{}<p>The score weighs bytes and decoding time only.{warning}</p>\n\
          <p class=\"small\">A score is a point’s bytes to the power of {} times its decoding time to the power of {}, relative to \
          the least such product: 1.00 is the best point of its study, and 1.10 is 10% more. CALF maps bytes and times to 0..1 \
          first, so its scores differ.</p>\n",
+        section("Least bytes and time", &items),
         number::short(results.weights.compression),
         number::short(results.weights.decoding)
-    );
+    )
 }
 
 fn quality(point: &Measured) -> String {
@@ -197,75 +178,130 @@ fn quality(point: &Measured) -> String {
     parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
-fn tables(page: &mut String, results: &Results) {
+fn tables(results: &Results) -> String {
     let best: Vec<&Measured> =
         results.studies.iter().filter_map(|study| Scored::of_study(results, study).winner()).collect();
-    for stream in results.streams() {
-        if let Some(stream) = stream {
-            let _ = writeln!(page, "<h3>{}</h3>", escape(stream.name()));
-        }
-        table(page, &table::of(results, stream), &best);
-    }
+    let table = |stream: Option<StreamKind>| {
+        let title = stream.map_or_else(String::new, |stream| format!("<h3>{}</h3>\n", escape(stream.name())));
+        let table = table_of(results, stream);
+        let headings: String = table.headings.iter().map(|heading| format!("<th>{}</th>", escape(heading))).collect();
+        let cell = |cell: &Cell| {
+            let range = cell.range.as_ref();
+            let range = range.map_or_else(String::new, |range| format!("<small>{}</small>", escape(range)));
+            format!("<td>{}{range}</td>", escape(&cell.text))
+        };
+        let row = |row: &PointRow<'_>| {
+            let is_best = best.iter().any(|best| std::ptr::eq(*best, row.point));
+            let class = if is_best { " class=\"best\"" } else { "" };
+            format!("<tr{class}>{}</tr>\n", row.cells.iter().map(cell).collect::<String>())
+        };
+        let rows: String = table.rows.iter().map(row).collect();
+        format!(
+            "{title}<div class=\"scroll\"><table>\n<thead><tr>{headings}</tr></thead>\n<tbody>\n{rows}</tbody></table></div>\n"
+        )
+    };
+    let tables: String = results.streams().into_iter().map(table).collect();
     let tinted = if best.is_empty() { "" } else { "Tinted: the least score of a study. " };
-    let _ = writeln!(page, "<p class=\"small\">{tinted}Small figures are the shortest and the longest run.</p>");
+    format!("{tables}<p class=\"small\">{tinted}Small figures are the shortest and the longest run.</p>\n")
 }
 
-fn table(page: &mut String, table: &PointTable<'_>, tinted: &[&Measured]) {
-    page.push_str("<div class=\"scroll\"><table>\n<thead><tr>");
-    for heading in &table.headings {
-        let _ = write!(page, "<th>{}</th>", escape(heading));
-    }
-    page.push_str("</tr></thead>\n<tbody>\n");
-    for row in &table.rows {
-        let is_tinted = tinted.iter().any(|best| std::ptr::eq(*best, row.point));
-        page.push_str(if is_tinted { "<tr class=\"best\">" } else { "<tr>" });
-        for cell in &row.cells {
-            let range =
-                cell.range.as_ref().map_or_else(String::new, |range| format!("<small>{}</small>", escape(range)));
-            let _ = write!(page, "<td>{}{range}</td>", escape(&cell.text));
-        }
-        page.push_str("</tr>\n");
-    }
-    page.push_str("</tbody></table></div>\n");
-}
-
-fn foot(page: &mut String, results: &Results) {
-    page.push_str("<h2>How this was measured</h2>\n<dl>\n");
+fn facts(results: &Results) -> String {
     let code = |line: &str| format!("<code>{}</code>", escape(line));
-    let version = format!("lightfold {}", env!("CARGO_PKG_VERSION"));
     let facts = [
         (results.sweep.input_label, escape(&results.input)),
         ("Command", code(&results.command_line)),
         ("Machine", escape(&results.machine)),
-        ("Version", version),
+        ("Version", format!("lightfold {}", env!("CARGO_PKG_VERSION"))),
     ];
     let commands = results.commands.iter().map(|command| (command.makes, code(&command.line)));
-    for (name, value) in facts.into_iter().chain(commands) {
-        let _ = writeln!(page, "<dt>{}</dt><dd>{value}</dd>", escape(name));
+    let fact = |(name, value)| format!("<dt>{}</dt><dd>{value}</dd>\n", escape(name));
+    facts.into_iter().chain(commands).map(fact).collect()
+}
+
+/// Table of points, with columns for the knobs and measures that any of them has.
+pub struct PointTable<'a> {
+    pub headings: Vec<&'a str>,
+    pub rows: Vec<PointRow<'a>>,
+}
+
+pub struct PointRow<'a> {
+    pub point: &'a Measured,
+    pub cells: Vec<Cell>,
+}
+
+pub struct Cell {
+    pub text: String,
+    /// Shortest and longest run, if there are several.
+    pub range: Option<String>,
+}
+
+pub fn table_of(results: &Results, stream: Option<StreamKind>) -> PointTable<'_> {
+    let points: Vec<&Measured> = results.measured.iter().filter(|of| of.point.stream == stream).collect();
+    let has = |name: &str| points.iter().any(|of| of.point.value(name).is_some());
+    let knobs: Vec<&str> = results.sweep.knobs.iter().map(|knob| knob.name).filter(|name| has(name)).collect();
+    let shown = results.sweep.measures.iter().filter(|measure| !measure.heading.is_empty());
+    let measures: Vec<&Measure> =
+        shown.filter(|measure| points.iter().any(|of| of.number(measure.name).is_some())).collect();
+    let row = |point: &&'_ Measured| {
+        let values = knobs.iter().map(|name| point.point.value(name).unwrap_or("default").to_owned());
+        let values = values.map(|text| Cell { text, range: None });
+        values.chain(measures.iter().map(|measure| cell(point, measure))).collect()
+    };
+    let rows = points.iter().map(|point| PointRow { point, cells: row(point) }).collect();
+    let headings = knobs.iter().copied().chain(measures.iter().map(|measure| measure.heading)).collect();
+    PointTable { headings, rows }
+}
+
+fn cell(point: &Measured, measure: &Measure) -> Cell {
+    let Some(value) = point.number(measure.name) else { return Cell { text: "–".to_owned(), range: None } };
+    let print = |value: f64| print(value, measure.format);
+    let runs = measure.runs.map_or(0, |runs| point.runs(runs).len());
+    let spread = point.spread(measure.name).filter(|_| runs > 1);
+    Cell { text: print(value), range: spread.map(|spread| format!("{}–{}", print(spread.low), print(spread.high))) }
+}
+
+fn print(value: f64, format: Format) -> String {
+    match format {
+        _ if value.is_infinite() => "lossless".to_owned(),
+        Format::Bytes => number::bytes(value),
+        Format::Decimals(decimals) => format!("{value:.decimals$}"),
+        Format::Percent => format!("{:.2}", 100.0 * value),
+        Format::Even => number::even(value),
     }
-    let timed = runs_in_words(results.measured.iter().map(Measured::timed_runs));
-    let timed = timed.map_or_else(String::new, |runs| format!(" Times are {runs}."));
-    let _ = writeln!(
-        page,
-        "</dl>\n<p class=\"small\">{}{timed} Rounds of timed runs went over all points in turn.</p>",
-        escape(results.sweep.method)
-    );
+}
+
+impl PointTable<'_> {
+    pub fn text(&self) -> String {
+        let mut table = Table::new(&format!(">{}", self.headings.join("|>")));
+        for row in &self.rows {
+            table.row(row.cells.iter().map(|cell| cell.text.clone()));
+        }
+        table.to_string()
+    }
+}
+
+/// Returns all measures of a point that have a heading, as text with their headings.
+pub fn measure_words(point: &Measured) -> String {
+    let shown = point.kind.measures.iter().filter(|measure| !measure.heading.is_empty());
+    let words = shown.filter_map(|measure| {
+        Some(format!("{} {}", measure.heading, print(point.number(measure.name)?, measure.format)))
+    });
+    words.collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::tradeoff::coding;
-    use crate::report::tradeoff::kind::Value;
+    use crate::report::tradeoff::findings;
+    use crate::report::tradeoff::point::Value;
     use crate::report::tradeoff::tests::sample;
-    use codec::image::StreamKind;
 
     /// Content of the page of a coding sweep besides the points.
     fn extras(results: &Results) -> Extras {
         let tiles = sample::tiles();
-        let mut figures = coding::figures::bounds(results);
-        figures.extend(coding::figures::tiles(&tiles, "effort fast, domain log"));
-        Extras { figures, findings: coding::findings::judge(results, Some(&tiles)) }
+        let mut figures = figures::bounds(results);
+        figures.extend(figures::tiles(&tiles, "effort fast, domain log"));
+        Extras { figures, findings: findings::judge(results, Some(&tiles)) }
     }
 
     #[test]
@@ -295,7 +331,7 @@ mod tests {
     #[test]
     fn a_page_without_points_says_so() {
         let results = Results { measured: vec![], studies: vec![], ..sample::paper() };
-        let page = html(&results, &[], &coding::findings::judge(&results, None)).unwrap();
+        let page = html(&results, &[], &findings::judge(&results, None)).unwrap();
         assert!(page.contains("nothing to draw") && page.contains("Not measured: "), "{page}");
         assert!(page.contains("0 points in 0 grids") && !page.contains("<ol"), "{page}");
     }

@@ -1,27 +1,16 @@
 //! Builds studies from swept knobs and presets. Knobs that are swept together make one study per kind of stream: the
 //! grid of all their values.
 
-use super::coding::CODING;
-use super::figures::capital;
-use super::interpolation::INTERPOLATION;
-use super::kind::{Setting, SweepKind};
-use super::knob::{Knob, Stage};
-use super::placement::PLACEMENT;
-use super::rendering::RENDERING;
-use super::simplification::SIMPLIFICATION;
-use super::study::{Axis, Study};
+use super::kind::{CODING, KINDS, Knob, PLACEMENT, PresetAxis, PresetStudy, SweepKind};
+use super::point::Setting;
+use super::study::{Axis, Study, capital};
 use codec::error::{Error, Result};
 use codec::image::StreamKind;
 
-/// All kinds of sweeps. A knob shared by several kinds is described by the first.
-pub const KINDS: [&SweepKind; 5] = [&CODING, &PLACEMENT, &RENDERING, &SIMPLIFICATION, &INTERPOLATION];
-
-fn names(kind: &SweepKind) -> String {
-    kind.knobs.iter().map(|knob| knob.name).collect::<Vec<_>>().join(", ")
-}
-
 #[derive(Debug, Clone)]
 pub struct Sweep {
+    /// First kind of sweep that has the knob.
+    pub kind: &'static SweepKind,
     pub knob: &'static Knob,
     pub values: Vec<String>,
     /// False for the usual values.
@@ -33,12 +22,9 @@ impl Sweep {
     pub fn parse(text: &str) -> Result<Sweep, String> {
         let (name, values) = text.split_once('=').map_or((text, None), |(name, values)| (name, Some(values)));
         let name = name.trim().trim_start_matches("--");
-        let knob = KINDS.iter().find_map(|kind| kind.knob(name)).ok_or_else(|| {
-            let [coding, placing, rendering, simplifying, interpolating] = KINDS.map(names);
-            format!(
-                "'{name}' is not a knob; knobs of coding: {coding}; of placing cameras: {placing}; of rendering: \
-                {rendering}; of simplifying: {simplifying}; of interpolating: {interpolating}"
-            )
+        let (kind, knob) = KINDS.iter().find_map(|kind| Some((&***kind, kind.knob(name)?))).ok_or_else(|| {
+            let names = KINDS.map(|kind| format!("of {}: {}", kind.doing, kind.knob_names()));
+            format!("'{name}' is not a knob; knobs {}", names.join("; "))
         })?;
         let given = values.is_some();
         let values = values.map_or_else(
@@ -51,7 +37,7 @@ impl Sweep {
         if let Some(twice) = (1..values.len()).find(|&at| values[..at].contains(&values[at])) {
             return Err(format!("{name} has the value {} twice", values[twice]));
         }
-        Ok(Sweep { knob, values, given })
+        Ok(Sweep { kind, knob, values, given })
     }
 }
 
@@ -81,102 +67,34 @@ pub struct Plan {
     pub left_out: Vec<String>,
 }
 
-struct PresetStudy {
-    name: &'static str,
-    title: &'static str,
-    figures: &'static str,
-    stream: StreamKind,
-    axes: &'static [PresetAxis],
-    /// Settings of all points, unless the user gives others.
-    fixed: &'static [(&'static str, &'static str)],
-}
-
-struct PresetAxis {
-    knob: &'static str,
-    /// Comma-separated values of [`Preset::Paper`] and of [`Preset::Quick`].
-    paper: &'static str,
-    quick: &'static str,
-}
-
-const fn axis(knob: &'static str, paper: &'static str, quick: &'static str) -> PresetAxis {
-    PresetAxis { knob, paper, quick }
-}
-
-const BOUNDS: &[PresetAxis] = &[axis("max-error", "0,10,25,50,100,200,400,800", "0,50,200,800")];
-
-const PRESETS: &[PresetStudy] = &[
-    PresetStudy {
-        name: "boxes",
-        title: "Boxes of depth",
-        figures: "CALF figure 7",
-        stream: StreamKind::Depth,
-        axes: &[axis("depth-window", "1,2,4,8,16", "1,4,16"), axis("max-aabbs", "1,2,4,8,16", "1,4,16")],
-        fixed: &[],
-    },
-    PresetStudy {
-        name: "cells",
-        title: "Cells of colour",
-        figures: "CALF figure 8",
-        stream: StreamKind::Color,
-        axes: &[axis("color-cell", "8,16,32,64,128", "16,64"), axis("psnr", "30,35,40,45,50", "30,40,50")],
-        fixed: &[("color-codec", "cells")],
-    },
-    PresetStudy {
-        name: "bound",
-        title: "Error bound of depth",
-        figures: "GDC figures 5 and 8",
-        stream: StreamKind::Depth,
-        axes: BOUNDS,
-        fixed: &[("depth-codec", "quadtree")],
-    },
-    PresetStudy {
-        name: "predictive",
-        title: "Error bound of predictive depth",
-        figures: "beside GDC figures 5 and 8",
-        stream: StreamKind::Depth,
-        axes: BOUNDS,
-        fixed: &[("depth-codec", "predictive")],
-    },
-    PresetStudy {
-        name: "codecs",
-        title: "Depth without modelling functions",
-        figures: "base line of GDC figure 8",
-        stream: StreamKind::Depth,
-        axes: &[axis("depth-codec", "aabb", "aabb")],
-        fixed: &[],
-    },
-];
-
-impl PresetStudy {
-    fn study(&self, preset: Preset, fixed: &[Setting]) -> Result<Study> {
-        let values = |axis: &PresetAxis| if preset == Preset::Paper { axis.paper } else { axis.quick };
-        let axis =
-            |axis: &PresetAxis| Axis { knob: axis.knob, values: values(axis).split(',').map(str::to_owned).collect() };
-        let is_reduced = self.axes.iter().any(|axis| values(axis) != axis.paper);
-        let few = if is_reduced { ", few values" } else { "" };
-        let study = Study {
-            name: self.name.to_owned(),
-            title: format!("{} ({}{few})", self.title, self.figures),
-            sweep: &CODING,
-            stream: Some(self.stream),
-            axes: self.axes.iter().map(axis).collect(),
-            fixed: self.fixed.iter().map(|&(name, value)| (name, value.to_owned())).collect(),
-        };
-        with_fixed(study, fixed)
-    }
+fn preset_study(of: &PresetStudy, stream: StreamKind, request: &Request<'_>) -> Result<Study> {
+    let values = |axis: &PresetAxis| if request.preset == Some(Preset::Quick) { axis.quick } else { axis.paper };
+    let axis =
+        |axis: &PresetAxis| Axis { knob: axis.knob, values: values(axis).split(',').map(str::to_owned).collect() };
+    let is_reduced = of.axes.iter().any(|axis| values(axis) != axis.paper);
+    let few = if is_reduced { ", few values" } else { "" };
+    let study = Study {
+        name: of.name.to_owned(),
+        title: format!("{} ({}{few})", of.title, of.figures),
+        sweep: &CODING,
+        stream: Some(stream),
+        axes: of.axes.iter().map(axis).collect(),
+        fixed: of.fixed.iter().map(|&(name, value)| (name, value.to_owned())).collect(),
+    };
+    with_fixed(study, request.fixed)
 }
 
 /// Builds the studies: those of the preset first, then one of the swept knobs for each kind of stream.
 pub fn plan(request: &Request<'_>) -> Result<Plan> {
     let mut plan = Plan { studies: Vec::new(), tiles: false, left_out: Vec::new() };
-    if let Some(preset) = request.preset {
-        for study in PRESETS {
-            if request.streams.contains(&study.stream) {
-                plan.studies.push(study.study(preset, request.fixed)?);
-            } else {
-                let (name, stream) = (study.name, study.stream.name());
-                plan.left_out.push(format!("Study {name} was left out: no {stream} stream was chosen or is there."));
-            }
+    for study in CODING.presets.iter().filter(|_| request.preset.is_some()) {
+        let streams = study.axes.iter().filter_map(|axis| CODING.knob(axis.knob)).flat_map(|knob| &knob.streams);
+        let Some(&stream) = streams.into_iter().next() else { continue };
+        if request.streams.contains(&stream) {
+            plan.studies.push(preset_study(study, stream, request)?);
+        } else {
+            let (name, stream) = (study.name, stream.name());
+            plan.left_out.push(format!("Study {name} was left out: no {stream} stream was chosen or is there."));
         }
     }
     plan.tiles = request.preset == Some(Preset::Paper) && request.streams.contains(&StreamKind::Depth);
@@ -195,14 +113,14 @@ fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
     let sweeps = request.sweeps;
     refuse_twice(sweeps)?;
     let of_a_kind: Vec<_> = sweeps.iter().filter(|sweep| !sweep.knob.is_general()).collect();
-    for Sweep { knob, .. } in &of_a_kind {
+    for Sweep { kind, knob, .. } in &of_a_kind {
         if request.streams.iter().any(|kind| knob.concerns(Some(*kind))) {
             continue;
         }
         let kinds: Vec<_> = knob.streams.iter().map(|kind| kind.name()).collect();
-        let why = match knob.stage {
-            Stage::Place => "it is for placing cameras: use a scene instead of footage".to_owned(),
-            _ => format!("it is for {} streams, and none is selected or exists", kinds.join(" and ")),
+        let why = match **kind == *PLACEMENT {
+            true => "it is for placing cameras: use a scene instead of footage".to_owned(),
+            false => format!("it is for {} streams, and none is selected or exists", kinds.join(" and ")),
         };
         return Err(Error::Usage(format!("sweep of {}: {why}", knob.name)));
     }
@@ -221,7 +139,7 @@ fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
         // Stream-specific knobs come first: the first two axes are those of heat maps.
         axes.sort_by_key(|axis| CODING.knob(axis.knob).is_some_and(Knob::is_general));
         // The name contains the swept knobs, so that sweeps of different knobs into one folder keep all their pictures.
-        let knobs = axes.iter().map(|axis| CODING.key(axis.knob));
+        let knobs = axes.iter().map(|axis| axis.knob);
         let name = std::iter::once(kind.name()).chain(knobs).collect::<Vec<_>>().join("-");
         let title = title(&CODING, kind.name(), &axes);
         let study = Study { name, title, sweep: &CODING, stream: Some(kind), axes, fixed: Vec::new() };
@@ -246,7 +164,7 @@ pub fn grid(kind: &'static SweepKind, sweeps: &[Sweep]) -> Result<Study> {
     let axis = |sweep: &Sweep| {
         let name = sweep.knob.name;
         let knob = kind.knob(name).ok_or_else(|| {
-            Error::Usage(format!("sweep of {name}: no knob of {}, which has {}", kind.stem, names(kind)))
+            Error::Usage(format!("sweep of {name}: no knob of {}, which has {}", kind.stem, kind.knob_names()))
         })?;
         // The usual values of a knob may differ between kinds.
         let values = if sweep.given { sweep.values.clone() } else { knob.usual_values() };
@@ -257,7 +175,7 @@ pub fn grid(kind: &'static SweepKind, sweeps: &[Sweep]) -> Result<Study> {
         return Err(Error::Usage(format!(
             "nothing to measure: add --sweep with knobs of {}: {}",
             kind.stem,
-            names(kind)
+            kind.knob_names()
         )));
     }
     let title = title(kind, kind.stem, &axes);

@@ -4,21 +4,23 @@
 //! one point, threads and device are ordinary options, and the CSV contains the command of each row. Starting a process
 //! takes milliseconds and is not part of any time: commands report their own.
 
+use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
-use serde_json::Value;
+use serde_json::Value as Json;
 
-use super::findings::Finding;
-use super::kind::{Measured, Point, SweepKind};
-use super::study::{ExampleCommand, Results};
+use super::kind::{Measure, Source, SweepKind, concerns, fill};
+use super::point::{Measured, Point, Value, compute};
+use super::study::ExampleCommand;
 use codec::error::{Error, Result};
 use footage::json;
+use simplify::{selection, texture_sizes};
 
 /// Runs command lines of this program. Implemented by the command line.
 pub trait Runner {
     /// Runs a command and returns the JSON that it printed. Errors name the command.
-    fn run(&self, words: &[OsString]) -> Result<Value>;
+    fn run(&self, words: &[OsString]) -> Result<Json>;
 
     /// Returns the seconds since the program began.
     fn now_seconds(&self) -> f64;
@@ -61,103 +63,100 @@ pub trait Bench {
     }
 }
 
-/// A point that one command measures. The first run of the command is timed, too.
-pub trait CommandBench {
-    fn kind(&self) -> &'static SweepKind;
+/// Points that one command measures, and perhaps another compares. The first run of the command is timed, too.
+#[derive(Debug, Clone)]
+pub struct CommandBench {
+    pub kind: &'static SweepKind,
+    /// Folder of files of the commands.
+    pub work: PathBuf,
+    /// Words of each variable of the kind's command lines: `input`; `fixed`, the options of all points; `kept`, those
+    /// of them that do not belong to a search; and values of fixed options by name. `work` and `point` are added.
+    pub variables: BTreeMap<&'static str, Vec<String>>,
+}
 
-    fn about(&self) -> String;
-
-    /// Returns the description of the input in the JSON report.
-    fn input(&self) -> Value;
-
-    /// Returns a command that runs once before all points, with its files in `work`, and a description of its output.
-    fn preparation(&self, _work: &Path) -> Option<(&'static str, Vec<OsString>)> {
-        None
+impl CommandBench {
+    /// Returns a command line of the kind. A variable that is a word of its own stands for any number of words. A word
+    /// with a variable that has none is left out.
+    fn line(&self, template: &str, point: Option<&Point>, work: &Path) -> Vec<OsString> {
+        let word = |word: &str| -> Vec<OsString> {
+            let name = word.strip_prefix('{').and_then(|word| word.strip_suffix('}'));
+            if let Some(path) = word.strip_prefix("{work}/") {
+                vec![work.join(path).into()]
+            } else if name == Some("point") {
+                point.into_iter().flat_map(Point::options).collect()
+            } else if let Some(words) = name.and_then(|name| self.variables.get(name)) {
+                words.iter().map(OsString::from).collect()
+            } else if self
+                .variables
+                .iter()
+                .any(|(name, words)| words.is_empty() && word.contains(&format!("{{{name}}}")))
+            {
+                Vec::new()
+            } else {
+                vec![self.fill(word).into()]
+            }
+        };
+        template.split(' ').flat_map(word).collect()
     }
 
-    /// Returns the command of a point, with its files in `work`.
-    fn line(&self, point: &Point, work: &Path) -> Vec<OsString>;
-
-    /// Returns the same command as a user would give it.
-    fn user_line(&self, point: &Point) -> String {
-        shell_line(&self.line(point, Path::new("")))
+    /// Replaces the variables of a sentence or word.
+    fn fill(&self, text: &str) -> String {
+        let values: Vec<_> = self.variables.iter().map(|(name, words)| (*name, words.join(" "))).collect();
+        fill(text, &values)
     }
 
-    /// Adds a timed run.
-    fn add_run(&self, report: &Report, measured: &mut Measured) -> Result<()> {
-        measured.push_run("runs", report.number("seconds")?);
-        Ok(())
+    pub fn about(&self) -> String {
+        self.fill(self.kind.about)
     }
 
-    /// Adds all other values of a point. Its files are in the folder of `commands`.
-    fn add_values(&self, commands: &Lines<'_>, report: &Report, measured: &mut Measured) -> Result<()>;
-
-    /// See [`Bench::is_infeasible`].
-    fn is_infeasible(&self, _error: &Error) -> bool {
-        false
+    /// Returns the command that runs once before all points, if there is one.
+    pub fn preparation(&self, work: &Path) -> Option<Vec<OsString>> {
+        (!self.kind.prepare.is_empty()).then(|| self.line(self.kind.prepare, None, work))
     }
 
-    /// Tests the claims of the papers on the results.
-    fn findings(_results: &Results) -> Vec<Finding>
-    where
-        Self: Sized,
-    {
-        Vec::new()
+    pub fn point_line(&self, point: &Point, work: &Path) -> Vec<OsString> {
+        self.line(self.kind.point, Some(point), work)
     }
 
     /// Returns commands that reproduce the preparation and the first point.
-    fn examples(&self, points: &[Point]) -> Vec<ExampleCommand> {
+    pub fn examples(&self, points: &[Point]) -> Vec<ExampleCommand> {
         let before = self.preparation(Path::new(""));
-        let before = before.map(|(makes, words)| ExampleCommand { makes, line: shell_line(&words) });
-        let first = points.first().map(|point| ExampleCommand { makes: "First point", line: self.user_line(point) });
+        let before = before.map(|words| ExampleCommand { makes: self.kind.makes, line: shell_line(&words) });
+        let first = points.first().map(|point| ExampleCommand { makes: "First point", line: self.command(point) });
         before.into_iter().chain(first).collect()
     }
 }
 
-/// Returns a command with its input, the options of all points, then those of a point.
-pub fn words_of([command, input]: [&str; 2], fixed: &[String], point: &Point) -> Vec<OsString> {
-    let words = [command, input].into_iter().chain(fixed.iter().map(String::as_str));
-    words.map(OsString::from).chain(point.options()).collect()
-}
-
-/// Runner of commands, and the folder of their files.
-pub struct Lines<'a> {
-    pub runner: &'a dyn Runner,
-    pub work: &'a Path,
-}
-
-pub struct Commands<B> {
-    pub bench: B,
-    pub work: PathBuf,
-}
-
-impl<B: CommandBench> Bench for Commands<B> {
+impl Bench for CommandBench {
     fn command(&self, point: &Point) -> String {
-        self.bench.user_line(point)
+        let template = if self.kind.user.is_empty() { self.kind.point } else { self.kind.user };
+        shell_line(&self.line(template, Some(point), Path::new("")))
     }
 
     fn prepare(&mut self, runner: &dyn Runner) -> Result<()> {
-        let before = self.bench.preparation(&self.work);
-        before.map_or(Ok(()), |(_, words)| runner.run(&words).map(drop))
+        self.preparation(&self.work).map_or(Ok(()), |words| runner.run(&words).map(drop))
     }
 
     fn survey(&mut self, runner: &dyn Runner, point: &Point) -> Result<Survey> {
         let start = runner.now_seconds();
-        let mut measured = Measured::new(self.bench.kind(), point.clone());
-        let report = Report::of(runner, &self.bench.line(point, &self.work))?;
-        self.bench.add_run(&report, &mut measured)?;
+        let mut measured = Measured::new(self.kind, point.clone());
+        let mut report = Report::of(runner, &self.point_line(point, &self.work))?;
+        report.add_runs(&mut measured)?;
         let run = runner.now_seconds() - start;
-        self.bench.add_values(&Lines { runner, work: &self.work }, &report, &mut measured)?;
+        if !self.kind.compared.is_empty() {
+            report.value["compared"] = runner.run(&self.line(self.kind.compared, Some(point), &self.work))?;
+        }
+        report.add_values(&mut measured)?;
         Ok(Survey { measured, cost: Cost { survey: runner.now_seconds() - start, run } })
     }
 
     fn time(&mut self, runner: &dyn Runner, measured: &mut Measured) -> Result<()> {
-        let report = Report::of(runner, &self.bench.line(&measured.point, &self.work))?;
-        self.bench.add_run(&report, measured)
+        Report::of(runner, &self.point_line(&measured.point, &self.work))?.add_runs(measured)
     }
 
     fn is_infeasible(&self, error: &Error) -> bool {
-        self.bench.is_infeasible(error)
+        let said = error.to_string();
+        selection::says_infeasible(&said) || texture_sizes::says_infeasible(&said)
     }
 }
 
@@ -174,10 +173,10 @@ pub struct Cost {
     pub run: f64,
 }
 
-/// JSON report of a command, or a part of it.
+/// JSON report of a command, or of several.
 pub struct Report {
-    pub value: Value,
-    command: String,
+    pub value: Json,
+    pub command: String,
 }
 
 impl Report {
@@ -185,24 +184,50 @@ impl Report {
         Ok(Report { value: runner.run(words)?, command: shell_line(words) })
     }
 
-    pub fn part(&self, key: &str) -> Report {
-        Report { value: self.value[key].clone(), command: self.command.clone() }
+    /// Adds a timed run, from the paths of the kind's measures.
+    pub fn add_runs(&self, measured: &mut Measured) -> Result<()> {
+        for measure in measured.kind.measures.iter().filter(|measure| measure.source == Source::Runs) {
+            measured.push_run(measure.name, self.number(measure.report)?);
+        }
+        Ok(())
     }
 
-    /// Returns the number at a JSON pointer, given without its first slash.
-    pub fn number(&self, path: &str) -> Result<f64> {
-        let (object, key) = path.rsplit_once('/').unwrap_or(("", path));
-        let object = if object.is_empty() { String::new() } else { format!("/{object}") };
-        let found = self.value.pointer(&object).and_then(|object| json::read_number(object, key));
-        found.ok_or_else(|| self.no_number(path))
+    /// Sets all other values of a point.
+    pub fn add_values(&self, measured: &mut Measured) -> Result<()> {
+        let stream = measured.point.stream;
+        let is_read =
+            |of: &&Measure| of.source != Source::Runs && !of.report.is_empty() && concerns(&of.streams, stream);
+        for measure in measured.kind.measures.iter().filter(is_read) {
+            let value = match measure.source {
+                Source::Count => self.count(measure.report).map(Value::Count),
+                // Rounding may make numbers less than 0.
+                Source::Number => self.number(measure.report).map(|number| Value::Number(number.max(0.0))),
+                _ => self.number(measure.report).map(Value::Number),
+            };
+            measured.set(measure.name, if measure.optional { value.ok() } else { Some(value?) });
+        }
+        Ok(())
+    }
+
+    /// Returns the number at a path, or that of a formula of paths.
+    pub fn number(&self, formula: &str) -> Result<f64> {
+        let number = |path: &str| {
+            let (object, key) = path.rsplit_once('/').map_or(("", path), |(object, key)| (object, key));
+            let object = if object.is_empty() { String::new() } else { format!("/{object}") };
+            json::read_number(self.value.pointer(&object)?, key)
+        };
+        compute(formula, number).ok_or_else(|| self.no_number(formula))
+    }
+
+    /// Returns the count at a path: a number, or the length of an array.
+    pub fn count(&self, path: &str) -> Result<u64> {
+        let found = self.value.pointer(&format!("/{path}"));
+        let count = found.and_then(|of| of.as_u64().or_else(|| of.as_array().map(|all| all.len() as u64)));
+        count.ok_or_else(|| self.no_number(path))
     }
 
     fn no_number(&self, path: &str) -> Error {
         Error::invalid(format!("{}: its report has no number {}", self.command, path.replace('/', ".")))
-    }
-
-    pub fn count(&self, path: &str) -> Result<u64> {
-        self.value.pointer(&format!("/{path}")).and_then(Value::as_u64).ok_or_else(|| self.no_number(path))
     }
 }
 
@@ -223,24 +248,4 @@ pub fn shell_word(text: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use serde_json::json;
-
-    #[test]
-    fn words_of_a_shell() {
-        assert_eq!(shell_word("a/b-c_1.%04d"), "a/b-c_1.%04d");
-        assert_eq!(shell_word("it's"), r"'it'\''s'");
-        assert_eq!(shell_word(""), "''");
-    }
-
-    #[test]
-    fn a_report_without_a_number_is_refused() {
-        let report = Report {
-            value: json!({ "a": { "b": null, "c": null, "c_is": "inf" } }),
-            command: "lightfold x".to_owned(),
-        };
-        assert_eq!(report.number("a/c").unwrap(), f64::INFINITY);
-        assert!(report.number("a/b").unwrap_err().to_string().contains("lightfold x: its report has no number a.b"));
-    }
-}
+mod tests;

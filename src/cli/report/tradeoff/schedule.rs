@@ -5,11 +5,11 @@
 //! axes, and add values between them, coarse to fine, as long as all rounds are expected to fit. A value is added for
 //! its whole grid, or not at all.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 
 use serde::Serialize;
 
-use super::kind::Point;
+use super::point::Point;
 use super::runner::{Bench, Cost, Runner, Survey};
 use super::store::{Store, StoredPoint};
 use super::study::{Axis, Study, all_points};
@@ -285,7 +285,8 @@ impl Measurement<'_> {
         let mut grids: Vec<Grid<'_>> = Vec::new();
         let mut left_out = Vec::new();
         for study in studies {
-            let mut grid = Grid::new(study);
+            let is_end = |axis: &Axis, at| at == 0 || at + 1 == axis.values.len() || Some(at) == study.default_at(axis);
+            let mut grid = Grid::new(study, is_end);
             let points = all_points(&[grid.reduced()]);
             let is_first = grids.is_empty();
             let hopeful = is_first || self.repeats_that_fit(&points, &accepted).is_some();
@@ -294,7 +295,7 @@ impl Measurement<'_> {
                 grids.push(grid);
             } else if let Some(point) = probed.filter(|_| is_first) {
                 // The first study always gets one point, so that there is a result.
-                grid = Grid::of(study, |axis, at| point.value(axis.knob) == Some(&axis.values[at]));
+                grid = Grid::new(study, |axis, at| point.value(axis.knob) == Some(&axis.values[at]));
                 if !self.add(std::slice::from_ref(&point), &mut accepted, studies)? {
                     self.extent.repeats = 1;
                     accepted.push(point);
@@ -308,14 +309,11 @@ impl Measurement<'_> {
                 ));
             }
         }
-        while grids.iter().any(|grid| grid.next.is_some()) {
+        while grids.iter().any(|grid| !grid.next.is_empty()) {
             for grid in &mut grids {
-                let Some((axis, value)) = grid.next else { continue };
+                let Some((axis, value)) = grid.next.pop_front() else { continue };
                 grid.taken[axis][value] = true;
-                let fits = self.add(&grid.reduced().points(), &mut accepted, studies)?;
-                grid.taken[axis][value] = fits;
-                grid.tried[axis][value] = true;
-                grid.advance(axis);
+                grid.taken[axis][value] = self.add(&grid.reduced().points(), &mut accepted, studies)?;
             }
         }
         left_out.extend(grids.iter().flat_map(|grid| grid.missing(budget)));
@@ -354,33 +352,27 @@ impl Measurement<'_> {
     }
 }
 
-/// Study under construction: the values of each axis that are taken, and those that were tried.
+/// Study under construction: the values of each axis that are taken, and those to try, coarse to fine.
 struct Grid<'a> {
     study: &'a Study,
     taken: Vec<Vec<bool>>,
-    tried: Vec<Vec<bool>>,
-    next: Option<(usize, usize)>,
+    /// Indices of axes and values.
+    next: VecDeque<(usize, usize)>,
 }
 
 impl<'a> Grid<'a> {
-    fn new(study: &'a Study) -> Grid<'a> {
-        Grid::of(study, |axis, at| at == 0 || at + 1 == axis.values.len() || Some(at) == study.default_at(axis))
-    }
-
-    fn of(study: &'a Study, chosen: impl Fn(&Axis, usize) -> bool) -> Grid<'a> {
+    fn new(study: &'a Study, chosen: impl Fn(&Axis, usize) -> bool) -> Grid<'a> {
         let of_axis = |axis: &Axis| (0..axis.values.len()).map(|at| chosen(axis, at)).collect();
         let taken: Vec<Vec<bool>> = study.axes.iter().map(of_axis).collect();
-        let mut grid = Grid { study, tried: taken.clone(), taken, next: None };
-        grid.advance(study.axes.len().saturating_sub(1));
-        grid
-    }
-
-    /// Selects the next value to try after one of `axis`: the untried value farthest from the tried ones, on the next
-    /// axis that has untried values.
-    fn advance(&mut self, axis: usize) {
-        let count = self.study.axes.len();
-        self.next =
-            (1..=count).map(|step| (axis + step) % count).find_map(|axis| Some((axis, farthest(&self.tried[axis])?)));
+        let (count, mut tried, mut next) = (taken.len(), taken.clone(), VecDeque::new());
+        // After a value of an axis, the untried value farthest from the tried ones, on the next axis that has any.
+        let mut order = (0..count).chain(0..count);
+        while let Some((axis, value)) = order.find_map(|axis| Some((axis, farthest(&tried[axis])?))) {
+            tried[axis][value] = true;
+            next.push_back((axis, value));
+            order = (axis + 1..count).chain(0..axis + 1);
+        }
+        Grid { study, taken, next }
     }
 
     fn axes(&self, are_taken: bool) -> impl Iterator<Item = Axis> {

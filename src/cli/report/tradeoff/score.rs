@@ -1,6 +1,6 @@
 //! Score of size and decoding time: CALF's weighted geometric score (figures 7 and 8).
 
-use super::kind::Measured;
+use super::point::Measured;
 use super::study::{Results, Study, Weights};
 
 const MIN_SECONDS: f64 = 1e-9;
@@ -76,7 +76,7 @@ fn is_of_like_quality(a: &Measured, b: &Measured) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::tradeoff::kind::Value;
+    use crate::report::tradeoff::point::Value;
     use crate::report::tradeoff::tests::sample;
 
     fn point(bytes: u64, seconds: f64) -> Measured {

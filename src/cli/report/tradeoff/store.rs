@@ -8,7 +8,8 @@ use std::str::FromStr;
 
 use serde_json::json;
 
-use super::kind::{Measure, Measured, Point, Source, SweepKind, Value};
+use super::kind::{Measure, Source, SweepKind};
+use super::point::{Measured, Point, Value};
 use crate::report::csv::of_records;
 use codec::error::{Error, Result};
 use codec::image::StreamKind;
@@ -99,7 +100,7 @@ impl Store {
 
     fn columns(&self) -> Vec<String> {
         let before = if self.kind.is_resumable { "" } else { "settings_" };
-        let knobs = self.knobs.iter().map(|name| format!("{before}{}", self.kind.key(name)));
+        let knobs = self.knobs.iter().map(|name| format!("{before}{name}"));
         let measures = self.measures().map(|measure| measure.name.to_owned());
         self.record(["studies", "kind"], knobs.chain(measures), ["command", "made_of"])
     }
@@ -126,7 +127,7 @@ impl Store {
 
     fn measures(&self) -> impl Iterator<Item = &'static Measure> {
         let with_runs = self.kind.is_resumable;
-        self.kind.measures.iter().filter(move |measure| with_runs || !matches!(measure.source, Source::Runs))
+        self.kind.measures.iter().filter(move |measure| with_runs || measure.source != Source::Runs)
     }
 
     fn cell(&self, value: Option<Value>) -> String {
@@ -169,11 +170,13 @@ impl Cells<'_> {
         }
     }
 
-    fn value(&self, Measure { name, source, .. }: &Measure) -> Result<Option<Value>, String> {
-        Ok(match *source {
-            Source::Count(least) => self.parse(name, least.is_some(), |count| Some(count) >= least)?.map(Value::Count),
-            Source::Number { is_needed, may_be_infinite } => {
-                let fits = |number: f64| number >= 0.0 && (number.is_finite() || may_be_infinite);
+    fn value(&self, measure: &Measure) -> Result<Option<Value>, String> {
+        let (name, is_needed) = (measure.name, !measure.optional);
+        Ok(match measure.source {
+            Source::Count => self.parse(name, is_needed, |count| count >= measure.least)?.map(Value::Count),
+            Source::Number | Source::Decibels => {
+                let is_decibels = measure.source == Source::Decibels;
+                let fits = |number: f64| number >= 0.0 && (number.is_finite() || is_decibels);
                 self.parse(name, is_needed, fits)?.map(Value::Number)
             }
             Source::Signed => {
@@ -186,17 +189,17 @@ impl Cells<'_> {
                 let wrong = || format!("{name} is '{text}', where seconds separated by {BETWEEN} were expected");
                 Some(runs.ok_or_else(wrong)?).filter(|runs| !runs.is_empty()).map(Value::Runs)
             }
-            Source::Derived(_) => None,
+            Source::Median | Source::Shortest | Source::Longest | Source::Formula => None,
         })
     }
 
     fn row(&self, kind: &'static SweepKind) -> Result<StoredPoint, String> {
         let stream = self.text("kind");
         let stream = StreamKind::from_name(stream).ok_or_else(|| format!("'{stream}' is not a kind of stream"))?;
-        let settings = kind.knobs.iter().map(|knob| (knob.name, self.text(knob.key()).to_owned()));
+        let settings = kind.knobs.iter().map(|knob| (knob.name, self.text(knob.name).to_owned()));
         let settings = settings.filter(|(_, value)| !value.is_empty()).collect();
         let mut measured = Measured::new(kind, Point::new(kind, Some(stream), settings));
-        for measure in kind.measures {
+        for measure in &kind.measures {
             measured.set(measure.name, self.value(measure)?);
         }
         let hash = self.text("made_of");
@@ -213,7 +216,7 @@ impl Cells<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::tradeoff::coding::CODING;
+    use crate::report::tradeoff::kind::CODING;
 
     fn row(stream: StreamKind, runs: &[f64]) -> StoredPoint {
         let settings = vec![("psnr", "40".to_owned()), ("threads", "1".to_owned())];

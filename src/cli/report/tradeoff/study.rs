@@ -1,13 +1,12 @@
 //! Grids of knob values, and the results of measuring them.
 
 use serde::{Serialize, Serializer};
-use serde_json::{Map, json};
 
-use super::kind::{Measured, Point, Setting, SweepKind};
-use super::knob;
+use super::kind::SweepKind;
+use super::point::{Measured, Point, Setting, number};
 use codec::image::StreamKind;
 
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Axis {
     pub knob: &'static str,
     pub values: Vec<String>,
@@ -16,37 +15,32 @@ pub struct Axis {
 impl Axis {
     /// Returns the values as numbers (`16`, `0.1%`). `None` if any value is not a number.
     pub fn numbers(&self) -> Option<Vec<f64>> {
-        self.values.iter().map(|value| knob::number(value)).collect()
+        self.values.iter().map(|value| number(value)).collect()
     }
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Study {
     /// Short name for files: lower case, words joined by hyphens, unique among the studies of a report.
     pub name: String,
     pub title: String,
+    #[serde(skip)]
     pub sweep: &'static SweepKind,
+    #[serde(rename = "kind", serialize_with = "stream_name")]
     pub stream: Option<StreamKind>,
     /// Varied knobs. The first two with more than one value are the axes of heat maps.
     pub axes: Vec<Axis>,
     /// Settings of all points that differ from the defaults.
+    #[serde(serialize_with = "as_map")]
     pub fixed: Vec<Setting>,
 }
 
-impl Serialize for Study {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let key = |name| self.sweep.key(name);
-        let axis = |axis: &Axis| json!({ "knob": key(axis.knob), "values": axis.values });
-        let fixed: Map<_, _> = self.fixed.iter().map(|(name, value)| (key(name).to_owned(), json!(value))).collect();
-        let study = json!({
-            "name": self.name,
-            "title": self.title,
-            "kind": self.stream.map(StreamKind::name),
-            "axes": self.axes.iter().map(axis).collect::<Vec<_>>(),
-            "fixed": fixed,
-        });
-        study.serialize(to)
-    }
+fn stream_name<S: Serializer>(stream: &Option<StreamKind>, to: S) -> Result<S::Ok, S::Error> {
+    stream.map(StreamKind::name).serialize(to)
+}
+
+fn as_map<S: Serializer>(settings: &[Setting], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_map(settings.iter().map(|(name, value)| (name, value)))
 }
 
 impl Study {
@@ -59,9 +53,8 @@ impl Study {
     /// Returns the index of the knob's default among the values of its axis.
     pub fn default_at(&self, axis: &Axis) -> Option<usize> {
         let default = self.sweep.knob(axis.knob)?.default;
-        let is_default = |value: &String| {
-            value == default || knob::number(value).is_some_and(|number| knob::number(default) == Some(number))
-        };
+        let is_default =
+            |value: &String| value == default || number(value).is_some_and(|of| number(default) == Some(of));
         axis.values.iter().position(is_default)
     }
 
@@ -82,6 +75,11 @@ impl Study {
     pub fn label(&self, axis: &Axis) -> &'static str {
         self.sweep.knob(axis.knob).map_or(axis.knob, |knob| knob.label)
     }
+}
+
+pub fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Returns all points of studies, each once: those of the default settings first, then in the order of the studies.
@@ -157,7 +155,7 @@ impl Results {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::tradeoff::kind::words;
+    use crate::report::tradeoff::point::words;
 
     #[test]
     fn a_product_has_every_value_with_every_other_the_last_axis_fastest() {

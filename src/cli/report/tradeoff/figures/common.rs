@@ -4,7 +4,8 @@ use crate::report::plot::chart::{Chart, Kind, Series};
 use crate::report::plot::drawing::Text;
 use crate::report::plot::{Drawing, axis, number, palette};
 use crate::report::timing::runs_in_words;
-use crate::report::tradeoff::kind::{Measured, PanelLine, Point, Scale, Setting, words};
+use crate::report::tradeoff::kind::{PanelLine, Scale};
+use crate::report::tradeoff::point::{Measured, Point, Setting, words};
 use crate::report::tradeoff::study::{Axis, Results, Study};
 
 pub use crate::report::plot::chart::Mark;

@@ -1,29 +1,19 @@
 //! Charts of a report: one figure per study, and one per pair of measures that a sweep kind trades.
 
 mod common;
-mod grid;
-mod line;
+mod study;
+mod tiles;
 mod trade;
 
-pub use common::{Figure, Mark, extents, sheet, subtitle};
-pub use grid::capital;
-pub use line::{Along, along};
+pub use common::Figure;
+pub use study::bounds;
+pub use tiles::figure as tiles;
 
 use super::study::Results;
 
 pub fn all(results: &Results) -> Vec<Figure> {
-    let mut figures = Vec::new();
-    for study in &results.studies {
-        match study.varied().as_slice() {
-            [] => {}
-            [axis] => figures.extend(line::figure(results, study, axis)),
-            [rows, columns, others @ ..] => {
-                figures.extend(grid::figures(results, study, grid::Axes { rows, columns, others }));
-            }
-        }
-    }
-    figures.extend(trade::figures(results));
-    figures
+    let studies = results.studies.iter().flat_map(|of| study::figures(results, of));
+    studies.chain(trade::figures(results)).collect()
 }
 
 #[cfg(test)]

@@ -2,11 +2,11 @@ use std::collections::BTreeSet;
 
 use proptest::prelude::*;
 
+use super::common::{Mark, extents};
 use super::*;
 use crate::report::plot::drawing::{Anchor, Direction, Shape, Text};
 use crate::report::plot::{Drawing, font, save};
-use crate::report::tradeoff::coding;
-use crate::report::tradeoff::kind::{Measured, Point, Value};
+use crate::report::tradeoff::point::{Measured, Point, Value};
 use crate::report::tradeoff::tests::sample;
 use codec::image::StreamKind;
 
@@ -75,7 +75,7 @@ fn check_xml(name: &str, svg: &str) {
 
 fn check_all(results: &Results) -> Vec<Figure> {
     let mut figures = all(results);
-    figures.extend(coding::figures::bounds(results));
+    figures.extend(super::bounds(results));
     let names: BTreeSet<&str> = figures.iter().map(|figure| figure.name.as_str()).collect();
     assert_eq!(names.len(), figures.len(), "{names:?}");
     for figure in &figures {
@@ -89,7 +89,7 @@ fn check_all(results: &Results) -> Vec<Figure> {
 #[test]
 fn the_papers_figures_are_drawn() {
     let mut figures = check_all(&sample::paper());
-    figures.extend(coding::figures::tiles(&sample::tiles(), "effort fast, domain log"));
+    figures.extend(tiles(&sample::tiles(), "effort fast, domain log"));
     let names: Vec<&str> = figures.iter().map(|figure| figure.name.as_str()).collect();
     let expected = [
         "boxes",

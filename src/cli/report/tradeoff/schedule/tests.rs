@@ -6,11 +6,9 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use super::*;
-use crate::report::tradeoff::coding::CODING;
-use crate::report::tradeoff::coding::bench::CodingBench;
-use crate::report::tradeoff::coding::commands::{Form, Input};
-use crate::report::tradeoff::kind::Value as Stored;
+use crate::report::tradeoff::coding::{CODING, CodingBench, Input};
 use crate::report::tradeoff::plan::{Request, Sweep, plan};
+use crate::report::tradeoff::point::Value as Stored;
 use crate::report::tradeoff::runner::shell_line;
 use codec::error::Error;
 use codec::image::StreamKind;
@@ -85,7 +83,7 @@ impl Runner for Fake {
 fn input() -> Input {
     Input {
         path: "scene".into(),
-        form: Form::Dataset,
+        encoder: "encode",
         kinds: vec![(StreamKind::Color, 6), (StreamKind::Depth, 6)],
         encode: Vec::new(),
         diff: Vec::new(),
@@ -219,8 +217,8 @@ fn a_budget_adds_whole_values_coarse_to_fine_and_says_what_it_left_out() {
     assert_eq!(
         left_out,
         [
-            "Study color-psnr-cell: psnr 20, 40 did not fit into 40 s.",
-            "Study color-psnr-cell: color-cell 16 did not fit into 40 s."
+            "Study color-psnr-color-cell: psnr 20, 40 did not fit into 40 s.",
+            "Study color-psnr-color-cell: color-cell 16 did not fit into 40 s."
         ]
     );
     assert!(took <= 40.0, "{took}");
@@ -232,7 +230,7 @@ fn a_budget_adds_whole_values_coarse_to_fine_and_says_what_it_left_out() {
     // Even the smallest budget allows one run of one point.
     let (grid, left_out, took) = within(1.0, 3);
     assert_eq!((grid, took), (vec!["10".to_owned(), "8".to_owned()], 6.0));
-    assert_eq!(left_out[0], "Study color-psnr-cell: psnr 20, 30, 40, 50 did not fit into 1 s.");
+    assert_eq!(left_out[0], "Study color-psnr-color-cell: psnr 20, 30, 40, 50 did not fit into 1 s.");
     assert_eq!((left_out.len(), left_out[3].as_str()), (4, "It took 6.0 s instead of 1 s."));
     // If the ends of the axes do not all fit, some of them do.
     let (grid, _, took) = within(14.0, 1);
@@ -287,7 +285,7 @@ fn what_is_measured_costs_nothing_and_what_is_missing_costs_what_it_did() {
         run(&more, &["psnr=10,20,30,40,50,60,70", "color-cell=8,16,32"], extent, folder.path()).unwrap();
     assert!(more.now_seconds() <= 30.0, "{}", more.now_seconds());
     assert_eq!(outcome.studies[0].axes[0].values, ["10", "20", "30", "40", "50", "70"]);
-    assert_eq!(outcome.left_out[0], "Study color-psnr-cell: psnr 60 did not fit into 30 s.");
+    assert_eq!(outcome.left_out[0], "Study color-psnr-color-cell: psnr 60 did not fit into 30 s.");
     assert_eq!(store.rows.len(), 18);
 }
 
@@ -336,7 +334,7 @@ fn sweeps_into_one_folder_keep_their_studies() {
     let folder = TempDir::new().unwrap();
     for (sweeps, names) in [
         (&["psnr=30,40"][..], &["color-psnr"; 2][..]),
-        (&["color-cell=8,16"], &["color-psnr", "color-psnr", "color-cell", "color-cell"]),
+        (&["color-cell=8,16"], &["color-psnr", "color-psnr", "color-color-cell", "color-color-cell"]),
     ] {
         let (_, store) = run(&Fake::default(), sweeps, all(1), folder.path()).unwrap();
         assert_eq!(store.rows.iter().map(|row| row.studies.join(" ")).collect::<Vec<_>>(), names);
@@ -361,7 +359,11 @@ fn a_study_that_does_not_fit_is_left_out_as_a_whole() {
     let extent = Extent { repeats: 1, budget_seconds: Some(20.0) };
     let (outcome, _) = run(&fake, &["psnr=30,50", "max-error=0,50"], extent, folder.path()).unwrap();
     assert_eq!(outcome.studies.len(), 1);
-    assert!(outcome.left_out[0].starts_with("Study depth-error was left out: its 2 points"), "{:?}", outcome.left_out);
+    assert!(
+        outcome.left_out[0].starts_with("Study depth-max-error was left out: its 2 points"),
+        "{:?}",
+        outcome.left_out
+    );
 }
 
 #[test]

@@ -1,8 +1,7 @@
 //! Points of the papers' studies, and tiles.
 
-use crate::report::tradeoff::coding::CODING;
-use crate::report::tradeoff::kind::{Measured, Point, Value};
-use crate::report::tradeoff::knob;
+use crate::report::tradeoff::kind::CODING;
+use crate::report::tradeoff::point::{Measured, Point, Value};
 use crate::report::tradeoff::study::{Axis, Results, Study, Weights, all_points};
 use codec::depth::domain::Domain;
 use codec::depth::tile_psnr::TilePsnr;
@@ -71,7 +70,7 @@ pub fn results(studies: Vec<Study>, mut of: impl FnMut(&Point) -> Option<Measure
 
 /// Values of a point of the papers' studies that agree with all claims of the papers.
 pub fn as_in_the_papers(point: &Point) -> Measured {
-    let number = |name: &str| point.value(name).and_then(knob::number);
+    let number = |name: &str| point.number(name);
     if point.stream == Some(StreamKind::Color) {
         let (cell, psnr) = (number("color-cell").unwrap_or(64.0), number("psnr").unwrap_or(40.0));
         let bytes = 1e5 * 10f64.powf((psnr - 30.0) / 15.0) * (1.0 + 1.0 / cell);

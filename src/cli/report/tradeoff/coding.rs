@@ -1,11 +1,15 @@
-//! Command lines that measure a point.
+//! Coding sweeps: command lines that measure a point.
 
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use super::table::CODING;
-use crate::report::tradeoff::kind::{Point, Setting};
-use crate::report::tradeoff::knob::Stage;
+use serde_json::json;
+
+pub use super::kind::CODING;
+use super::point::{Measured, Point, Setting};
+use super::runner::{Bench, Cost, Report, Runner, Survey, shell_line};
+use codec::error::Result;
 use codec::image::StreamKind;
 use codec::streams::ColorBlocks;
 use footage::encode::ColorBlockSettings;
@@ -24,18 +28,12 @@ pub fn decoder_passes(pass_seconds: f64) -> u32 {
     ((TIMED_SECONDS / pass_seconds.max(1e-9)) as u32).clamp(least, most)
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
-    /// A `lightfield.json`, or its folder.
-    Dataset,
-    Sequence,
-}
-
 /// The footage, and the options of all points that are not knobs.
 #[derive(Debug, Clone)]
 pub struct Input {
     pub path: PathBuf,
-    pub form: Form,
+    /// `encode`, or the encoder of a single sequence.
+    pub encoder: &'static str,
     /// Kinds of streams in the footage, with the number of frames of each.
     pub kinds: Vec<(StreamKind, u64)>,
     pub encode: Vec<String>,
@@ -100,16 +98,11 @@ impl Input {
     }
 
     fn encode_settings(&self, stream: StreamKind, settings: &[Setting], options: &[String]) -> Vec<OsString> {
-        let command = match (self.form, stream) {
-            (Form::Dataset, _) => "encode",
-            (Form::Sequence, StreamKind::Color) => "encode-color",
-            (Form::Sequence, _) => "encode-depth",
-        };
-        let mut words: Vec<OsString> = vec![command.into(), self.path.clone().into()];
-        if self.form == Form::Dataset {
+        let mut words: Vec<OsString> = vec![self.encoder.into(), self.path.clone().into()];
+        if self.encoder == "encode" {
             words.push(format!("--stream={}", stream.name()).into());
         }
-        words.extend(knob_options(settings, Stage::Encode));
+        words.extend(knob_options(settings, "encode"));
         // Sizes without LZMA2 are sizes of uncompressed payloads.
         let compressed = settings.iter().any(|(name, level)| *name == "lzma2" && level != "none");
         let says = |option: &String| option.starts_with("--zstd") || option == "--no-compression";
@@ -126,7 +119,7 @@ impl Input {
     /// Returns the command that decodes the container of a point `passes` times, after a warm-up.
     pub fn decode(&self, point: &Point, container: &Path, passes: u32) -> Vec<OsString> {
         let mut words = vec!["decode".into(), container.into(), "--null".into(), format!("--repeat={passes}").into()];
-        words.extend(knob_options(&point.settings, Stage::Decode));
+        words.extend(knob_options(&point.settings, "decode"));
         words.extend(self.decode.iter().map(OsString::from));
         words.push("--json".into());
         words
@@ -160,10 +153,10 @@ fn stream_of(point: &Point) -> StreamKind {
     point.stream.unwrap_or(StreamKind::Color)
 }
 
-fn knob_options(settings: &[Setting], stage: Stage) -> impl Iterator<Item = OsString> {
+fn knob_options(settings: &[Setting], stage: &'static str) -> impl Iterator<Item = OsString> {
     settings.iter().filter_map(move |(name, value)| {
         let knob = CODING.knob(name)?;
-        (knob.stage == stage || knob.stage == Stage::Both).then(|| knob.option(value))?.map(OsString::from)
+        [stage, "both"].contains(&CODING.stage(knob)).then(|| knob.option(value))?.map(OsString::from)
     })
 }
 
@@ -188,16 +181,114 @@ fn psnr_in_time(point: &Point, options: &[String]) -> Option<String> {
     Some(value("psnr").or(value("psnr-final")).map_or_else(usual, str::to_owned))
 }
 
+/// Measures a point by running encode, decode, diff and pack.
+pub struct CodingBench<'a> {
+    input: &'a Input,
+    container: PathBuf,
+    packed: PathBuf,
+    known_bytes: BTreeMap<Vec<OsString>, u64>,
+    devices: Vec<String>,
+}
+
+impl<'a> CodingBench<'a> {
+    pub fn new(input: &'a Input, work: &Path) -> CodingBench<'a> {
+        let (container, packed) = (work.join("point.lfold"), work.join("packed.lfold"));
+        CodingBench { input, container, packed, known_bytes: BTreeMap::new(), devices: Vec::new() }
+    }
+
+    /// Returns the number of bytes that an encoding command writes. Each command runs once for all points.
+    fn bytes(&mut self, runner: &dyn Runner, words: Vec<OsString>) -> Result<u64> {
+        if let Some(&bytes) = self.known_bytes.get(&words) {
+            return Ok(bytes);
+        }
+        let bytes = Report::of(runner, &into_file(words.clone(), &self.packed))?.count("bytes")?;
+        self.known_bytes.insert(words, bytes);
+        Ok(bytes)
+    }
+}
+
+impl Bench for CodingBench<'_> {
+    fn made_of(&self) -> u32 {
+        self.input.made_of
+    }
+
+    fn devices(&self) -> &[String] {
+        &self.devices
+    }
+
+    fn command(&self, point: &Point) -> String {
+        let mut words = self.input.encode(point);
+        words.extend(["-o".into(), "point.lfold".into()]);
+        shell_line(&words)
+    }
+
+    fn survey(&mut self, runner: &dyn Runner, point: &Point) -> Result<Survey> {
+        let start = runner.now_seconds();
+        let words = self.input.encode(point);
+        let encoded = Report::of(runner, &into_file(words.clone(), &self.container))?;
+        let encode_seconds = runner.now_seconds() - start;
+        let container = encoded.count("bytes")?;
+        self.known_bytes.insert(words, container);
+        let decode_start = runner.now_seconds();
+        let decoded = Report::of(runner, &self.input.decode(point, &self.container, 1))?;
+        let decode_seconds = runner.now_seconds() - decode_start;
+        let pass_seconds = decoded.number("seconds")?;
+        let compared = runner.run(&self.input.diff(point, &self.container))?;
+        let lzma2 = match point.value("lzma2").filter(|level| *level != "none") {
+            Some(_) => container,
+            None => Report::of(runner, &pack(&self.container, &self.packed))?.count("bytes")?,
+        };
+        let temporal = self.bytes(runner, self.input.temporal(point))?;
+        let spatial = self.input.spatial(point).map(|words| self.bytes(runner, words)).transpose()?;
+        if let Some(device) = decoded.value["device"].as_str().filter(|name| *name != "cpu")
+            && !self.devices.iter().any(|known| known == device)
+        {
+            self.devices.push(device.to_owned());
+        }
+        let passes = decoder_passes(pass_seconds);
+        let value = json!({
+            "encode": encoded.value,
+            "decode": decoded.value,
+            "diff": compared[stream_of(point).name()],
+            "temporal": { "bytes": temporal },
+            "spatial": { "bytes": spatial },
+            "lzma2": { "bytes": lzma2 },
+            "passes": passes,
+            "frames": self.input.frames(stream_of(point)),
+        });
+        let mut measured = Measured::new(&CODING, point.clone());
+        Report { value, command: encoded.command }.add_values(&mut measured)?;
+        // The survey decoded twice, a warm-up and one timed pass; further passes add to the cost of a run.
+        let run = encode_seconds + decode_seconds + pass_seconds * f64::from(passes - 1);
+        Ok(Survey { measured, cost: Cost { survey: runner.now_seconds() - start, run } })
+    }
+
+    fn time(&mut self, runner: &dyn Runner, measured: &mut Measured) -> Result<()> {
+        let (point, passes) = (&measured.point, measured.count("decode_passes") as u32);
+        let encode = into_file(self.input.encode(point), &self.container);
+        let encoded = runner.run(&encode)?;
+        let decoded = runner.run(&self.input.decode(point, &self.container, passes))?;
+        let value = json!({ "encode": encoded, "decode": decoded });
+        Report { value, command: shell_line(&encode) }.add_runs(measured)
+    }
+
+    fn cost(&self, measured: &Measured) -> Option<Cost> {
+        let (encode, decode) = (measured.number("encode_seconds")?, measured.number("decode_seconds")?);
+        let passes = measured.count("decode_passes") as f64 + 1.0;
+        // A survey encodes at least twice, compares and packs; each step takes about as long as encoding.
+        Some(Cost { survey: encode * 4.0 + decode * 2.0, run: encode + decode * passes })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::tradeoff::runner::shell_line;
     use StreamKind::{Color, Depth};
 
-    fn input(form: Form, encode: &[&str]) -> Input {
+    fn input(encoder: &'static str, encode: &[&str]) -> Input {
         Input {
             path: "scene".into(),
-            form,
+            encoder,
             kinds: vec![(Color, 6), (Depth, 6)],
             encode: encode.iter().map(|word| (*word).to_owned()).collect(),
             diff: Vec::new(),
@@ -213,7 +304,7 @@ mod tests {
     #[test]
     fn a_point_is_encoded_and_decoded_by_its_knobs() {
         let of = point(Depth, &[("device", "gpu"), ("depth-window", "4"), ("threads", "2"), ("lzma2", "none")]);
-        let scene = input(Form::Dataset, &["--near=1"]);
+        let scene = input("encode", &["--near=1"]);
         let line = shell_line(&scene.encode(&of));
         assert_eq!(
             line,
@@ -221,7 +312,7 @@ mod tests {
         );
         let line = shell_line(&scene.decode(&of, Path::new("a b.lfold"), 3));
         assert_eq!(line, "lightfold decode 'a b.lfold' --null --repeat=3 --threads=2 --device=gpu --json");
-        let alone = input(Form::Sequence, &[]);
+        let alone = input("encode-depth", &[]);
         assert_eq!(
             shell_line(&alone.encode(&of)),
             "lightfold encode-depth scene --depth-window=4 --threads=2 --no-compression"
@@ -232,7 +323,7 @@ mod tests {
 
     #[test]
     fn coding_in_time_alone_keeps_what_belongs_to_time() {
-        let scene = input(Form::Dataset, &[]);
+        let scene = input("encode", &[]);
         let of = point(Depth, &[("depth-window", "4"), ("max-error", "10"), ("update-threshold", "3"), ("lzma2", "6")]);
         let line = shell_line(&scene.temporal(&of));
         assert_eq!(
@@ -260,7 +351,7 @@ mod tests {
 
     #[test]
     fn only_blocks_and_functions_have_a_size_in_space() {
-        let scene = input(Form::Dataset, &[]);
+        let scene = input("encode", &[]);
         assert!(scene.spatial(&point(Depth, &[("depth-codec", "aabb")])).is_none());
         assert!(scene.spatial(&point(Depth, &[("depth-codec", "aabb"), ("depth-block", "bc5")])).is_some());
         assert!(scene.spatial(&point(Color, &[("color-block", "none")])).is_none());

@@ -1,24 +1,51 @@
 //! Recommends a point: the smallest that meets all demands or, if only time and bytes are limited, the one closest to
 //! the source.
 
-use crate::report::tradeoff::kind::Measured;
-use crate::report::tradeoff::store::StoredPoint;
+use super::point::Measured;
+use super::store::StoredPoint;
+use crate::options::parse_positive;
 use codec::image::StreamKind;
 
-/// Limits for a point. Each limit applies to the kinds of streams that have its measure.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+// Limits for a point. Each limit applies to the kinds of streams that have its measure.
+#[derive(Debug, Clone, Copy, Default, PartialEq, clap::Args)]
 pub struct Demands {
-    /// Depth: steps of 16-bit log codes. Material: steps of 8-bit codes.
-    pub max_error_codes: Option<u32>,
+    /// Maximum error: 16-bit log codes of depth, 8-bit steps of material
+    #[arg(long = "max-error", value_name = "CODES", requires = "recommend")]
+    pub max_error_codes: Option<u16>,
+    /// Maximum error of depth in metres
+    #[arg(long, value_name = "M", requires = "recommend", value_parser = parse_positive)]
     pub max_error_m: Option<f64>,
-    /// Minimum PSNR in dB of every frame of every colour cell.
+    /// Minimum PSNR in dB of every frame of every colour cell
+    #[arg(long = "min-psnr", value_name = "DB", requires = "recommend", value_parser = parse_positive)]
     pub min_psnr_db: Option<f64>,
-    /// Minimum perceptual quality of every frame of every colour cell.
+    /// Minimum perceptual quality of every frame of every colour cell, as diff --min-quality
+    #[arg(long, value_name = "Q", requires = "recommend", value_parser = parse_positive)]
     pub min_quality: Option<f64>,
+    /// Maximum decoding time in milliseconds of one frame, all probes and faces of a kind
+    #[arg(long, value_name = "MS", requires = "recommend", value_parser = parse_positive)]
     pub decode_ms: Option<f64>,
+    /// Maximum size of the container, such as 5000000, 5MB or 800kB
+    #[arg(long, value_name = "BYTES", requires = "recommend", value_parser = parse_bytes)]
     pub max_bytes: Option<u64>,
-    /// Maximum size of the container in percent of the size of the footage.
+    /// Maximum size of the container in percent of the raw footage, such as 5 or 5%
+    #[arg(long = "max-ratio", value_name = "PERCENT", requires = "recommend", value_parser = parse_percent)]
     pub max_ratio_percent: Option<f64>,
+}
+
+fn parse_percent(text: &str) -> Result<f64, String> {
+    parse_positive(text.trim_end_matches('%').trim())
+}
+
+fn parse_bytes(text: &str) -> Result<u64, String> {
+    let digits = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic());
+    let factor = match text[digits.len()..].to_ascii_lowercase().as_str() {
+        "" | "b" => 1.0,
+        "k" | "kb" => 1e3,
+        "m" | "mb" => 1e6,
+        "g" | "gb" => 1e9,
+        unit => return Err(format!("'{unit}': B, kB, MB or GB was expected")),
+    };
+    Ok((parse_positive(digits.trim())? * factor).round() as u64)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,10 +65,8 @@ pub struct Advice<'a> {
     pub misses: Vec<String>,
 }
 
-struct Miss {
-    words: String,
-    ratio: f64,
-}
+/// Sentence about a demand that a point misses, and the ratio by which it does.
+type Miss = (String, f64);
 
 impl Demands {
     pub fn is_empty(&self) -> bool {
@@ -64,43 +89,35 @@ impl Demands {
     }
 
     fn misses(&self, of: &Measured) -> Vec<Miss> {
-        let more = |limit: Option<f64>, least: f64, name: &str, words: fn(f64, f64) -> String| {
-            let (limit, found) = (limit?, of.number(name)?);
-            (found > limit).then(|| Miss { words: words(limit, found), ratio: found / limit.max(least) })
+        let above = |limit: Option<f64>, name: &str, least: f64| {
+            let (limit, found) = limit.zip(of.number(name))?;
+            (found > limit).then(|| (limit, found, found / limit.max(least)))
         };
         // The PSNR is computed before and after a file is written: the last digit may differ.
-        let psnr = self.min_psnr_db.filter(|_| of.point.stream == Some(StreamKind::Color));
-        let psnr = psnr.map(|limit| (limit, closeness_db(of))).filter(|(limit, found)| *found < limit - 1e-6);
-        let quality = self.min_quality.zip(of.number("min_quality")).filter(|(limit, found)| *found < limit - 1e-6);
+        let below = |limit: Option<f64>, found: Option<f64>| {
+            let (limit, found) = limit.zip(found)?;
+            (found < limit - 1e-6).then(|| (limit, found, limit / found.max(1.0)))
+        };
+        let is_color = of.point.stream == Some(StreamKind::Color);
         let untimed = self.decode_ms.filter(|_| of.number("decode_ms_per_frame").is_none());
         let all = [
-            more(self.max_error_codes.map(f64::from), 1.0, "max_error_codes", |limit, codes| {
-                format!("--max-error {limit}: its largest error is {codes} codes")
+            above(self.max_error_codes.map(f64::from), "max_error_codes", 1.0)
+                .map(|(limit, codes, by)| (format!("--max-error {limit}: its largest error is {codes} codes"), by)),
+            above(self.max_error_m, "max_error_m", 1e-9)
+                .map(|(limit, metres, by)| (format!("--max-error-m {limit}: its largest error is {metres:.4} m"), by)),
+            below(self.min_psnr_db, is_color.then(|| closeness_db(of))).map(|(limit, db, by)| {
+                (format!("--min-psnr {limit}: its lowest PSNR of a frame of a cell is {db:.2} dB"), by)
             }),
-            more(self.max_error_m, 1e-9, "max_error_m", |limit, metres| {
-                format!("--max-error-m {limit}: its largest error is {metres:.4} m")
+            below(self.min_quality, of.number("min_quality")).map(|(limit, found, by)| {
+                (format!("--min-quality {limit}: the lowest quality of a frame of a cell is {found:.1}"), by)
             }),
-            psnr.map(|(limit, found)| Miss {
-                words: format!("--min-psnr {limit}: its lowest PSNR of a frame of a cell is {found:.2} dB"),
-                ratio: limit / found.max(1.0),
-            }),
-            quality.map(|(limit, found)| Miss {
-                words: format!("--min-quality {limit}: the lowest quality of a frame of a cell is {found:.1}"),
-                ratio: limit / found.max(1.0),
-            }),
-            more(self.decode_ms, 1e-9, "decode_ms_per_frame", |limit, ms| {
-                format!("--decode-ms {limit}: decoding a frame takes {ms:.3} ms")
-            }),
-            untimed.map(|limit| Miss {
-                words: format!("--decode-ms {limit}: its decoding has not been timed"),
-                ratio: f64::INFINITY,
-            }),
-            more(self.max_bytes.map(|bytes| bytes as f64), 1.0, "bytes_container", |limit, bytes| {
-                format!("--max-bytes {limit}: it has {bytes}")
-            }),
-            more(self.max_ratio_percent, 1e-9, "ratio_percent", |limit, percent| {
-                format!("--max-ratio {limit}: it has {percent:.2}% of the footage")
-            }),
+            above(self.decode_ms, "decode_ms_per_frame", 1e-9)
+                .map(|(limit, ms, by)| (format!("--decode-ms {limit}: decoding a frame takes {ms:.3} ms"), by)),
+            untimed.map(|limit| (format!("--decode-ms {limit}: its decoding has not been timed"), f64::INFINITY)),
+            above(self.max_bytes.map(|bytes| bytes as f64), "bytes_container", 1.0)
+                .map(|(limit, bytes, by)| (format!("--max-bytes {limit}: it has {bytes}"), by)),
+            above(self.max_ratio_percent, "ratio_percent", 1e-9)
+                .map(|(limit, percent, by)| (format!("--max-ratio {limit}: it has {percent:.2}% of the footage"), by)),
         ];
         all.into_iter().flatten().collect()
     }
@@ -114,7 +131,7 @@ pub fn recommend<'a>(rows: &[&'a StoredPoint], demands: &Demands) -> Vec<Advice<
         let judged = own.map(|&row| (row, demands.misses(&row.measured)));
         let (row, misses) = judged.min_by(|(a, misses_a), (b, misses_b)| {
             let (a, b) = (&a.measured, &b.measured);
-            let by_how_much = |misses: &[Miss]| misses.iter().map(|miss| miss.ratio.ln()).sum::<f64>();
+            let by_how_much = |misses: &[Miss]| misses.iter().map(|(_, by)| by.ln()).sum::<f64>();
             let closeness = |of: &Measured| if aim == Aim::Closest { closeness_db(of) } else { 0.0 };
             let bytes = |of: &Measured| of.count("bytes_container");
             (misses_a.len().cmp(&misses_b.len()))
@@ -123,7 +140,7 @@ pub fn recommend<'a>(rows: &[&'a StoredPoint], demands: &Demands) -> Vec<Advice<
                 .then(bytes(a).cmp(&bytes(b)))
                 .then(a.point.cmp(&b.point))
         })?;
-        Some(Advice { row, aim, misses: misses.into_iter().map(|miss| miss.words).collect() })
+        Some(Advice { row, aim, misses: misses.into_iter().map(|(words, _)| words).collect() })
     };
     StreamKind::ALL.into_iter().filter_map(of_kind).collect()
 }
@@ -136,8 +153,8 @@ fn closeness_db(of: &Measured) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::tradeoff::coding::CODING;
-    use crate::report::tradeoff::kind::{Point, Value};
+    use crate::report::tradeoff::kind::CODING;
+    use crate::report::tradeoff::point::{Point, Value};
 
     fn point(stream: StreamKind, setting: (&'static str, &str), bytes: u64, seconds: f64) -> StoredPoint {
         let settings = vec![(setting.0, setting.1.to_owned())];

@@ -1,9 +1,9 @@
 //! PSNR of tiles of 8x8 pixels by modelling function: histograms above, sorted curves below (GDC figure 6).
 
+use super::common::{Figure, Mark, sheet};
 use crate::report::plot::axis::Axis;
 use crate::report::plot::chart::{Chart, Kind, Series};
 use crate::report::plot::marker::Look;
-use crate::report::tradeoff::figures::{Figure, Mark, sheet};
 use codec::depth::tile_psnr::{BIN_COUNT, BIN_DB, PsnrDistribution, TILE_SIDE, TileModel, TilePsnr};
 
 const HISTOGRAM: [u32; 2] = [340, 280];

@@ -1,3 +1,0 @@
-//! Constructed results for tests of reports.
-
-pub(crate) mod sample;
