@@ -2,10 +2,8 @@
 
 import assert from "node:assert/strict";
 import { after, before, describe, test } from "node:test";
-import { FaceTexels, UNKNOWN } from "../src/cpu/face_texels.ts";
 import type { Order, Rendered } from "../src/cpu/messages.ts";
 import type { Container } from "../src/format/container.ts";
-import type { Rect } from "../src/format/types.ts";
 import { CpuRenderer } from "../src/player/cpu_renderer.ts";
 import type { DrawRequest } from "../src/player/renderer.ts";
 import { cameraOf } from "../src/views/camera.ts";
@@ -13,7 +11,6 @@ import type { Catalogue } from "../src/views/catalogue.ts";
 import { bytesOf, capture, codesOf, type Films, psnr } from "./films.ts";
 import { lightfold, rendered, type Shot, shotOptions, withMattes, withoutProgram } from "./films.ts";
 import { MemoryFilm } from "./memory_film.ts";
-import { chance } from "./vectors.ts";
 
 const SIZE: [number, number] = [64, 48];
 const MIN_DB = 50;
@@ -101,7 +98,7 @@ describe("The processor", { skip: withoutProgram }, () => {
     assert.ok(film.render(SHOTS[0]).rgba.some((value, at) => value !== before.rgba[at]));
     tiles.slice(tiles.length / 2).forEach(([{ index }, unit]) => film.texels.forget(index, unit));
     film.texels.update();
-    const marked = film.render(SHOTS[0], { looksBehindHoles: false });
+    const marked = film.render(SHOTS[0], { marksHoles: true });
     assert.equal(marked.counts.hole_rays, SIZE[0] * SIZE[1]);
     assert.ok(marked.rgba.every((value) => value === 0));
     tiles.forEach(([{ index }, unit]) => film.texels.written(index, unit));
@@ -180,40 +177,3 @@ function requestOf(catalogue: Catalogue): DrawRequest {
   const cameras = [cameraOf(pose, 90, 4 / 3)];
   return { view, cameras, views, isFresh: () => false, codings: () => undefined };
 }
-
-test("pyramids follow rectangles that change, and bound the texels below", () => {
-  const random = chance(5);
-  for (const size of [
-    [1, 1],
-    [5, 3],
-    [16, 16],
-    [33, 20],
-  ] as [number, number][]) {
-    const map = { scale: [1, 1] as [number, number], center: [0, 0] as [number, number] };
-    const [parts, whole] = [new FaceTexels(size, map, false), new FaceTexels(size, map, false)];
-    assert.equal(parts.greatest, UNKNOWN);
-    const rect = (): Rect => {
-      const [left, top] = [random(size[0]), random(size[1])];
-      return [left, top, 1 + random(size[0] - left), 1 + random(size[1] - top)];
-    };
-    for (let turn = 0; turn < 40; turn += 1) {
-      const [left, top, width, height] = turn === 0 ? [0, 0, ...size] : rect();
-      for (let at = 0; at < width * height; at += 1) {
-        const to = (top + Math.floor(at / width)) * size[0] + left + (at % width);
-        parts.inverseDepths[to] = random(20) === 0 ? UNKNOWN : random(1000);
-      }
-      parts.update([left, top, width, height]);
-      whole.inverseDepths.set(parts.inverseDepths);
-      whole.update([0, 0, ...size]);
-      assert.deepEqual(parts.levels, whole.levels);
-      assert.equal(parts.greatest, Math.max(...parts.inverseDepths));
-      const [x, y, columns, rows] = rect();
-      let greatest = 0;
-      for (let row = y; row < y + rows; row += 1) {
-        const texels = parts.inverseDepths.subarray(row * size[0] + x, row * size[0] + x + columns);
-        greatest = Math.max(greatest, ...texels);
-      }
-      assert.ok(parts.greatestBetween(x, y, x + columns - 1, y + rows - 1) >= greatest);
-    }
-  }
-});

@@ -1,14 +1,12 @@
 // A container that is decoded and rendered on the processor, without workers and a page.
 
-import { decoder } from "../src/decoder/module.ts";
+import { decoder, decoderModule } from "../src/decoder/module.ts";
 import type { Pixels, StoredChunk } from "../src/decoder/types.ts";
 import { Field } from "../src/cpu/field.ts";
-import type { Rendered } from "../src/cpu/messages.ts";
-import { type OrderOptions, renderOrder } from "../src/cpu/order.ts";
+import type { PictureRequest, Rendered } from "../src/cpu/messages.ts";
 import { Container } from "../src/format/container.ts";
 import type { Stream } from "../src/format/types.ts";
 import { WorkerTexels } from "../src/player/worker_texels.ts";
-import { activeViews } from "../src/views/active.ts";
 import { cameraOf } from "../src/views/camera.ts";
 import { type Catalogue, catalogueOf, type FaceStreams, hasFrame, streamsOf } from "../src/views/catalogue.ts";
 import { unitsUnder } from "../src/views/rects.ts";
@@ -20,7 +18,7 @@ import "./use_decoder.ts";
 /** One frame of a film in memory. */
 export class MemoryFilm {
   readonly texels: WorkerTexels;
-  readonly #field = new Field();
+  readonly #field: Field;
   readonly #pixels = new Map<string, Pixels>();
   readonly #colors: ColorTexels;
 
@@ -30,6 +28,7 @@ export class MemoryFilm {
     private readonly source: MemorySource,
     readonly frame: number,
   ) {
+    this.#field = new Field(new WebAssembly.Instance(decoderModule()), catalogue.coding);
     this.texels = new WorkerTexels(catalogue, (order) => this.#field.run(structuredClone(order)));
     const hasAlpha = catalogue.views.some(({ faces }) => faces.some(({ alpha }) => alpha !== undefined));
     this.#colors = new ColorTexels(catalogue.coding, hasAlpha);
@@ -67,20 +66,26 @@ export class MemoryFilm {
 
   render(
     { pose, size, fovDeg, steps }: Omit<Shot, "frame">,
-    options: Partial<OrderOptions> = {},
+    options: Partial<PictureRequest> = {},
     views = this.views,
   ): Rendered {
     const camera = cameraOf(pose, fovDeg, size[0] / size[1]);
-    const probeOf = (probe: number) => this.container.probeAt(probe, this.frame);
-    const active = activeViews(this.catalogue, views, pose.eye, probeOf);
-    const all = { size, steps, showsOverlay: false, looksBehindHoles: true, ...options };
-    return this.#field.run(renderOrder(active, camera, all))!;
+    const placed = views.map((view) => {
+      const { position, orientation } = this.container.probeAt(this.catalogue.views[view].probe, this.frame);
+      return { view, position, orientation };
+    });
+    const request = { camera, size, steps, showsOverlay: false, marksHoles: false, ...options };
+    return this.#field.run({ kind: "render", request, views: placed })!;
   }
 
   async #load(face: FaceStreams): Promise<void> {
     const { color, alpha } = face;
     for (const [stream, unit] of this.unitsOf(face)) {
       this.#pixels.set(`${stream.index} ${unit}`, await this.#decode(stream, unit));
+    }
+    const { material } = face;
+    for (let unit = 0; material !== undefined && unit < this.container.unitCount(material.index); unit += 1) {
+      this.texels.uploadMaterial(material.index, unit, this.#unitPixels(material, unit).pixels as Uint8Array);
     }
     for (let cell = 0; cell < this.container.unitCount(color.index); cell += 1) {
       const of = this.#unitPixels(color, cell);

@@ -1,13 +1,12 @@
 // Draws on the processor, in a worker, where the browser has no graphics device: small pictures.
 
-import type { Order, Rendered } from "../cpu/messages.ts";
-import { renderOrder } from "../cpu/order.ts";
+import type { FieldSettings, Order, Rendered } from "../cpu/messages.ts";
 import { type LightPicture, present } from "../cpu/present.ts";
-import { activeViews } from "../views/active.ts";
+import { decoderModule } from "../decoder/module.ts";
 import type { Camera } from "../views/camera.ts";
 import type { FaceStreams } from "../views/catalogue.ts";
 import type { DeviceFamily } from "./device_units.ts";
-import { OVERLAY_CODING, OVERLAY_SHARE, OverlayPainter, texelOverlays } from "./overlays.ts";
+import { OVERLAY_SHARE, OverlayPainter, texelOverlays } from "./overlays.ts";
 import { type DrawRequest, type DrawResult, type Renderer, type Scene, sizeOfEye } from "./renderer.ts";
 import type { PixelsOf } from "./unit_source.ts";
 import { WorkerTexels } from "./worker_texels.ts";
@@ -27,7 +26,7 @@ export class CpuRenderer implements Renderer {
   readonly texels: WorkerTexels;
   readonly name = "cpu";
   readonly mostPixels = MAX_PIXELS;
-  readonly hasEffects = false;
+  readonly hasEffects = true;
   onFailed: (message: string) => void = () => undefined;
   readonly #worker: Worker;
   readonly #painter: OverlayPainter;
@@ -43,6 +42,8 @@ export class CpuRenderer implements Renderer {
     };
     this.#worker.onerror = ({ message }) => this.#fail(message ?? "it did not load");
     this.#worker.onmessageerror = () => this.#fail("its answer cannot be read");
+    const settings: FieldSettings = { module: decoderModule(), coding: scene.catalogue.coding };
+    this.#worker.postMessage(settings);
     const send = (order: Order): void => this.#worker.postMessage(order);
     this.texels = new WorkerTexels(scene.catalogue, send);
     this.#painter = new OverlayPainter(scene.container, scene.catalogue, (place, rect, texels) => {
@@ -110,14 +111,20 @@ export class CpuRenderer implements Renderer {
   #render(request: DrawRequest, camera: Camera, showsOverlay: boolean): Promise<Rendered> {
     const { container, catalogue } = this.scene;
     const { view, views } = request;
-    const active = activeViews(catalogue, views, camera.eye, (probe) => container.probeAt(probe, view.frame));
-    const coding = showsOverlay ? OVERLAY_CODING : active.coding;
-    const order = renderOrder({ ...active, coding }, camera, {
-      size: sizeOfEye(request),
-      steps: Math.min(view.steps, MAX_STEPS),
-      showsOverlay,
-      looksBehindHoles: !view.overlays.has("holes"),
-    });
+    const order: Order = {
+      kind: "render",
+      request: {
+        camera,
+        size: sizeOfEye(request),
+        steps: Math.min(view.steps, MAX_STEPS),
+        showsOverlay,
+        marksHoles: view.overlays.has("holes"),
+      },
+      views: views.map((at) => {
+        const { position, orientation } = container.probeAt(catalogue.views[at].probe, view.frame);
+        return { view: at, position, orientation };
+      }),
+    };
     return new Promise((resolve, reject) => {
       if (this.#failure !== undefined) {
         throw new Error(this.#failure);

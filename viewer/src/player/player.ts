@@ -10,14 +10,7 @@ import { findAdapter, Gpu, isSoftware } from "../gpu/device.ts";
 import { imageBytes } from "../gpu/texture_arrays.ts";
 import { add, length, scale, subtract } from "../math.ts";
 import { type Camera, cameraOf, stereoEyes } from "../views/camera.ts";
-import {
-  type Catalogue,
-  catalogueOf,
-  frameRanges,
-  hasFrame,
-  type ProbeStreams,
-  streamsOf,
-} from "../views/catalogue.ts";
+import { type Catalogue, catalogueOf, frameRanges, hasFrame, streamsOf } from "../views/catalogue.ts";
 import { selectViews } from "../views/selection.ts";
 import { ColorTexels } from "../views/straight.ts";
 import { VisibleUnits } from "../views/visible.ts";
@@ -76,8 +69,7 @@ export async function openPlayer(
       throw read.reason;
     }
     const container = read.value;
-    const all = catalogueOf(container);
-    const catalogue = gpu === undefined ? withoutMaterials(all) : all;
+    const catalogue = catalogueOf(container);
     const mostFaces = Math.max(...catalogue.views.map(({ faces }) => faces.length));
     const mostViews = mostViewsOf(catalogue, mostFaces, gpu === undefined);
     decoding = decodeContextOf(container);
@@ -91,15 +83,6 @@ export async function openPlayer(
     gpu?.destroy();
     throw error;
   }
-}
-
-/** The processor follows no secondary rays, which alone show materials. */
-function withoutMaterials({ views, coding }: Catalogue): Catalogue {
-  const plain = ({ faces, ...view }: ProbeStreams): ProbeStreams => ({
-    ...view,
-    faces: faces.map((face) => ({ ...face, material: undefined })),
-  });
-  return { views: views.map(plain), coding };
 }
 
 /** Views that are loaded at once. Textures of a device have limits of their own. */
