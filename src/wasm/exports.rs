@@ -14,16 +14,19 @@ use crate::chunk_decoder::{Frames, Shown};
 use crate::coding_map::CodingMaps;
 use crate::numbers::Numbers;
 use crate::picture::{FaceArea, PictureColors, PictureField, PictureSettings};
+use crate::present::{Presentation, ToneCurve, present};
+use crate::requests::{StraightTables, units_in_sight};
 use crate::slots::Slots;
 use crate::stream::{ChunkArea, Storage, Stream};
 use crate::{chunk_decoder, device};
 use codec::container::{ChunkPlace, Payload};
+use codec::depth::DepthRange;
 use codec::depth::domain::LOG2_TABLE;
 use codec::error::{Error, Result};
-use codec::image::{ToneMap, Transfer};
-use render::march::Rendered;
+use codec::image::{DepthKind, ToneMap, Transfer};
+use render::march::{Rendered, Steps};
 use render::rendered_image::HoleFill;
-use render::views::ColorCoding;
+use render::views::{ColorCoding, InverseDepth, UnitGrid};
 
 /// Results of functions that fail.
 const INVALID: i32 = -1;
@@ -44,6 +47,7 @@ struct State {
     chunks: Slots<OpenChunk>,
     /// None before [`open_field`].
     field: Option<PictureField>,
+    straight: StraightTables,
 }
 
 struct OpenChunk {
@@ -59,6 +63,7 @@ thread_local! {
             streams: Slots::new(),
             chunks: Slots::new(),
             field: None,
+            straight: StraightTables::new(),
         })
     };
 }
@@ -250,6 +255,65 @@ pub extern "C" fn transform_tables() -> i32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn log2_table() {
     with_state(|state| state.output = Output::Words(LOG2_TABLE.to_vec()));
+}
+
+/// Outputs the inverse depth of each code of a range, in 1/m, as floats.
+#[unsafe(no_mangle)]
+pub extern "C" fn inverse_depths(near_m: f32, far_m: f32) -> i32 {
+    call(|state| {
+        let table = InverseDepth::new(DepthRange::new(near_m, far_m)?, DepthKind::Planar);
+        state.output = Output::Words(table.of_code.into_iter().map(f32::to_bits).collect());
+        Ok(0)
+    })
+}
+
+/// Outputs the steps of rays: the logarithm of the ratio of adjacent distances, the uncertainty of hits, and the distances in
+/// metres, as floats.
+#[unsafe(no_mangle)]
+pub extern "C" fn ray_steps(count: u32, near_m: f32, far_m: f32, refine: u32) {
+    with_state(|state| {
+        let steps = Steps::new(count, near_m, far_m, refine);
+        let numbers = [steps.log_step(), steps.uncertainty()].into_iter().chain(steps.distances_m.iter().copied());
+        state.output = Output::Words(numbers.map(f32::to_bits).collect());
+    });
+}
+
+/// Outputs the codes of pictures; [`present`] describes input and output. `tone` is 0 for none, 1 for Reinhard's, 2 for a filmic one.
+#[unsafe(no_mangle)]
+pub extern "C" fn present_pictures(tone: u32, marks_holes: u32, is_anaglyph: u32) -> i32 {
+    call(|state| {
+        let tone = match tone {
+            0 => ToneCurve::None,
+            1 => ToneCurve::Reinhard,
+            2 => ToneCurve::Filmic,
+            other => return Err(Error::Usage(format!("there is no tone curve {other}"))),
+        };
+        let how = Presentation { tone, marks_holes: marks_holes != 0, is_anaglyph: is_anaglyph != 0 };
+        let input = state.take_input();
+        state.output = Output::Bytes(present(&input, how)?);
+        Ok(0)
+    })
+}
+
+/// Outputs which units of a face cameras see; [`units_in_sight`] describes input and output.
+#[unsafe(no_mangle)]
+pub extern "C" fn visible_units(face: u32, width: u32, height: u32, unit_width: u32, unit_height: u32) -> i32 {
+    call(|state| {
+        let input = state.take_input();
+        let grid = UnitGrid { size: [width, height], unit: [unit_width, unit_height] };
+        state.output = Output::Bytes(units_in_sight(Numbers::new(&input), face, grid)?);
+        Ok(0)
+    })
+}
+
+/// Outputs straight colours and alpha; [`StraightTables::texels`] describes input and output.
+#[unsafe(no_mangle)]
+pub extern "C" fn straight_texels() -> i32 {
+    call(|state| {
+        let input = state.take_input();
+        state.output = Output::Bytes(state.straight.texels(&input)?);
+        Ok(0)
+    })
 }
 
 /// Starts a light field without views. `coding` is that of its colours: 0 for halves of light, 1 for linear codes, 2 for sRGB codes.

@@ -6,5 +6,7 @@ mod device;
 mod exports;
 mod numbers;
 mod picture;
+mod present;
+mod requests;
 mod slots;
 mod stream;

@@ -6,15 +6,13 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::DVec3;
 use half::f16;
 
-use crate::numbers::Numbers;
+use crate::numbers::{Numbers, take_camera};
 use codec::container::ProbeEntry;
 use codec::depth::DepthRange;
 use codec::error::{Error, Result};
 use codec::image::{DepthKind, StreamKind, TexelMap, ToneMap, Transfer};
-use codec::math::Camera;
 use codec::monitor::Silent;
 use render::march::playback::frames::CpuRenderer;
 use render::march::{PictureOptions, Rendered, Renderer, SpecularMode, Stage};
@@ -198,13 +196,10 @@ impl PictureField {
         Ok(())
     }
 
-    /// Renders a picture. `rows` has the camera: its eye, forward, right and down, half the width and half the height of the
-    /// picture at distance 1; then eight numbers for each active view, the most important first: its number, position and
+    /// Renders a picture. `rows` has the camera, then eight numbers for each active view, the most important first: its number, position and
     /// orientation.
     pub fn render(&mut self, mut rows: Numbers<'_>, settings: PictureSettings) -> Result<Rendered> {
-        let [eye, forward, right, down] =
-            [rows.take()?, rows.take()?, rows.take()?, rows.take()?].map(DVec3::from_array);
-        let camera = Camera::with_window(eye, [forward, right, down], rows.take()?, [0.0; 2])?;
+        let camera = take_camera(&mut rows)?;
         let mut views = Vec::new();
         while !rows.is_empty() {
             let number = rows.take_u32()?;

@@ -8,7 +8,7 @@ import { CpuRenderer } from "../src/player/cpu_renderer.ts";
 import type { DrawRequest } from "../src/player/renderer.ts";
 import { cameraOf } from "../src/views/camera.ts";
 import type { Catalogue } from "../src/views/catalogue.ts";
-import { bytesOf, capture, codesOf, type Films, psnr } from "./films.ts";
+import { bytesOf, capture, codesOf, type Films, halvesOf, psnr, renderedHalves, WITH_MATERIALS } from "./films.ts";
 import { lightfold, rendered, type Shot, shotOptions, withMattes, withoutProgram } from "./films.ts";
 import { MemoryFilm } from "./memory_film.ts";
 
@@ -54,6 +54,7 @@ describe("The processor", { skip: withoutProgram }, () => {
         const { rgba, counts } = (await MemoryFilm.open(bytesOf(film), one.frame)).render(one);
         const found = psnr(codesOf(rgba), rendered(film, one));
         assert.ok(found >= MIN_DB, `${found} dB at yaw ${one.pose.yaw}`);
+        assert.deepEqual(halvesOf(rgba), renderedHalves(film, one));
         assert.equal(counts.primary_rays, SIZE[0] * SIZE[1]);
         const rays = raysOf(film, one);
         for (const kind of ["hole_rays", "background_rays"] as const) {
@@ -68,6 +69,26 @@ describe("The processor", { skip: withoutProgram }, () => {
     const { rgba } = (await MemoryFilm.open(bytesOf(film), SHOTS[1].frame)).render(SHOTS[1]);
     const found = psnr(codesOf(rgba), rendered(film, SHOTS[1]));
     assert.ok(found >= MIN_DB, `${found} dB`);
+    assert.deepEqual(halvesOf(rgba), renderedHalves(film, SHOTS[1]));
+  });
+
+  test("follows secondary rays of mirrors and glass", async () => {
+    const mirrors = capture("mirrors", 64, ...WITH_MATERIALS);
+    try {
+      const film = mirrors.encode("film.lfold", "--clip");
+      let followed = 0;
+      for (const one of SHOTS) {
+        const { rgba, counts } = (await MemoryFilm.open(bytesOf(film), one.frame)).render(one);
+        const found = psnr(codesOf(rgba), rendered(film, one));
+        assert.ok(found >= MIN_DB, `${found} dB at yaw ${one.pose.yaw}`);
+        assert.deepEqual(halvesOf(rgba), renderedHalves(film, one));
+        assert.equal(counts.secondary_rays, raysOf(film, one)["secondary_rays"]);
+        followed += counts.secondary_rays;
+      }
+      assert.ok(followed > 100, `${followed}`);
+    } finally {
+      mirrors.remove();
+    }
   });
 
   for (const depth of ["planar", "distance"]) {
@@ -79,6 +100,7 @@ describe("The processor", { skip: withoutProgram }, () => {
           const { rgba, counts } = (await MemoryFilm.open(bytesOf(film), one.frame)).render(one);
           const found = psnr(codesOf(rgba), rendered(film, one));
           assert.ok(found >= MIN_DB, `${found} dB at yaw ${one.pose.yaw}`);
+          assert.deepEqual(halvesOf(rgba), renderedHalves(film, one));
           assert.ok(Math.abs(counts.hole_rays - raysOf(film, one)["hole_rays"]) <= 2);
           assert.ok(counts.hole_rays > 0);
         }

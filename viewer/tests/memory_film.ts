@@ -1,7 +1,7 @@
 // A container that is decoded and rendered on the processor, without workers and a page.
 
 import { decoder, decoderModule } from "../src/decoder/module.ts";
-import type { Pixels, StoredChunk } from "../src/decoder/types.ts";
+import type { Pixels, StoredChunk, UnitPixels } from "../src/decoder/types.ts";
 import { Field } from "../src/cpu/field.ts";
 import type { PictureRequest, Rendered } from "../src/cpu/messages.ts";
 import { Container } from "../src/format/container.ts";
@@ -9,8 +9,9 @@ import type { Stream } from "../src/format/types.ts";
 import { WorkerTexels } from "../src/player/worker_texels.ts";
 import { cameraOf } from "../src/views/camera.ts";
 import { type Catalogue, catalogueOf, type FaceStreams, hasFrame, streamsOf } from "../src/views/catalogue.ts";
+import { selectViews } from "../src/views/selection.ts";
 import { unitsUnder } from "../src/views/rects.ts";
-import { ColorTexels, type UnitPixels } from "../src/views/straight.ts";
+import { colorTexels } from "../src/views/straight.ts";
 import type { Shot } from "./films.ts";
 import { MemorySource } from "./memory_source.ts";
 import "./use_decoder.ts";
@@ -20,7 +21,6 @@ export class MemoryFilm {
   readonly texels: WorkerTexels;
   readonly #field: Field;
   readonly #pixels = new Map<string, Pixels>();
-  readonly #colors: ColorTexels;
 
   private constructor(
     readonly container: Container,
@@ -30,8 +30,6 @@ export class MemoryFilm {
   ) {
     this.#field = new Field(new WebAssembly.Instance(decoderModule()), catalogue.coding);
     this.texels = new WorkerTexels(catalogue, (order) => this.#field.run(structuredClone(order)));
-    const hasAlpha = catalogue.views.some(({ faces }) => faces.some(({ alpha }) => alpha !== undefined));
-    this.#colors = new ColorTexels(catalogue.coding, hasAlpha);
   }
 
   /** Decodes all of a frame. */
@@ -74,6 +72,9 @@ export class MemoryFilm {
       const { position, orientation } = this.container.probeAt(this.catalogue.views[view].probe, this.frame);
       return { view, position, orientation };
     });
+    // Sums of colors depend on the order of views.
+    const order = selectViews(placed, pose.eye, views.length);
+    placed.sort((one, other) => order.indexOf(one.view) - order.indexOf(other.view));
     const request = { camera, size, steps, showsOverlay: false, marksHoles: false, ...options };
     return this.#field.run({ kind: "render", request, views: placed })!;
   }
@@ -91,7 +92,7 @@ export class MemoryFilm {
       const of = this.#unitPixels(color, cell);
       for (const [matte, part] of alpha === undefined ? [[-1, of.rect] as const] : unitsUnder(alpha, of.rect)) {
         const under = alpha === undefined ? undefined : this.#unitPixels(alpha, matte);
-        this.texels.uploadColor(color.index, part, this.#colors.of(of, part, under));
+        this.texels.uploadColor(color.index, part, colorTexels(this.catalogue.coding, of, part, under));
       }
     }
     for (const [stream, unit] of this.unitsOf(face)) {

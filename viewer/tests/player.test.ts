@@ -9,7 +9,7 @@ import type { PlayerStats, Problem, RendererChoice } from "../src/player/types.t
 import { bundle, type Call, pageFiles, withFunctions, withoutBrowser } from "./browser.ts";
 import { filmServer, type FilmServer } from "./film_server.ts";
 import { bytesOf, capture, codesOf, type Films, moving, psnr, readFor } from "./films.ts";
-import { rendered, type Shot, withMattes, withoutProgram } from "./films.ts";
+import { rendered, type Shot, WITH_MATERIALS, withMattes, withoutProgram } from "./films.ts";
 import { chance, spoiled, vectors } from "./vectors.ts";
 
 const skip = withoutBrowser || withoutProgram;
@@ -221,6 +221,26 @@ describe("The player", { skip }, () => {
         },
         "auto",
       );
+    }
+  });
+
+  test("follows secondary rays on the processor", async () => {
+    const mirrors = capture("mirrors", FACE, ...WITH_MATERIALS);
+    try {
+      const film = mirrors.encode("film.lfold", "--clip");
+      await inPage(
+        film,
+        async (call) => {
+          const one = { ...SHOTS[0], steps: 128 };
+          const { counters } = await call<PlayerStats>("settle", one);
+          assert.ok(counters["secondary_rays"] > 0);
+          const found = psnr(codesOf(await picture(call)), rendered(film, one));
+          assert.ok(found >= MIN_DB, `${found} dB`);
+        },
+        "cpu",
+      );
+    } finally {
+      mirrors.remove();
     }
   });
 

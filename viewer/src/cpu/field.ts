@@ -1,8 +1,8 @@
 // The light field of the worker that renders: the program's renderer as WebAssembly, and what its functions take and give
 // (src/wasm/picture.rs, src/wasm/exports.rs).
 
-import { Instance } from "../decoder/instance.ts";
-import type { ColorCoding } from "../views/catalogue.ts";
+import { cameraNumbers, Instance } from "../decoder/instance.ts";
+import { type ColorCoding, codingNumber } from "../views/catalogue.ts";
 import { COUNTS, type Counts, type FaceArea, type FaceOutline, type Order, type PictureRequest } from "./messages.ts";
 import type { PlacedView, Rendered } from "./messages.ts";
 
@@ -28,9 +28,8 @@ export class Field {
   /** A field without views; `coding` is that of colors. */
   constructor(instance: WebAssembly.Instance, coding: ColorCoding) {
     this.#wasm = new Instance(instance);
-    const [number, exposureEv] =
-      coding.name === "light" ? [0, 0] : [coding.transfer === "linear" ? 1 : 2, coding.exposureEv];
-    this.#wasm.call((wasm) => wasm.open_field(number, exposureEv));
+    const exposureEv = coding.name === "light" ? 0 : coding.exposureEv;
+    this.#wasm.call((wasm) => wasm.open_field(codingNumber(coding), exposureEv));
   }
 
   /** Does what the page orders; answers a picture where that was ordered. */
@@ -49,16 +48,10 @@ export class Field {
         wasm.call(({ write_depth }) => write_depth(...numbersOf(order.area)));
         return undefined;
       case "color":
-        wasm.write(order.texels);
-        wasm.call(({ write_color }) => write_color(...numbersOf(order.area)));
-        return undefined;
       case "material":
-        wasm.write(order.texels);
-        wasm.call(({ write_material }) => write_material(...numbersOf(order.area)));
-        return undefined;
       case "overlay":
         wasm.write(order.texels);
-        wasm.call(({ write_overlay }) => write_overlay(...numbersOf(order.area)));
+        wasm.call((functions) => functions[`write_${order.kind}`](...numbersOf(order.area)));
         return undefined;
       case "render":
         return this.#render(order.request, order.views);
@@ -68,7 +61,7 @@ export class Field {
   #render({ camera, size, steps, marksHoles, showsOverlay }: PictureRequest, views: readonly PlacedView[]): Rendered {
     const begun = performance.now();
     const places = views.flatMap(({ view, position, orientation }) => [view, ...position, ...orientation]);
-    this.#wasm.write(Float64Array.of(...camera.eye, ...camera.axes.flat(), ...camera.half, ...places));
+    this.#wasm.write(Float64Array.of(...cameraNumbers(camera), ...places));
     this.#wasm.call(({ render_picture }) => render_picture(...size, steps, Number(marksHoles), Number(showsOverlay)));
     const words = this.#wasm.words().slice();
     const pixels = 4 * size[0] * size[1];

@@ -1,8 +1,11 @@
 // The decoder of the program as WebAssembly: what its functions take and give (src/wasm/exports.rs).
 
-import { type CodecHeader, FormatError, type Storage } from "../format/types.ts";
-import { Instance } from "./instance.ts";
-import type { HeaderStream, Pixels, Prepared, StoredChunk } from "./types.ts";
+import type { CodecHeader, DepthRange, Probe, Rect, Storage } from "../format/types.ts";
+import { FormatError } from "../format/types.ts";
+import type { Camera } from "../views/camera.ts";
+import { TONE_MAP_NUMBERS } from "../views/presentation.ts";
+import { cameraNumbers, Instance } from "./instance.ts";
+import type { HeaderStream, Pixels, Prepared, Presentation, Steps, StoredChunk, UnitPixels } from "./types.ts";
 
 /** Functions of src/wasm/exports.rs. */
 interface Functions {
@@ -18,6 +21,11 @@ interface Functions {
   prepare(stream: number, ...numbers: ChunkNumbers): number;
   transform_tables(): number;
   log2_table(): void;
+  inverse_depths(nearM: number, farM: number): number;
+  visible_units(face: number, width: number, height: number, unitWidth: number, unitHeight: number): number;
+  straight_texels(): number;
+  ray_steps(count: number, nearM: number, farM: number, refine: number): void;
+  present_pictures(tone: number, marksHoles: number, isAnaglyph: number): number;
 }
 
 type HeaderNumbers = [kind: number, face: number, width: number, height: number, unitWidth: number, unitHeight: number];
@@ -153,6 +161,50 @@ export class Decoder {
   log2Table(): Uint32Array {
     this.#wasm.run((wasm) => wasm.log2_table());
     return this.#wasm.words().slice();
+  }
+
+  /** The inverse depths of all codes in 1/m, as bits of floats; that of the background is 0. */
+  inverseDepths({ nearM, farM }: DepthRange): Uint32Array {
+    this.#wasm.call((wasm) => wasm.inverse_depths(nearM, farM));
+    return this.#wasm.words().slice();
+  }
+
+  /** 1 for each unit of an image that a camera may see, by its number: of an image without known directions all. `nearM` is the least
+   *  distance of a surface of the probe. */
+  visibleUnits(image: HeaderStream, probe: Probe, nearM: number, cameras: readonly Camera[]): Uint8Array {
+    const { face, width, height, unitWidth, unitHeight } = image;
+    const { position, orientation, intrinsics } = probe;
+    this.#wasm.write(
+      Float64Array.of(...position, ...orientation, ...intrinsics, nearM, ...cameras.flatMap(cameraNumbers)),
+    );
+    this.#wasm.call((wasm) => wasm.visible_units(face, width, height, unitWidth, unitHeight));
+    return this.#wasm.output().slice();
+  }
+
+  /** Straight colors and alpha of a rectangle, four components of each texel: bytes, or those of halves of light. `coding` is its number
+   *  of `open_field` (src/wasm/exports.rs). */
+  straightTexels(coding: number, color: UnitPixels, rect: Rect, alpha?: UnitPixels): Uint8Array<ArrayBuffer> {
+    const numbers = Float64Array.of(coding, ...rect, ...color.rect, ...(alpha?.rect ?? [0, 0, 0, 0]));
+    this.#wasm.write(numbers, color.pixels, ...(alpha === undefined ? [] : [alpha.pixels]));
+    this.#wasm.call((wasm) => wasm.straight_texels());
+    return this.#wasm.output().slice();
+  }
+
+  /** `count` steps, at least 1, between `nearM` and `farM`, both above 0; where far is not beyond near, near alone. */
+  raySteps(count: number, nearM: number, farM: number, refine: number): Steps {
+    this.#wasm.run((wasm) => wasm.ray_steps(count, nearM, farM, refine));
+    const numbers = new Float32Array(this.#wasm.words().slice().buffer);
+    return { logStep: numbers[0], uncertainty: numbers[1], distancesM: numbers.slice(2) };
+  }
+
+  /** Red, green, blue and alpha of pictures for a canvas, one behind the other: of one eye, or the left and the right one, and an overlay
+   *  over each unless its share is 0. All have as many pixels. */
+  presentPictures(pictures: readonly Float32Array[], how: Presentation): Uint8ClampedArray<ArrayBuffer> {
+    const { exposureEv, overlayShare, toneMap, marksHoles, isAnaglyph } = how;
+    this.#wasm.write(Float64Array.of(exposureEv, overlayShare, pictures[0].length / 4), ...pictures);
+    const tone = TONE_MAP_NUMBERS[toneMap];
+    this.#wasm.call((wasm) => wasm.present_pictures(tone, Number(marksHoles), Number(isAnaglyph)));
+    return new Uint8ClampedArray(this.#wasm.output());
   }
 
   #decoderOf(chunk: number, isWide: boolean): ChunkDecoder {

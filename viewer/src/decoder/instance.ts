@@ -1,6 +1,7 @@
 // An instance of lightfold.wasm: input and output of its functions, and their errors (src/wasm/exports.rs).
 
 import { FormatError, UnsupportedError } from "../format/types.ts";
+import type { Camera } from "../views/camera.ts";
 
 /** What all functions share. */
 interface Memory {
@@ -37,10 +38,14 @@ export class Instance<Functions> {
     return this.#exports.memory.buffer.byteLength;
   }
 
-  /** Writes the input of the next call. */
-  write({ buffer, byteOffset, byteLength }: ArrayBufferView): void {
-    const at = this.run(({ input }) => input(byteLength)) >>> 0;
-    new Uint8Array(this.#exports.memory.buffer, at, byteLength).set(new Uint8Array(buffer, byteOffset, byteLength));
+  /** Writes the input of the next call, parts one behind the other. */
+  write(...parts: readonly ArrayBufferView[]): void {
+    const bytes = parts.reduce((sum, { byteLength }) => sum + byteLength, 0);
+    let at = this.run(({ input }) => input(bytes)) >>> 0;
+    for (const { buffer, byteOffset, byteLength } of parts) {
+      new Uint8Array(this.#exports.memory.buffer, at, byteLength).set(new Uint8Array(buffer, byteOffset, byteLength));
+      at += byteLength;
+    }
   }
 
   /** The output of the last call: a view that is valid until the next one. */
@@ -87,4 +92,9 @@ export class Instance<Functions> {
       throw new DecoderStopped(`The decoder has stopped: ${error instanceof Error ? error.message : String(error)}.`);
     }
   }
+}
+
+/** A camera as numbers of an input. */
+export function cameraNumbers({ eye, axes, half }: Camera): number[] {
+  return [...eye, ...axes.flat(), ...half];
 }

@@ -2,7 +2,8 @@
 // src/gpu/render/scene.rs.
 
 import { scale } from "../math.ts";
-import type { ActiveViews, Steps } from "../views/active.ts";
+import type { Steps } from "../decoder/types.ts";
+import type { ActiveViews } from "../views/active.ts";
 import { HOLE_DIFFERENCE, segmentsOf, stepsOf } from "../views/active.ts";
 import type { Camera } from "../views/camera.ts";
 import type { ColorCoding, FaceStreams } from "../views/catalogue.ts";

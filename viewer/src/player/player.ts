@@ -12,7 +12,6 @@ import { add, length, scale, subtract } from "../math.ts";
 import { type Camera, cameraOf, stereoEyes } from "../views/camera.ts";
 import { type Catalogue, catalogueOf, frameRanges, hasFrame, streamsOf } from "../views/catalogue.ts";
 import { selectViews } from "../views/selection.ts";
-import { ColorTexels } from "../views/straight.ts";
 import { VisibleUnits } from "../views/visible.ts";
 import { CodingMaps, type SeenUnit } from "./coding_maps.ts";
 import { CpuRenderer } from "./cpu_renderer.ts";
@@ -209,8 +208,7 @@ class FilmPlayer implements Player {
     renderer.onFailed = (message) => this.#tell({ fatal: true, message });
     decoding.onReady = () => this.#wake();
     decoding.onBroken = (message) => this.#tell({ fatal: false, message });
-    const hasAlpha = catalogue.views.some(({ faces }) => faces.some(({ alpha }) => alpha !== undefined));
-    this.#context = { renderer, decoding, colors: new ColorTexels(catalogue.coding, hasAlpha) };
+    this.#context = { renderer, decoding, coding: catalogue.coding };
     this.#visible = new VisibleUnits(container);
     this.#heading = new VisibleUnits(container);
   }
