@@ -63,10 +63,10 @@ export class Field {
     const places = views.flatMap(({ view, position, orientation }) => [view, ...position, ...orientation]);
     this.#wasm.write(Float64Array.of(...cameraNumbers(camera), ...places));
     this.#wasm.call(({ render_picture }) => render_picture(...size, steps, Number(marksHoles), Number(showsOverlay)));
-    const words = this.#wasm.words().slice();
+    const words = this.#wasm.words();
     const pixels = 4 * size[0] * size[1];
     const counts = Object.fromEntries(COUNTS.map((name, at) => [name, words[pixels + at]])) as Counts;
-    return { rgba: new Float32Array(words.buffer, 0, pixels), counts, ms: performance.now() - begun };
+    return { rgba: new Float32Array(words.slice(0, pixels).buffer), counts, ms: performance.now() - begun };
   }
 }
 
