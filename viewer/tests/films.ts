@@ -5,8 +5,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Pose } from "../src/player/types.ts";
-import { halfBits } from "../src/views/straight.ts";
-import { exrHalves } from "./exr.ts";
+import { exrHalves, halfBits } from "./exr.ts";
 import { png } from "./ui_scene.ts";
 
 const PROGRAM = process.env["LIGHTFOLD"];

@@ -327,6 +327,22 @@ describe("The player", { skip }, () => {
     });
   });
 
+  test("shows overlays of films of light the same on device and processor", async () => {
+    const film = films.encode("light.lfold", "--hdr");
+    const view = { ...SHOTS[0], steps: 128, overlays: ["probes"] };
+    const show = (renderer: RendererChoice): Promise<number[]> =>
+      inPage(
+        film,
+        async (call) => {
+          await call("settle", view);
+          return call<number[]>("shown");
+        },
+        renderer,
+      );
+    const found = psnr(Uint8Array.from(await show("gpu")), Uint8Array.from(await show("cpu")));
+    assert.ok(found >= 40, `${found} dB`);
+  });
+
   for (const codec of ["quadtree", "aabb", "predictive"]) {
     test(`shows how depth is coded by ${codec}, and asks for that only while it is shown`, async () => {
       const film = films.encode("codings.lfold", "--clip", "--depth-codec", codec);

@@ -16,8 +16,9 @@ import { catalogueOf, hasFrame } from "../src/views/catalogue.ts";
 import { rayLength, texelMap, VIEW_FACE } from "../src/views/face.ts";
 import { joined, overlap } from "../src/views/rects.ts";
 import { selectViews } from "../src/views/selection.ts";
-import { colorTexels, halfBits } from "../src/views/straight.ts";
+import { colorTexels } from "../src/views/straight.ts";
 import { VisibleUnits } from "../src/views/visible.ts";
+import { halfBits } from "./exr.ts";
 import "./use_decoder.ts";
 
 const [X, Y, Z]: Axes = [

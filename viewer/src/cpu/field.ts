@@ -3,7 +3,7 @@
 
 import { cameraNumbers, Instance } from "../decoder/instance.ts";
 import { type ColorCoding, codingNumber } from "../views/catalogue.ts";
-import { COUNTS, type Counts, type FaceArea, type FaceOutline, type Order, type PictureRequest } from "./messages.ts";
+import { COUNTS, type Counts, type FaceArea, type Order, type PictureRequest } from "./messages.ts";
 import type { PlacedView, Rendered } from "./messages.ts";
 
 /** Functions of src/wasm/exports.rs. */
@@ -37,7 +37,7 @@ export class Field {
     const wasm = this.#wasm;
     switch (order.kind) {
       case "load":
-        wasm.write(Float64Array.of(order.nearM, order.farM, ...order.faces.flatMap(rowOf)));
+        wasm.write(order.numbers);
         wasm.call(({ load_view }) => load_view(order.view));
         return undefined;
       case "unload":
@@ -68,11 +68,6 @@ export class Field {
     const counts = Object.fromEntries(COUNTS.map((name, at) => [name, words[pixels + at]])) as Counts;
     return { rgba: new Float32Array(words.slice(0, pixels).buffer), counts, ms: performance.now() - begun };
   }
-}
-
-function rowOf({ face, size, map, range, isDistance, hasAlpha, hasMaterial }: FaceOutline): number[] {
-  const flags = [isDistance, hasAlpha, hasMaterial].map(Number);
-  return [face, ...size, ...map.scale, ...map.center, range.nearM, range.farM, ...flags];
 }
 
 function numbersOf({ view, face, rect }: FaceArea): AreaNumbers {

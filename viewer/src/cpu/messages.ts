@@ -1,28 +1,14 @@
 // Messages between the page and the worker that renders.
 
-import type { DepthRange, Probe, Rect } from "../format/types.ts";
+import type { Probe, Rect } from "../format/types.ts";
 import type { Camera } from "../views/camera.ts";
 import type { ColorCoding } from "../views/catalogue.ts";
-import type { TexelMap } from "../views/face.ts";
 
 /** The first message. */
 export interface FieldSettings {
   module: WebAssembly.Module;
   /** Of the film's colors. */
   coding: ColorCoding;
-}
-
-/** A face whose texels are unknown at first. */
-export interface FaceOutline {
-  /** Its number. */
-  face: number;
-  size: [number, number];
-  map: TexelMap;
-  range: DepthRange;
-  /** Codes are of distances, and not of planar depths. */
-  isDistance: boolean;
-  hasAlpha: boolean;
-  hasMaterial: boolean;
 }
 
 /** A view of a picture, by its place in the catalogue, and its pose in the frame. */
@@ -51,16 +37,14 @@ export interface PictureRequest {
 }
 
 export type Order =
-  | { kind: "load"; view: number; nearM: number; farM: number; faces: FaceOutline[] }
+  /** A view whose texels are unknown at first, as numbers of `PictureField::load` (src/wasm/picture.rs). */
+  | { kind: "load"; view: number; numbers: Float64Array }
   | { kind: "unload"; view: number }
   /** Depth codes of a rectangle, row by row; without them it becomes unknown. */
   | { kind: "depth"; area: FaceArea; codes: Uint16Array | undefined }
-  /** Four components of each texel: bytes, or bits of halves. */
-  | { kind: "color"; area: FaceArea; texels: Uint8Array | Uint16Array }
-  /** Three bytes of each texel. */
-  | { kind: "material"; area: FaceArea; texels: Uint8Array }
-  /** Four bytes of each texel: codes behind the curve of sRGB, and one that counts for nothing. */
-  | { kind: "overlay"; area: FaceArea; texels: Uint8Array }
+  /** Four components of each texel of color: bytes, or bits of halves. Three bytes of material. Four bytes of an overlay: codes behind the
+   *  curve of sRGB, and one that counts for nothing. */
+  | { kind: "color" | "material" | "overlay"; area: FaceArea; texels: Uint8Array | Uint16Array }
   /** A picture of views, the nearest to the eye first. */
   | { kind: "render"; request: PictureRequest; views: PlacedView[] };
 

@@ -4,12 +4,6 @@ import { decoder } from "../decoder/module.ts";
 import type { Presentation } from "../decoder/types.ts";
 import type { StereoLayout } from "../views/presentation.ts";
 
-/** A picture of linear light: red, green, blue and alpha, row by row. */
-export interface LightPicture {
-  size: readonly [number, number];
-  rgba: Float32Array;
-}
-
 /** How pictures are shown. */
 export interface PresentOptions extends Omit<Presentation, "isAnaglyph"> {
   /** Of the canvas. */
@@ -17,27 +11,25 @@ export interface PresentOptions extends Omit<Presentation, "isAnaglyph"> {
   stereo: StereoLayout;
 }
 
-/** Draws the picture of the left or only eye, that of the right one, and an overlay, which have one size. */
+/** Draws the picture of the left or only eye, that of the right one, and an overlay: linear light and alpha of `width` x `height` pixels. */
 export function present(
   canvas: HTMLCanvasElement,
-  { eyes, overlay }: { eyes: readonly LightPicture[]; overlay: LightPicture | undefined },
+  [width, height]: readonly [number, number],
+  { eyes, overlay }: { eyes: readonly Float32Array[]; overlay: Float32Array | undefined },
   options: PresentOptions,
 ): void {
   const context = canvas.getContext("2d");
   if (context === null) {
     throw new Error("The canvas cannot be drawn to.");
   }
-  const pictures = [...eyes, ...(overlay === undefined ? [] : [overlay])].map(({ rgba }) => rgba);
-  const how = {
-    overlayShare: overlay === undefined ? 0 : options.overlayShare,
-    isAnaglyph: options.stereo === "anaglyph",
-  };
-  const codes = decoder().presentPictures(pictures, { ...options, ...how });
-  const [width, height] = eyes[0].size;
+  const overlayShare = overlay === undefined ? 0 : options.overlayShare;
+  const how = { ...options, overlayShare, isAnaglyph: options.stereo === "anaglyph" };
+  const codes = decoder().presentPictures(overlay === undefined ? eyes : [...eyes, overlay], how);
   [canvas.width, canvas.height] = options.size;
-  for (let at = 0; at * 4 * width * height < codes.length; at += 1) {
-    const one = codes.slice(at * 4 * width * height, (at + 1) * 4 * width * height);
+  const bytes = 4 * width * height;
+  for (let at = 0; at * bytes < codes.length; at += 1) {
+    const one = new ImageData(codes.slice(at * bytes, (at + 1) * bytes), width, height);
     // Of an odd width the eyes share a column.
-    context.putImageData(new ImageData(one, width, height), at * (canvas.width - width), 0);
+    context.putImageData(one, at * (canvas.width - width), 0);
   }
 }

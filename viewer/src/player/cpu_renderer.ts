@@ -1,7 +1,7 @@
 // Draws on the processor, in a worker, where the browser has no graphics device: small pictures.
 
 import type { FieldSettings, Order, Rendered } from "../cpu/messages.ts";
-import { type LightPicture, present } from "../cpu/present.ts";
+import { present } from "../cpu/present.ts";
 import { decoderModule } from "../decoder/module.ts";
 import type { Camera } from "../views/camera.ts";
 import type { FaceStreams } from "../views/catalogue.ts";
@@ -32,7 +32,7 @@ export class CpuRenderer implements Renderer {
   readonly #painter: OverlayPainter;
   #waiting: Waiting | undefined;
   #failure: string | undefined;
-  #picture: LightPicture = { size: [0, 0], rgba: new Float32Array() };
+  #picture: Awaited<ReturnType<Renderer["pixels"]>> = { size: [0, 0], rgba: new Float32Array() };
 
   constructor(private readonly scene: Scene) {
     this.#worker = new Worker(new URL("./cpu_worker.js", import.meta.url), { type: "module" });
@@ -66,15 +66,15 @@ export class CpuRenderer implements Renderer {
     }
     const size = sizeOfEye(request);
     const overlays = texelOverlays(view);
-    let overlay: LightPicture | undefined;
+    let overlay: Float32Array | undefined;
     if (overlays.length > 0) {
       this.#painter.paint(overlays, request);
-      overlay = { size, rgba: (await this.#render(request, cameras[0], true)).rgba };
+      overlay = (await this.#render(request, cameras[0], true)).rgba;
     }
-    const eyes = rendered.map(({ rgba }) => ({ size, rgba }));
-    [this.#picture] = eyes;
+    const eyes = rendered.map(({ rgba }) => rgba);
+    this.#picture = { size, rgba: eyes[0] };
     const options = { ...view, marksHoles: view.overlays.has("holes"), overlayShare: OVERLAY_SHARE };
-    present(this.scene.canvas, { eyes, overlay }, options);
+    present(this.scene.canvas, size, { eyes, overlay }, options);
     onShown();
     const [{ counts }] = rendered;
     return { counters: { ...counts }, decodeMs: 0, marchMs: rendered.reduce((sum, { ms }) => sum + ms, 0) };
@@ -86,8 +86,7 @@ export class CpuRenderer implements Renderer {
   }
 
   pixels(): Promise<{ size: [number, number]; rgba: Float32Array }> {
-    const { size, rgba } = this.#picture;
-    return Promise.resolve({ size: [...size], rgba });
+    return Promise.resolve(this.#picture);
   }
 
   close(): void {

@@ -35,16 +35,11 @@ export class WorkerTexels implements Texels {
       view,
       faces.map((face) => new SentFace(face, view, codes)),
     );
-    const outlines = faces.map(({ face, size, map, header: { range, isDistance }, alpha, material }) => ({
-      face,
-      size,
-      map,
-      range,
-      isDistance,
-      hasAlpha: alpha !== undefined,
-      hasMaterial: material !== undefined,
-    }));
-    this.send({ kind: "load", view, nearM, farM, faces: outlines });
+    const rows = faces.flatMap(({ face, size, map, header: { range, isDistance }, alpha, material }) => {
+      const flags = [isDistance, alpha !== undefined, material !== undefined].map(Number);
+      return [face, ...size, ...map.scale, ...map.center, range.nearM, range.farM, ...flags];
+    });
+    this.send({ kind: "load", view, numbers: Float64Array.of(nearM, farM, ...rows) });
   }
 
   unload(view: number): void {

@@ -3,7 +3,6 @@
 //
 // Positions are subtracted in double precision, so that pictures far from the world's origin lose no precision.
 
-import { decoder } from "../decoder/module.ts";
 import type { Steps } from "../decoder/types.ts";
 import type { Probe, Vec3 } from "../format/types.ts";
 import type { Axes } from "../math.ts";
@@ -81,11 +80,6 @@ export function activeViews(
     nearM: Math.min(...active.map(({ streams }) => streams.nearM)),
     farM: Math.max(...active.map(({ streams }, at) => distances[at] + streams.farM * greatestRayLength(streams))),
   };
-}
-
-/** Steps of a picture: `count`, from a tenth of the least distance of surfaces on. */
-export function stepsOf({ nearM, farM }: Pick<ActiveViews, "nearM" | "farM">, count: number, refine: number): Steps {
-  return decoder().raySteps(count, nearM / 10, farM, refine);
 }
 
 /** Points of the longest segment that one test may prove empty, a power of two, and of the first one. */
