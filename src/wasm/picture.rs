@@ -2,7 +2,7 @@
 //!
 //! Takes texels of loaded views in the form that the decoder outputs. Views are numbered as in the page's catalogue.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -58,6 +58,8 @@ pub struct PictureField {
     tables: BTreeMap<(usize, usize), Arc<InverseDepth>>,
     /// Overlays of faces that have one, by view and face.
     overlays: BTreeMap<(usize, usize), FaceColors>,
+    /// Views and faces with new material since the last picture.
+    new_materials: BTreeSet<(usize, usize)>,
 }
 
 /// Colours in place of those of a face.
@@ -87,6 +89,7 @@ impl PictureField {
             changes: Vec::new(),
             tables: BTreeMap::new(),
             overlays: BTreeMap::new(),
+            new_materials: BTreeSet::new(),
         }
     }
 
@@ -126,6 +129,7 @@ impl PictureField {
         }
         self.tables.retain(|&(view, _), _| view != at);
         self.overlays.retain(|&(view, _), _| view != at);
+        self.new_materials.retain(|&(view, _)| view != at);
         self.changes.retain(|change| change.view != at);
         // Drops its pyramids.
         self.renderer.update(&Stage { field: &self.field, views: &[] }, &[])
@@ -182,7 +186,7 @@ impl PictureField {
         let width = texels.size[0];
         let image = texels.material.as_mut().ok_or_else(|| no_face(area.view, area.face))?;
         write(image, width, area, &pixels_of(materials, area, |[a, b, c]| [a, b, c, 0])?);
-        texels.update_specular();
+        self.new_materials.insert((area.view as usize, area.face as usize));
         Ok(())
     }
 
@@ -218,6 +222,11 @@ impl PictureField {
         let is_overlay = colors == PictureColors::Overlay;
         let specular = if is_overlay { SpecularMode::None } else { SpecularMode::Auto };
         self.renderer.options = PictureOptions { size, steps, holes, specular, ..PictureOptions::default() };
+        for (view, face) in std::mem::take(&mut self.new_materials) {
+            if let Some(texels) = &mut self.field.views[view].faces[face] {
+                texels.update_specular();
+            }
+        }
         let changes = std::mem::take(&mut self.changes);
         self.renderer.update(&Stage { field: &self.field, views: &views }, &changes)?;
         let coding = self.field.coding;

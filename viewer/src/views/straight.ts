@@ -5,15 +5,6 @@ import type { UnitPixels } from "../decoder/types.ts";
 import type { Rect } from "../format/types.ts";
 import { type ColorCoding, codingNumber } from "./catalogue.ts";
 
-/** Light of an 8-bit code behind a curve, with no exposure. */
-export function lightOf(code: number, transfer: "srgb" | "linear"): number {
-  const value = code / 255;
-  if (transfer === "linear") {
-    return value;
-  }
-  return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
-}
-
 /** Texels of four components, as textures hold them, of a rectangle that lies within a unit of color, and within one of alpha where there
  *  is alpha: bytes, or halves of light. */
 export function colorTexels(
