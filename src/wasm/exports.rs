@@ -1,4 +1,4 @@
-//! The functions that JavaScript calls. viewer/src/decoder/decoder.ts is the other side.
+//! The functions that JavaScript calls. viewer/src/decoder/decoder.ts and viewer/src/cpu/field.ts are the other side.
 //!
 //! The page writes the input of a call into the memory that [`input`] returns, calls a function, and reads its output at
 //! [`output_pointer`], which is valid until the next call. A negative result is an error, whose sentence is the output. A panic
@@ -12,12 +12,21 @@ use std::cell::RefCell;
 
 use crate::chunk_decoder::{Frames, Shown};
 use crate::coding_map::CodingMaps;
+use crate::numbers::Numbers;
+use crate::picture::{FaceArea, PictureColors, PictureField, PictureSettings};
+use crate::present::{Presentation, ToneCurve, present};
+use crate::requests::{StraightTables, units_in_sight};
 use crate::slots::Slots;
 use crate::stream::{ChunkArea, Storage, Stream};
 use crate::{chunk_decoder, device};
 use codec::container::{ChunkPlace, Payload};
+use codec::depth::DepthRange;
 use codec::depth::domain::LOG2_TABLE;
 use codec::error::{Error, Result};
+use codec::image::{DepthKind, ToneMap, Transfer};
+use render::march::{Rendered, Steps};
+use render::rendered_image::HoleFill;
+use render::views::{ColorCoding, InverseDepth, UnitGrid};
 
 /// Results of functions that fail.
 const INVALID: i32 = -1;
@@ -36,6 +45,9 @@ struct State {
     output: Output,
     streams: Slots<Stream>,
     chunks: Slots<OpenChunk>,
+    /// None before [`open_field`].
+    field: Option<PictureField>,
+    straight: StraightTables,
 }
 
 struct OpenChunk {
@@ -50,6 +62,8 @@ thread_local! {
             output: Output::Bytes(Vec::new()),
             streams: Slots::new(),
             chunks: Slots::new(),
+            field: None,
+            straight: StraightTables::new(),
         })
     };
 }
@@ -81,6 +95,10 @@ impl State {
     /// Returns the payload of the stored bytes in the input.
     fn payload(&mut self, storage: Storage) -> Result<Payload> {
         storage.payload(self.take_input())
+    }
+
+    fn field(&mut self) -> Result<&mut PictureField> {
+        self.field.as_mut().ok_or_else(|| Error::Usage("there is no light field".into()))
     }
 
     fn open_chunk(&mut self, area: ChunkArea, frames: Box<dyn Frames>) -> i32 {
@@ -237,4 +255,159 @@ pub extern "C" fn transform_tables() -> i32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn log2_table() {
     with_state(|state| state.output = Output::Words(LOG2_TABLE.to_vec()));
+}
+
+/// Outputs the inverse depth of each code of a range, in 1/m, as floats.
+#[unsafe(no_mangle)]
+pub extern "C" fn inverse_depths(near_m: f32, far_m: f32) -> i32 {
+    call(|state| {
+        let table = InverseDepth::new(DepthRange::new(near_m, far_m)?, DepthKind::Planar);
+        state.output = Output::Words(table.of_code.into_iter().map(f32::to_bits).collect());
+        Ok(0)
+    })
+}
+
+/// Outputs the steps of rays: the logarithm of the ratio of adjacent distances, the uncertainty of hits, and the distances in
+/// metres, as floats.
+#[unsafe(no_mangle)]
+pub extern "C" fn ray_steps(count: u32, near_m: f32, far_m: f32, refine: u32) {
+    with_state(|state| {
+        let steps = Steps::new(count, near_m, far_m, refine);
+        let numbers = [steps.log_step(), steps.uncertainty()].into_iter().chain(steps.distances_m.iter().copied());
+        state.output = Output::Words(numbers.map(f32::to_bits).collect());
+    });
+}
+
+/// Outputs the codes of pictures; [`present`] describes input and output. `tone` is 0 for none, 1 for Reinhard's, 2 for a filmic one.
+#[unsafe(no_mangle)]
+pub extern "C" fn present_pictures(tone: u32, marks_holes: u32, is_anaglyph: u32) -> i32 {
+    call(|state| {
+        let tone = match tone {
+            0 => ToneCurve::None,
+            1 => ToneCurve::Reinhard,
+            2 => ToneCurve::Filmic,
+            other => return Err(Error::Usage(format!("there is no tone curve {other}"))),
+        };
+        let how = Presentation { tone, marks_holes: marks_holes != 0, is_anaglyph: is_anaglyph != 0 };
+        let input = state.take_input();
+        state.output = Output::Bytes(present(&input, how)?);
+        Ok(0)
+    })
+}
+
+/// Outputs which units of a face cameras see; [`units_in_sight`] describes input and output.
+#[unsafe(no_mangle)]
+pub extern "C" fn visible_units(face: u32, width: u32, height: u32, unit_width: u32, unit_height: u32) -> i32 {
+    call(|state| {
+        let input = state.take_input();
+        let grid = UnitGrid { size: [width, height], unit: [unit_width, unit_height] };
+        state.output = Output::Bytes(units_in_sight(Numbers::new(&input), face, grid)?);
+        Ok(0)
+    })
+}
+
+/// Outputs straight colours and alpha; [`StraightTables::texels`] describes input and output.
+#[unsafe(no_mangle)]
+pub extern "C" fn straight_texels() -> i32 {
+    call(|state| {
+        let input = state.take_input();
+        state.output = Output::Bytes(state.straight.texels(&input)?);
+        Ok(0)
+    })
+}
+
+/// Starts a light field without views. `coding` is that of its colours: 0 for halves of light, 1 for linear codes, 2 for sRGB codes.
+#[unsafe(no_mangle)]
+pub extern "C" fn open_field(coding: u32, exposure_ev: f32) -> i32 {
+    call(|state| {
+        let coding = match coding {
+            0 => ColorCoding::Light,
+            1 => ColorCoding::Codes(ToneMap { transfer: Transfer::Linear, exposure_ev }),
+            2 => ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev }),
+            other => return Err(Error::Usage(format!("there is no coding of colors {other}"))),
+        };
+        state.field = Some(PictureField::new(coding));
+        Ok(0)
+    })
+}
+
+/// Runs a function with the light field and the input.
+fn with_field(run: impl FnOnce(&mut PictureField, &[u8]) -> Result<()>) -> i32 {
+    call(|state| {
+        let input = state.take_input();
+        run(state.field()?, &input)?;
+        Ok(0)
+    })
+}
+
+/// Loads a view; [`PictureField::load`] describes the numbers in the input.
+#[unsafe(no_mangle)]
+pub extern "C" fn load_view(view: u32) -> i32 {
+    with_field(|field, input| field.load(view, Numbers::new(input)))
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn unload_view(view: u32) -> i32 {
+    with_field(|field, _| field.unload(view))
+}
+
+/// Writes the depth codes in the input; without an input the depths become unknown.
+#[unsafe(no_mangle)]
+pub extern "C" fn write_depth(view: u32, face: u32, left: u32, top: u32, width: u32, height: u32) -> i32 {
+    let area = FaceArea { view, face, rect: [left, top, width, height] };
+    with_field(|field, input| field.write_depth(area, input))
+}
+
+/// Writes the texels of colour in the input.
+#[unsafe(no_mangle)]
+pub extern "C" fn write_color(view: u32, face: u32, left: u32, top: u32, width: u32, height: u32) -> i32 {
+    let area = FaceArea { view, face, rect: [left, top, width, height] };
+    with_field(|field, input| field.write_color(area, input))
+}
+
+/// Writes the texels of material in the input.
+#[unsafe(no_mangle)]
+pub extern "C" fn write_material(view: u32, face: u32, left: u32, top: u32, width: u32, height: u32) -> i32 {
+    let area = FaceArea { view, face, rect: [left, top, width, height] };
+    with_field(|field, input| field.write_material(area, input))
+}
+
+/// Writes the texels of an overlay in the input.
+#[unsafe(no_mangle)]
+pub extern "C" fn write_overlay(view: u32, face: u32, left: u32, top: u32, width: u32, height: u32) -> i32 {
+    let area = FaceArea { view, face, rect: [left, top, width, height] };
+    with_field(|field, input| field.write_overlay(area, input))
+}
+
+/// Renders a picture; [`PictureField::render`] describes the numbers in the input. The output is linear RGB and alpha of each
+/// pixel as floats, and the counters as integers.
+#[unsafe(no_mangle)]
+pub extern "C" fn render_picture(width: u32, height: u32, steps: u32, marks_holes: u32, shows_overlay: u32) -> i32 {
+    call(|state| {
+        let input = state.take_input();
+        let field = state.field()?;
+        let holes = if marks_holes == 0 { HoleFill::Behind } else { HoleFill::Nearest };
+        let colors = if shows_overlay == 0 { PictureColors::Texels } else { PictureColors::Overlay };
+        let settings = PictureSettings { size: [width, height], steps, holes, colors };
+        state.output = Output::Words(words_of(&field.render(Numbers::new(&input), settings)?));
+        Ok(0)
+    })
+}
+
+fn words_of(Rendered { image, counters }: &Rendered) -> Vec<u32> {
+    let pixels = image.color.data().iter().zip(image.alpha.data());
+    let mut words: Vec<u32> =
+        pixels.flat_map(|([r, g, b], alpha)| [r, g, b, alpha].map(|part| part.to_bits())).collect();
+    let counts = [
+        counters.primary_rays,
+        counters.march_steps,
+        counters.refine_steps,
+        counters.secondary_rays,
+        counters.normal_evals,
+        counters.material_samples,
+        counters.hole_rays,
+        counters.background_rays,
+    ];
+    words.extend(counts.map(|count| u32::try_from(count).unwrap_or(u32::MAX)));
+    words
 }

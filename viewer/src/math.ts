@@ -36,11 +36,6 @@ export function distance(a: Vec3, b: Vec3): number {
   return length(subtract(a, b));
 }
 
-/** The vector with length 1; not finite where it has none. */
-export function normalize(a: Vec3): Vec3 {
-  return scale(a, 1 / length(a));
-}
-
 /** The quaternion with length 1, `undefined` where its length is too far from that. */
 export function rotation([x, y, z, w]: Quaternion): Quaternion | undefined {
   const size = Math.sqrt(x * x + y * y + z * z + w * w);

@@ -2,7 +2,6 @@
 
 import { FormatError, UnsupportedError } from "./format/types.ts";
 import type { ByteSource } from "./format/types.ts";
-import { lightOf } from "./views/straight.ts";
 import type { Player, PlayerStats } from "./player/types.ts";
 import type { QuiltLayout } from "./ui/film_file.ts";
 
@@ -14,6 +13,11 @@ const MAX_BYTES = 2 ** 30;
 const VIEW_RATE = 12;
 const PNG_HEAD_BYTES = 24;
 const PNG_SIGNATURE = [0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a];
+
+/** Linear light of a value behind the curve of sRGB. */
+function lightOf(value: number): number {
+  return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
+}
 
 /** Width and height of a PNG file by its first 24 bytes. `what` begins the sentence of an error. */
 export function pngSize(head: Uint8Array, what: string): [number, number] {
@@ -113,7 +117,7 @@ export async function openQuilt(
     fetched: () => [[0, count - 1]],
     pixels() {
       const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
-      const rgba = Float32Array.from(data, (code, at) => (at % 4 === 3 ? code / 255 : lightOf(code, "srgb")));
+      const rgba = Float32Array.from(data, (code, at) => (at % 4 === 3 ? code / 255 : lightOf(code / 255)));
       return Promise.resolve({ size: [canvas.width, canvas.height], rgba });
     },
     onProblem: () => undefined,

@@ -2,18 +2,15 @@
 
 import assert from "node:assert/strict";
 import { after, before, describe, test } from "node:test";
-import { FaceTexels, UNKNOWN } from "../src/cpu/face_texels.ts";
 import type { Order, Rendered } from "../src/cpu/messages.ts";
 import type { Container } from "../src/format/container.ts";
-import type { Rect } from "../src/format/types.ts";
 import { CpuRenderer } from "../src/player/cpu_renderer.ts";
 import type { DrawRequest } from "../src/player/renderer.ts";
 import { cameraOf } from "../src/views/camera.ts";
 import type { Catalogue } from "../src/views/catalogue.ts";
-import { bytesOf, capture, codesOf, type Films, psnr } from "./films.ts";
+import { bytesOf, capture, codesOf, type Films, halvesOf, psnr, renderedHalves, WITH_MATERIALS } from "./films.ts";
 import { lightfold, rendered, type Shot, shotOptions, withMattes, withoutProgram } from "./films.ts";
 import { MemoryFilm } from "./memory_film.ts";
-import { chance } from "./vectors.ts";
 
 const SIZE: [number, number] = [64, 48];
 const MIN_DB = 50;
@@ -57,6 +54,7 @@ describe("The processor", { skip: withoutProgram }, () => {
         const { rgba, counts } = (await MemoryFilm.open(bytesOf(film), one.frame)).render(one);
         const found = psnr(codesOf(rgba), rendered(film, one));
         assert.ok(found >= MIN_DB, `${found} dB at yaw ${one.pose.yaw}`);
+        assert.deepEqual(halvesOf(rgba), renderedHalves(film, one));
         assert.equal(counts.primary_rays, SIZE[0] * SIZE[1]);
         const rays = raysOf(film, one);
         for (const kind of ["hole_rays", "background_rays"] as const) {
@@ -71,6 +69,26 @@ describe("The processor", { skip: withoutProgram }, () => {
     const { rgba } = (await MemoryFilm.open(bytesOf(film), SHOTS[1].frame)).render(SHOTS[1]);
     const found = psnr(codesOf(rgba), rendered(film, SHOTS[1]));
     assert.ok(found >= MIN_DB, `${found} dB`);
+    assert.deepEqual(halvesOf(rgba), renderedHalves(film, SHOTS[1]));
+  });
+
+  test("follows secondary rays of mirrors and glass", async () => {
+    const mirrors = capture("mirrors", 64, ...WITH_MATERIALS);
+    try {
+      const film = mirrors.encode("film.lfold", "--clip");
+      let followed = 0;
+      for (const one of SHOTS) {
+        const { rgba, counts } = (await MemoryFilm.open(bytesOf(film), one.frame)).render(one);
+        const found = psnr(codesOf(rgba), rendered(film, one));
+        assert.ok(found >= MIN_DB, `${found} dB at yaw ${one.pose.yaw}`);
+        assert.deepEqual(halvesOf(rgba), renderedHalves(film, one));
+        assert.equal(counts.secondary_rays, raysOf(film, one)["secondary_rays"]);
+        followed += counts.secondary_rays;
+      }
+      assert.ok(followed > 100, `${followed}`);
+    } finally {
+      mirrors.remove();
+    }
   });
 
   for (const depth of ["planar", "distance"]) {
@@ -82,6 +100,7 @@ describe("The processor", { skip: withoutProgram }, () => {
           const { rgba, counts } = (await MemoryFilm.open(bytesOf(film), one.frame)).render(one);
           const found = psnr(codesOf(rgba), rendered(film, one));
           assert.ok(found >= MIN_DB, `${found} dB at yaw ${one.pose.yaw}`);
+          assert.deepEqual(halvesOf(rgba), renderedHalves(film, one));
           assert.ok(Math.abs(counts.hole_rays - raysOf(film, one)["hole_rays"]) <= 2);
           assert.ok(counts.hole_rays > 0);
         }
@@ -101,7 +120,7 @@ describe("The processor", { skip: withoutProgram }, () => {
     assert.ok(film.render(SHOTS[0]).rgba.some((value, at) => value !== before.rgba[at]));
     tiles.slice(tiles.length / 2).forEach(([{ index }, unit]) => film.texels.forget(index, unit));
     film.texels.update();
-    const marked = film.render(SHOTS[0], { looksBehindHoles: false });
+    const marked = film.render(SHOTS[0], { marksHoles: true });
     assert.equal(marked.counts.hole_rays, SIZE[0] * SIZE[1]);
     assert.ok(marked.rgba.every((value) => value === 0));
     tiles.forEach(([{ index }, unit]) => film.texels.written(index, unit));
@@ -180,40 +199,3 @@ function requestOf(catalogue: Catalogue): DrawRequest {
   const cameras = [cameraOf(pose, 90, 4 / 3)];
   return { view, cameras, views, isFresh: () => false, codings: () => undefined };
 }
-
-test("pyramids follow rectangles that change, and bound the texels below", () => {
-  const random = chance(5);
-  for (const size of [
-    [1, 1],
-    [5, 3],
-    [16, 16],
-    [33, 20],
-  ] as [number, number][]) {
-    const map = { scale: [1, 1] as [number, number], center: [0, 0] as [number, number] };
-    const [parts, whole] = [new FaceTexels(size, map, false), new FaceTexels(size, map, false)];
-    assert.equal(parts.greatest, UNKNOWN);
-    const rect = (): Rect => {
-      const [left, top] = [random(size[0]), random(size[1])];
-      return [left, top, 1 + random(size[0] - left), 1 + random(size[1] - top)];
-    };
-    for (let turn = 0; turn < 40; turn += 1) {
-      const [left, top, width, height] = turn === 0 ? [0, 0, ...size] : rect();
-      for (let at = 0; at < width * height; at += 1) {
-        const to = (top + Math.floor(at / width)) * size[0] + left + (at % width);
-        parts.inverseDepths[to] = random(20) === 0 ? UNKNOWN : random(1000);
-      }
-      parts.update([left, top, width, height]);
-      whole.inverseDepths.set(parts.inverseDepths);
-      whole.update([0, 0, ...size]);
-      assert.deepEqual(parts.levels, whole.levels);
-      assert.equal(parts.greatest, Math.max(...parts.inverseDepths));
-      const [x, y, columns, rows] = rect();
-      let greatest = 0;
-      for (let row = y; row < y + rows; row += 1) {
-        const texels = parts.inverseDepths.subarray(row * size[0] + x, row * size[0] + x + columns);
-        greatest = Math.max(greatest, ...texels);
-      }
-      assert.ok(parts.greatestBetween(x, y, x + columns - 1, y + rows - 1) >= greatest);
-    }
-  }
-});

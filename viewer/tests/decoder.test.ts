@@ -3,7 +3,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DecoderCache } from "../src/decoder/cache.ts";
-import { Decoder, DecoderStopped } from "../src/decoder/decoder.ts";
+import { Decoder } from "../src/decoder/decoder.ts";
+import { DecoderStopped } from "../src/decoder/instance.ts";
 import { JobRunner } from "../src/decoder/job_runner.ts";
 import { decoderModule } from "../src/decoder/module.ts";
 import { Container } from "../src/format/container.ts";

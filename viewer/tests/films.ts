@@ -5,6 +5,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Pose } from "../src/player/types.ts";
+import { exrHalves, halfBits } from "./exr.ts";
 import { png } from "./ui_scene.ts";
 
 const PROGRAM = process.env["LIGHTFOLD"];
@@ -25,6 +26,9 @@ export interface Films {
   path(name: string): string;
   remove(): void;
 }
+
+/** Options of a capture with materials. */
+export const WITH_MATERIALS = ["--aov", "depth,material"] as const;
 
 /** Three probes in a scene of the program, three frames each, with further options. */
 export function capture(scene: string, size: number | string, ...options: string[]): Films {
@@ -110,6 +114,23 @@ export function shotOptions({ pose: { eye, yaw, pitch }, frame, size, fovDeg, st
 export function rendered(film: string, shot: Shot, ...options: string[]): Uint8Array {
   const output = lightfold("render", film, ...shotOptions(shot), ...options, "-o", "-", "--stream-format", "raw", "-q");
   return output.subarray(output.indexOf("\n") + 1);
+}
+
+/** Bits of the half floats of a picture of the program: linear light times alpha, and alpha, row by row. */
+export function renderedHalves(film: string, shot: Shot): Uint16Array {
+  const folder = mkdtempSync(join(tmpdir(), "lightfold-picture-"));
+  try {
+    const path = join(folder, "picture.exr");
+    lightfold("render", film, ...shotOptions(shot), "-o", path, "-q");
+    return exrHalves(bytesOf(path), shot.size);
+  } finally {
+    rmSync(folder, { recursive: true, force: true });
+  }
+}
+
+/** The same of a picture of the page. */
+export function halvesOf(rgba: Float32Array): Uint16Array {
+  return Uint16Array.from(rgba, (value, at) => halfBits(at % 4 === 3 ? value : Math.fround(value * rgba[at | 3])));
 }
 
 /** Stored bytes that the program reads for a picture, and its tiles and cells. */

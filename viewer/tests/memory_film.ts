@@ -1,18 +1,17 @@
 // A container that is decoded and rendered on the processor, without workers and a page.
 
-import { decoder } from "../src/decoder/module.ts";
-import type { Pixels, StoredChunk } from "../src/decoder/types.ts";
+import { decoder, decoderModule } from "../src/decoder/module.ts";
+import type { Pixels, StoredChunk, UnitPixels } from "../src/decoder/types.ts";
 import { Field } from "../src/cpu/field.ts";
-import type { Rendered } from "../src/cpu/messages.ts";
-import { type OrderOptions, renderOrder } from "../src/cpu/order.ts";
+import type { PictureRequest, Rendered } from "../src/cpu/messages.ts";
 import { Container } from "../src/format/container.ts";
 import type { Stream } from "../src/format/types.ts";
 import { WorkerTexels } from "../src/player/worker_texels.ts";
-import { activeViews } from "../src/views/active.ts";
 import { cameraOf } from "../src/views/camera.ts";
 import { type Catalogue, catalogueOf, type FaceStreams, hasFrame, streamsOf } from "../src/views/catalogue.ts";
+import { selectViews } from "../src/views/selection.ts";
 import { unitsUnder } from "../src/views/rects.ts";
-import { ColorTexels, type UnitPixels } from "../src/views/straight.ts";
+import { colorTexels } from "../src/views/straight.ts";
 import type { Shot } from "./films.ts";
 import { MemorySource } from "./memory_source.ts";
 import "./use_decoder.ts";
@@ -20,9 +19,8 @@ import "./use_decoder.ts";
 /** One frame of a film in memory. */
 export class MemoryFilm {
   readonly texels: WorkerTexels;
-  readonly #field = new Field();
+  readonly #field: Field;
   readonly #pixels = new Map<string, Pixels>();
-  readonly #colors: ColorTexels;
 
   private constructor(
     readonly container: Container,
@@ -30,9 +28,8 @@ export class MemoryFilm {
     private readonly source: MemorySource,
     readonly frame: number,
   ) {
+    this.#field = new Field(new WebAssembly.Instance(decoderModule()), catalogue.coding);
     this.texels = new WorkerTexels(catalogue, (order) => this.#field.run(structuredClone(order)));
-    const hasAlpha = catalogue.views.some(({ faces }) => faces.some(({ alpha }) => alpha !== undefined));
-    this.#colors = new ColorTexels(catalogue.coding, hasAlpha);
   }
 
   /** Decodes all of a frame. */
@@ -67,14 +64,19 @@ export class MemoryFilm {
 
   render(
     { pose, size, fovDeg, steps }: Omit<Shot, "frame">,
-    options: Partial<OrderOptions> = {},
+    options: Partial<PictureRequest> = {},
     views = this.views,
   ): Rendered {
     const camera = cameraOf(pose, fovDeg, size[0] / size[1]);
-    const probeOf = (probe: number) => this.container.probeAt(probe, this.frame);
-    const active = activeViews(this.catalogue, views, pose.eye, probeOf);
-    const all = { size, steps, showsOverlay: false, looksBehindHoles: true, ...options };
-    return this.#field.run(renderOrder(active, camera, all))!;
+    const placed = views.map((view) => {
+      const { position, orientation } = this.container.probeAt(this.catalogue.views[view].probe, this.frame);
+      return { view, position, orientation };
+    });
+    // Sums of colors depend on the order of views.
+    const order = selectViews(placed, pose.eye, views.length);
+    placed.sort((one, other) => order.indexOf(one.view) - order.indexOf(other.view));
+    const request = { camera, size, steps, showsOverlay: false, marksHoles: false, ...options };
+    return this.#field.run({ kind: "render", request, views: placed })!;
   }
 
   async #load(face: FaceStreams): Promise<void> {
@@ -82,11 +84,15 @@ export class MemoryFilm {
     for (const [stream, unit] of this.unitsOf(face)) {
       this.#pixels.set(`${stream.index} ${unit}`, await this.#decode(stream, unit));
     }
+    const { material } = face;
+    for (let unit = 0; material !== undefined && unit < this.container.unitCount(material.index); unit += 1) {
+      this.texels.uploadMaterial(material.index, unit, this.#unitPixels(material, unit).pixels as Uint8Array);
+    }
     for (let cell = 0; cell < this.container.unitCount(color.index); cell += 1) {
       const of = this.#unitPixels(color, cell);
       for (const [matte, part] of alpha === undefined ? [[-1, of.rect] as const] : unitsUnder(alpha, of.rect)) {
         const under = alpha === undefined ? undefined : this.#unitPixels(alpha, matte);
-        this.texels.uploadColor(color.index, part, this.#colors.of(of, part, under));
+        this.texels.uploadColor(color.index, part, colorTexels(this.catalogue.coding, of, part, under));
       }
     }
     for (const [stream, unit] of this.unitsOf(face)) {

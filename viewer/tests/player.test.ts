@@ -9,7 +9,7 @@ import type { PlayerStats, Problem, RendererChoice } from "../src/player/types.t
 import { bundle, type Call, pageFiles, withFunctions, withoutBrowser } from "./browser.ts";
 import { filmServer, type FilmServer } from "./film_server.ts";
 import { bytesOf, capture, codesOf, type Films, moving, psnr, readFor } from "./films.ts";
-import { rendered, type Shot, withMattes, withoutProgram } from "./films.ts";
+import { rendered, type Shot, WITH_MATERIALS, withMattes, withoutProgram } from "./films.ts";
 import { chance, spoiled, vectors } from "./vectors.ts";
 
 const skip = withoutBrowser || withoutProgram;
@@ -224,6 +224,26 @@ describe("The player", { skip }, () => {
     }
   });
 
+  test("follows secondary rays on the processor", async () => {
+    const mirrors = capture("mirrors", FACE, ...WITH_MATERIALS);
+    try {
+      const film = mirrors.encode("film.lfold", "--clip");
+      await inPage(
+        film,
+        async (call) => {
+          const one = { ...SHOTS[0], steps: 128 };
+          const { counters } = await call<PlayerStats>("settle", one);
+          assert.ok(counters["secondary_rays"] > 0);
+          const found = psnr(codesOf(await picture(call)), rendered(film, one));
+          assert.ok(found >= MIN_DB, `${found} dB`);
+        },
+        "cpu",
+      );
+    } finally {
+      mirrors.remove();
+    }
+  });
+
   test("does not wait for a slow server", async () => {
     await inPage(films.path("film.lfold"), async (call, server) => {
       server.fault = () => "held";
@@ -305,6 +325,22 @@ describe("The player", { skip }, () => {
       const same = looks.findIndex((_, other) => device[other].join() === device[at].join());
       assert.ok(same === at || "fetched" === (look["overlays"] as string[])?.[0], JSON.stringify(look));
     });
+  });
+
+  test("shows overlays of films of light the same on device and processor", async () => {
+    const film = films.encode("light.lfold", "--hdr");
+    const view = { ...SHOTS[0], steps: 128, overlays: ["probes"] };
+    const show = (renderer: RendererChoice): Promise<number[]> =>
+      inPage(
+        film,
+        async (call) => {
+          await call("settle", view);
+          return call<number[]>("shown");
+        },
+        renderer,
+      );
+    const found = psnr(Uint8Array.from(await show("gpu")), Uint8Array.from(await show("cpu")));
+    assert.ok(found >= 40, `${found} dB`);
   });
 
   for (const codec of ["quadtree", "aabb", "predictive"]) {

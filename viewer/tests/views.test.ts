@@ -5,19 +5,58 @@ import { test } from "node:test";
 import type { Probe, Quaternion, Rect, Stream, StreamKind, Vec3 } from "../src/format/types.ts";
 import { UnsupportedError } from "../src/format/types.ts";
 import { above, pyramidSizes } from "../src/views/pyramid.ts";
+import { decoder } from "../src/decoder/module.ts";
 import { tileGrid, tilePlace } from "../src/gpu/tile_grid.ts";
-import { add, cross, dot, inverse, length, normalize, rotate, rotation, scale, subtract } from "../src/math.ts";
+import { add, cross, dot, inverse, length, rotate, rotation, scale, subtract } from "../src/math.ts";
 import type { Axes } from "../src/math.ts";
-import { activeViews, stepsBetween } from "../src/views/active.ts";
+import { activeViews } from "../src/views/active.ts";
 import type { Camera } from "../src/views/camera.ts";
 import { cameraOf, stereoEyes } from "../src/views/camera.ts";
 import { catalogueOf, hasFrame } from "../src/views/catalogue.ts";
-import { FACE_AXES, rayLength, texelMap, VIEW_FACE } from "../src/views/face.ts";
-import { inverseDepths } from "../src/views/inverse_depth.ts";
+import { rayLength, texelMap, VIEW_FACE } from "../src/views/face.ts";
 import { joined, overlap } from "../src/views/rects.ts";
 import { selectViews } from "../src/views/selection.ts";
-import { ColorTexels, halfBits, halfValue } from "../src/views/straight.ts";
+import { colorTexels } from "../src/views/straight.ts";
 import { VisibleUnits } from "../src/views/visible.ts";
+import { halfBits } from "./exr.ts";
+import "./use_decoder.ts";
+
+const [X, Y, Z]: Axes = [
+  [1, 0, 0],
+  [0, 1, 0],
+  [0, 0, 1],
+];
+const [NEGATIVE_X, NEGATIVE_Y, NEGATIVE_Z]: Axes = [
+  [-1, 0, 0],
+  [0, -1, 0],
+  [0, 0, -1],
+];
+
+/** Forward, right and down of faces 0 to 6, in the axes of the probe. */
+const FACE_AXES: readonly Axes[] = [
+  [X, NEGATIVE_Z, NEGATIVE_Y],
+  [NEGATIVE_X, Z, NEGATIVE_Y],
+  [Y, X, Z],
+  [NEGATIVE_Y, X, NEGATIVE_Z],
+  [Z, X, NEGATIVE_Y],
+  [NEGATIVE_Z, NEGATIVE_X, NEGATIVE_Y],
+  [NEGATIVE_Z, X, NEGATIVE_Y],
+];
+
+/** The vector with length 1; not finite where it has none. */
+function normalize(a: Vec3): Vec3 {
+  return scale(a, 1 / length(a));
+}
+
+/** The number of a half float's bit pattern. */
+function halfValue(bits: number): number {
+  const sign = bits & 0x8000 ? -1 : 1;
+  const [exponent, fraction] = [(bits >> 10) & 31, bits & 1023];
+  if (exponent === 31) {
+    return fraction === 0 ? sign * Infinity : NaN;
+  }
+  return sign * (exponent === 0 ? fraction * 2 ** -24 : (1024 + fraction) * 2 ** (exponent - 25));
+}
 
 /** Numbers from 0 to 1, the same in each run. */
 function randoms(seed: number): () => number {
@@ -242,16 +281,16 @@ test("Active views are placed relative to the eye", () => {
 });
 
 test("Steps are even in the logarithm of distance, from near to far", () => {
-  const { distancesM, logStep, uncertainty } = stepsBetween(4, 0.5, 8, 3);
+  const { distancesM, logStep, uncertainty } = decoder().raySteps(4, 0.5, 8, 3);
   near([...distancesM], [0.5, 1, 2, 4, 8], 1e-6);
   near([logStep], [Math.LN2], 1e-6);
   // An interval from 4 to 8 that was halved three times ends at 7.5 or behind it.
   near([uncertainty], [Math.log(8 / 7.5)], 1e-6);
-  assert.deepEqual([...stepsBetween(4, 2, 1, 3).distancesM], [2]);
+  assert.deepEqual([...decoder().raySteps(4, 2, 1, 3).distancesM], [2]);
 });
 
 test("Depth codes become inverse depths", () => {
-  const bits = inverseDepths({ nearM: 0.25, farM: 16 });
+  const bits = decoder().inverseDepths({ nearM: 0.25, farM: 16 });
   const inverse = new Float32Array(bits.buffer);
   assert.deepEqual([inverse.length, inverse[0], inverse[65534], inverse[65535]], [65536, 4, 1 / 16, 0]);
   near([inverse[32767]], [0.5], 1e-6);
@@ -268,15 +307,15 @@ test("Half floats round to nearest, and colors are finite and straight", () => {
   assert.deepEqual([1 + 2 ** -11, 1 + 3 * 2 ** -11, 1e9, -1e9].map(halfBits), [0x3c00, 0x3c02, 0x7bff, 0xfbff]);
   const rect: Rect = [4, 6, 2, 1];
   const light = { pixels: Uint16Array.of(0x7c00, 0xfc00, 0x7e00, 0x3800, 0x3400, 0), rect };
-  const opaque = new ColorTexels({ name: "light" }, true);
-  assert.deepEqual([...opaque.of(light, rect)], [0x7bff, 0xfbff, 0, 0x3c00, 0x3800, 0x3400, 0, 0x3c00]);
-  const alpha = { pixels: Uint16Array.of(0, 0, 0, 0, 51, 300), rect: [3, 5, 3, 2] as Rect };
-  const [, , , , ...second] = opaque.of(light, rect, alpha);
+  const halves = { name: "light" } as const;
+  assert.deepEqual([...colorTexels(halves, light, rect)], [0x7bff, 0xfbff, 0, 0x3c00, 0x3800, 0x3400, 0, 0x3c00]);
+  const alpha = { pixels: Uint8Array.of(0, 0, 0, 0, 51, 255), rect: [3, 5, 3, 2] as Rect };
+  const [, , , , ...second] = colorTexels(halves, light, rect, alpha);
   assert.deepEqual(second, [0x3800, 0x3400, 0, 0x3c00]);
-  assert.deepEqual([...opaque.of(light, [4, 6, 1, 1], alpha)].slice(3), [halfBits(0.2)]);
-  const codes = new ColorTexels({ name: "codes", transfer: "linear", exposureEv: 0 }, true);
+  assert.deepEqual([...colorTexels(halves, light, [4, 6, 1, 1], alpha)].slice(3), [halfBits(0.2)]);
+  const codes = { name: "codes", transfer: "linear", exposureEv: 0 } as const;
   const bytes = { pixels: Uint8Array.of(10, 20, 200, 1, 2, 3), rect };
-  assert.deepEqual([...codes.of(bytes, rect, alpha)], [50, 100, 255, 51, 1, 2, 3, 255]);
+  assert.deepEqual([...colorTexels(codes, bytes, rect, alpha)], [50, 100, 255, 51, 1, 2, 3, 255]);
 });
 
 test("Rectangles are joined, and cover the same texels", () => {

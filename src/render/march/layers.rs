@@ -61,7 +61,7 @@ pub(crate) struct FirstHits {
 impl FirstHits {
     /// Returns the surface of the nearest view if it lies in front of that of all views.
     pub(crate) fn thin_m(&self) -> Option<f32> {
-        self.nearest_m.filter(|&nearest_m| self.all_m.is_none_or(|all_m| nearest_m < all_m * (-SAME_SURFACE).exp()))
+        self.nearest_m.filter(|&nearest_m| self.all_m.is_none_or(|all_m| nearest_m < all_m * libm::expf(-SAME_SURFACE)))
     }
 }
 
@@ -344,7 +344,7 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
         let light = self.primary.light(seen.color);
         self.shown.push(Layer { distance_m: Some(distance_m), light, share: self.left - left });
         self.left = left;
-        self.least_m = distance_m * SAME_SURFACE.exp();
+        self.least_m = distance_m * libm::expf(SAME_SURFACE);
     }
 
     /// Returns all layers of the ray, after the last query.

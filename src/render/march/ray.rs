@@ -2,6 +2,8 @@
 //!
 //! The logarithms of the distances are evenly spaced from near to far, inclusive. A hit on the last step is a hit, whereas the
 //! listing's test for `i = N` discards it.
+//!
+//! `libm` computes them to the same bits on all machines, so that the page renders the pictures of the program.
 
 use glam::Vec3;
 
@@ -58,13 +60,13 @@ impl Steps {
     pub fn new(count: u32, near_m: f32, far_m: f32, refine: u32) -> Steps {
         let (near, far) = (f64::from(near_m), f64::from(far_m));
         let distances_m = if far > near {
-            let step = (far / near).ln() / f64::from(count.max(1));
-            (0..=count.max(1)).map(|at| (near * (step * f64::from(at)).exp()) as f32).collect()
+            let step = libm::log(far / near) / f64::from(count.max(1));
+            (0..=count.max(1)).map(|at| (near * libm::exp(step * f64::from(at))) as f32).collect()
         } else {
             vec![near_m]
         };
         let log_step = match distances_m[..] {
-            [first, second, ..] => (second / first).ln(),
+            [first, second, ..] => libm::logf(second / first),
             _ => 0.0,
         };
         Steps { distances_m, refine: 0, log_step, uncertainty: 0.0 }.with_refine(refine)
@@ -72,8 +74,8 @@ impl Steps {
 
     /// Returns the same steps with another number of bisections.
     pub fn with_refine(&self, refine: u32) -> Steps {
-        let left = -(-self.log_step).exp_m1() * 0.5f32.powi(refine.min(64) as i32);
-        Steps { refine, uncertainty: -(-left).ln_1p(), ..self.clone() }
+        let left = -libm::expm1f(-self.log_step) * 0.5f32.powi(refine.min(64) as i32);
+        Steps { refine, uncertainty: -libm::log1pf(-left), ..self.clone() }
     }
 
     /// Returns the number of bisections of the interval before a hit.

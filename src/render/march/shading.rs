@@ -43,7 +43,12 @@ pub fn light_of(coding: ColorCoding, color: Vec3) -> Vec3 {
 }
 
 fn decode(tone: ToneMap, code: f32) -> f32 {
-    (tone.transfer.decode(code.into()) * (-f64::from(tone.exposure_ev)).exp2()) as f32
+    (tone.transfer.decode(code.into()) * gain(tone)) as f32
+}
+
+/// Returns the linear value of the maximum code.
+fn gain(tone: ToneMap) -> f64 {
+    libm::exp2(-f64::from(tone.exposure_ev))
 }
 
 /// Table from 8-bit codes with fractions to linear values.
@@ -56,7 +61,7 @@ impl LightCurve {
     const PARTS: usize = 4096;
 
     pub(crate) fn new(tone: ToneMap) -> LightCurve {
-        let gain = (-f64::from(tone.exposure_ev)).exp2();
+        let gain = gain(tone);
         let value = |at: usize| (tone.transfer.decode(at as f64 / Self::PARTS as f64) * gain) as f32;
         LightCurve { values: (0..=Self::PARTS + 1).map(value).collect() }
     }

@@ -19,7 +19,7 @@ use crate::march::samples::{EDGE_BLACK, EDGE_CONTRAST};
 use crate::march::settings::{Acceleration, Refinements, RenderSettings, SpecularMode};
 use crate::march::synthetic::{SyntheticProbe, room, set_alpha, set_alpha_of_blocks};
 use crate::rendered_image::{BackgroundFill, HoleFill};
-use crate::views::light_field::{BACKGROUND, ColorCoding, LightField, UNKNOWN, View};
+use crate::views::light_field::{BACKGROUND, ColorCoding, FaceTexels, LightField, UNKNOWN, View};
 use codec::error::Error;
 use codec::image::transfer::{ToneMap, Transfer};
 use codec::image::{Face, TexelMap};
@@ -423,6 +423,11 @@ fn pyramids_follow_what_changes() {
             anew.update(size, &depths, 0..size[0], 0..size[1]);
             assert_eq!(followed, anew);
             assert_eq!(anew.greatest(), depths.iter().copied().fold(0.0, f32::max));
+            let inside = (from[1]..to[1]).flat_map(|row| (from[0]..to[0]).map(move |column| [column, row]));
+            let greatest = inside.map(|[column, row]| depths[(row * size[0] + column) as usize]).fold(0.0, f32::max);
+            let map = TexelMap::cube_face(size);
+            let texels = FaceTexels { inverse_depth: depths.clone(), ..FaceTexels::unknown(size, map, CODES) };
+            assert!(anew.greatest_between(&texels, from, to.map(|end| end - 1)) >= greatest);
         }
     }
 }

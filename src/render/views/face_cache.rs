@@ -14,8 +14,8 @@ use half::f16;
 
 use crate::views::rects::joined;
 use crate::views::{
-    ColorTexels, FaceTexels, InverseDepth, Rect, StraightCodes, UNKNOWN, bounds, has_specular_weight, overlap,
-    straight_half,
+    ColorTexels, FaceTexels, InverseDepth, Rect, StraightCodes, UNKNOWN, bounds, finite_half, has_specular_weight,
+    overlap, straight_half,
 };
 use codec::color::HalfKey;
 use codec::container::StreamEntry;
@@ -464,11 +464,9 @@ fn write<T: Copy, U>(pixels: &[T], rect: Rect, image: &mut [U], width: u32, conv
     }
 }
 
-/// Converts a key to linear light. NaN becomes 0, and infinities become the largest half, as in the encoders. Containers may hold
-/// both, and a blend weight of 0 would turn an infinity into NaN.
+/// Converts a key to linear light, which is finite.
 fn light_of(key: HalfKey) -> f16 {
-    let light = key.to_half();
-    if light.is_nan() { f16::ZERO } else { light.clamp(f16::MIN, f16::MAX) }
+    finite_half(key.to_half())
 }
 
 fn write_color(unit: &CachedUnit<'_>, texels: &mut FaceTexels) {

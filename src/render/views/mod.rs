@@ -23,5 +23,7 @@ pub(crate) use light_field::has_specular_weight;
 pub use light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, Projected, UNKNOWN, View};
 pub use player::Change;
 pub use rects::{Rect, bounds, overlap};
-pub(crate) use straight::{StraightCodes, straight, straight_half};
+pub(crate) use straight::straight;
+pub use straight::{StraightCodes, finite_half, straight_half};
 pub use visibility::{UnitGrid, cull};
+pub use visible_set::visible_units;

@@ -9,8 +9,14 @@ pub(crate) fn straight(light: f32, alpha: f32) -> f32 {
     if alpha > 0.0 { light / alpha } else { 0.0 }
 }
 
+/// Converts NaN to 0, and infinities to the largest half, as the encoders do. Containers may hold both, and a blend weight of 0
+/// would turn an infinity into NaN.
+pub fn finite_half(light: f16) -> f16 {
+    if light.is_nan() { f16::ZERO } else { light.clamp(f16::MIN, f16::MAX) }
+}
+
 /// Computes `straight` of a half float; values beyond the range of halves become the largest half.
-pub(crate) fn straight_half(light: f16, alpha: f32) -> f16 {
+pub fn straight_half(light: f16, alpha: f32) -> f16 {
     match alpha {
         1.0 => light,
         _ => f16::from_f32(straight(light.to_f32(), alpha)).clamp(f16::MIN, f16::MAX),

@@ -10,8 +10,9 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use crate::views::{DepthSpan, FaceImage, UnitGrid, cull};
+use codec::container::ProbeEntry;
 use codec::decode::{Decoder, StreamInfo, UnitFilter};
-use codec::image::DepthKind;
+use codec::image::{DepthKind, Face};
 use codec::math::{Camera, Viewer};
 use codec::streams::CodecHeader;
 
@@ -72,19 +73,26 @@ impl<'a> VisibleSets<'a> {
 
     fn units(&self, stream: &StreamInfo, viewers: &[Viewer]) -> Vec<bool> {
         let entry = &stream.entry;
-        let near_m = self.near_m.get(&stream.probe).copied().unwrap_or(0.0);
-        // Near is a distance for both kinds of depth: a point may have a planar depth below near, but be farther away.
-        let span = DepthSpan { near_m: NEAR_PART * near_m, far_m: f64::INFINITY, kind: DepthKind::Distance };
-        let size = [entry.width, entry.height];
-        let image = FaceImage::new(self.decoder.probe(stream), stream.face, size, span);
         // The directions of a moving probe differ from frame to frame, so all its units are visible.
-        match image.filter(|_| !self.decoder.moves(stream)) {
-            None => vec![true; entry.unit_count() as usize],
-            Some(image) => {
-                let grid = UnitGrid { size, unit: [entry.unit_width, entry.unit_height] };
-                let culled = cull(&image.with_margin(MARGIN_PIXELS), grid, viewers);
-                culled.seen_by.iter().map(Option::is_some).collect()
-            }
+        if self.decoder.moves(stream) {
+            return vec![true; entry.unit_count() as usize];
+        }
+        let near_m = self.near_m.get(&stream.probe).copied().unwrap_or(0.0);
+        let grid = UnitGrid { size: [entry.width, entry.height], unit: [entry.unit_width, entry.unit_height] };
+        visible_units(self.decoder.probe(stream), near_m, stream.face, grid, viewers)
+    }
+}
+
+/// Returns whether each unit of a face is visible; all are if its directions are unknown. `near_m` is the minimum distance of a
+/// surface of the probe, in metres.
+pub fn visible_units(probe: &ProbeEntry, near_m: f64, face: Face, grid: UnitGrid, viewers: &[Viewer]) -> Vec<bool> {
+    // Near is a distance for both kinds of depth: a point may have a planar depth below near, but be farther away.
+    let span = DepthSpan { near_m: NEAR_PART * near_m, far_m: f64::INFINITY, kind: DepthKind::Distance };
+    match FaceImage::new(probe, face, grid.size, span) {
+        None => vec![true; grid.shape().map(|side| side as usize).iter().product()],
+        Some(image) => {
+            let culled = cull(&image.with_margin(MARGIN_PIXELS), grid, viewers);
+            culled.seen_by.iter().map(Option::is_some).collect()
         }
     }
 }

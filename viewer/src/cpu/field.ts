@@ -1,133 +1,75 @@
-// The light field of the worker that renders: the texels of loaded views, as the page sends them.
+// The light field of the worker that renders: the program's renderer as WebAssembly, and what its functions take and give
+// (src/wasm/picture.rs, src/wasm/exports.rs).
 
-import { inverseDepths } from "../views/inverse_depth.ts";
-import { MIN_M } from "../views/active.ts";
-import { rayLength, VIEW_FACE } from "../views/face.ts";
-import { halfValue } from "../views/straight.ts";
-import { FaceTexels, UNKNOWN } from "./face_texels.ts";
-import { MarchedViews } from "./marched_views.ts";
-import type { FaceArea, FaceOutline, Order, PlacedView, Rendered } from "./messages.ts";
-import { Marcher, type MarchRequest } from "./marcher.ts";
+import { cameraNumbers, Instance } from "../decoder/instance.ts";
+import { type ColorCoding, codingNumber } from "../views/catalogue.ts";
+import { COUNTS, type Counts, type FaceArea, type Order, type PictureRequest } from "./messages.ts";
+import type { PlacedView, Rendered } from "./messages.ts";
 
-interface Face {
-  outline: FaceOutline;
-  texels: FaceTexels;
-  /** By code, in 1/m. */
-  inverseDepths: Float32Array;
+/** Functions of src/wasm/exports.rs. */
+interface Functions {
+  open_field(coding: number, exposureEv: number): number;
+  load_view(view: number): number;
+  unload_view(view: number): number;
+  write_depth(...area: AreaNumbers): number;
+  write_color(...area: AreaNumbers): number;
+  write_material(...area: AreaNumbers): number;
+  write_overlay(...area: AreaNumbers): number;
+  render_picture(width: number, height: number, steps: number, marksHoles: number, showsOverlay: number): number;
 }
 
-/** Numbers of halves, by their bits. */
-let halves: Float32Array | undefined;
+type AreaNumbers = [view: number, face: number, left: number, top: number, width: number, height: number];
+
+const NOTHING = new Uint8Array();
 
 export class Field {
-  readonly #views = new Map<number, Map<number, Face>>();
-  /** By near and far. */
-  readonly #tables = new Map<string, Float32Array>();
+  readonly #wasm: Instance<Functions>;
+
+  /** A field without views; `coding` is that of colors. */
+  constructor(instance: WebAssembly.Instance, coding: ColorCoding) {
+    this.#wasm = new Instance(instance);
+    const exposureEv = coding.name === "light" ? 0 : coding.exposureEv;
+    this.#wasm.call((wasm) => wasm.open_field(codingNumber(coding), exposureEv));
+  }
 
   /** Does what the page orders; answers a picture where that was ordered. */
   run(order: Order): Rendered | undefined {
+    const wasm = this.#wasm;
     switch (order.kind) {
       case "load":
-        this.#views.set(order.view, new Map(order.faces.map((face) => [face.face, this.#faceOf(face, order.isLight)])));
+        wasm.write(order.numbers);
+        wasm.call(({ load_view }) => load_view(order.view));
         return undefined;
       case "unload":
-        this.#views.delete(order.view);
-        this.#dropTables();
+        wasm.call(({ unload_view }) => unload_view(order.view));
         return undefined;
       case "depth":
-        this.#writeDepths(order.area, order.codes);
+        wasm.write(order.codes ?? NOTHING);
+        wasm.call(({ write_depth }) => write_depth(...numbersOf(order.area)));
         return undefined;
       case "color":
-        writeColors(this.#face(order.area).texels.colors, this.#face(order.area).texels.width, order);
+      case "material":
+      case "overlay":
+        wasm.write(order.texels);
+        wasm.call((functions) => functions[`write_${order.kind}`](...numbersOf(order.area)));
         return undefined;
-      case "overlay": {
-        const { texels } = this.#face(order.area);
-        texels.overlay ??= new Uint8Array(4 * texels.width * texels.height);
-        writeColors(texels.overlay, texels.width, order);
-        return undefined;
-      }
       case "render":
-        return this.#render(order.request, order.views, order.nearest);
+        return this.#render(order.request, order.views);
     }
   }
 
-  #faceOf(outline: FaceOutline, isLight: boolean): Face {
-    const { range, size, map } = outline;
-    const key = `${range.nearM} ${range.farM}`;
-    const table = this.#tables.get(key) ?? new Float32Array(inverseDepths(range).buffer);
-    this.#tables.set(key, table);
-    return { outline, texels: new FaceTexels(size, map, isLight), inverseDepths: table };
-  }
-
-  /** Forgets tables that no face has. */
-  #dropTables(): void {
-    const faces = [...this.#views.values()].flatMap((view) => [...view.values()]);
-    const used = new Set(faces.map(({ inverseDepths: table }) => table));
-    [...this.#tables].filter(([, table]) => !used.has(table)).forEach(([key]) => this.#tables.delete(key));
-  }
-
-  #face({ view, face }: FaceArea): Face {
-    const found = this.#views.get(view)?.get(face);
-    if (found === undefined) {
-      throw new Error(`View ${view} has no face ${face}`);
-    }
-    return found;
-  }
-
-  #writeDepths(area: FaceArea, codes: Uint16Array | undefined): void {
-    const { outline, texels, inverseDepths: table } = this.#face(area);
-    const [left, top, width, height] = area.rect;
-    for (let row = 0; row < height; row += 1) {
-      const to = (top + row) * texels.width + left;
-      for (let column = 0; column < width; column += 1) {
-        let inverse = codes === undefined ? UNKNOWN : table[codes[row * width + column]];
-        if (outline.isDistance && codes !== undefined) {
-          inverse *= rayLength(outline.map, left + column, top + row);
-        }
-        texels.inverseDepths[to + column] = inverse;
-      }
-    }
-    texels.update(area.rect);
-  }
-
-  #render(request: MarchRequest, places: readonly PlacedView[], nearest: number): Rendered {
+  #render({ camera, size, steps, marksHoles, showsOverlay }: PictureRequest, views: readonly PlacedView[]): Rendered {
     const begun = performance.now();
-    const views = places.map(({ view, ...place }) => {
-      const faces = this.#views.get(view);
-      if (faces === undefined) {
-        throw new Error(`View ${view} is not loaded`);
-      }
-      const texels = Array.from({ length: VIEW_FACE + 1 }, (_, face) => faces.get(face)?.texels);
-      const cube = texels.slice(0, VIEW_FACE).filter((face) => face !== undefined);
-      // Only a cube has a texel in every direction.
-      const isBounded = cube.length === VIEW_FACE && texels[VIEW_FACE] === undefined && place.nearM >= MIN_M;
-      const greatest = isBounded ? Math.max(...cube.map((face) => face.greatest)) : UNKNOWN;
-      return { ...place, faces: texels, greatest };
-    });
-    const marched = new MarchedViews(views, nearest, request.coding.name === "light" && !request.showsOverlay);
-    const rgba = new Float32Array(4 * request.size[0] * request.size[1]);
-    new Marcher(marched, request).render(0, request.size[1], rgba);
-    return { rgba, counts: marched.counts, ms: performance.now() - begun };
+    const places = views.flatMap(({ view, position, orientation }) => [view, ...position, ...orientation]);
+    this.#wasm.write(Float64Array.of(...cameraNumbers(camera), ...places));
+    this.#wasm.call(({ render_picture }) => render_picture(...size, steps, Number(marksHoles), Number(showsOverlay)));
+    const words = this.#wasm.words();
+    const pixels = 4 * size[0] * size[1];
+    const counts = Object.fromEntries(COUNTS.map((name, at) => [name, words[pixels + at]])) as Counts;
+    return { rgba: new Float32Array(words.slice(0, pixels).buffer), counts, ms: performance.now() - begun };
   }
 }
 
-/** Writes colors of a rectangle of an image of so many columns. */
-function writeColors(
-  to: Uint8Array | Float32Array,
-  columns: number,
-  { area, texels }: { area: FaceArea; texels: Uint8Array | Uint16Array },
-): void {
-  const [left, top, width, height] = area.rect;
-  for (let row = 0; row < height; row += 1) {
-    const begin = 4 * ((top + row) * columns + left);
-    const from = 4 * row * width;
-    if (texels instanceof Uint8Array) {
-      to.set(texels.subarray(from, from + 4 * width), begin);
-    } else {
-      halves ??= Float32Array.from({ length: 1 << 16 }, (_, bits) => halfValue(bits));
-      for (let at = 0; at < 4 * width; at += 1) {
-        to[begin + at] = halves[texels[from + at]];
-      }
-    }
-  }
+function numbersOf({ view, face, rect }: FaceArea): AreaNumbers {
+  return [view, face, ...rect];
 }

@@ -1,29 +1,19 @@
 // Messages between the page and the worker that renders.
 
-import type { DepthRange, Rect, Vec3 } from "../format/types.ts";
-import type { Axes } from "../math.ts";
-import type { TexelMap } from "../views/face.ts";
-import type { Counts } from "./marched_views.ts";
-import type { MarchRequest } from "./marcher.ts";
+import type { Probe, Rect } from "../format/types.ts";
+import type { Camera } from "../views/camera.ts";
+import type { ColorCoding } from "../views/catalogue.ts";
 
-/** A face whose texels are unknown at first. */
-export interface FaceOutline {
-  /** Its number. */
-  face: number;
-  size: [number, number];
-  map: TexelMap;
-  range: DepthRange;
-  /** Codes are of distances, and not of planar depths. */
-  isDistance: boolean;
+/** The first message. */
+export interface FieldSettings {
+  module: WebAssembly.Module;
+  /** Of the film's colors. */
+  coding: ColorCoding;
 }
 
-/** A view of a picture, by its place in the catalogue. */
-export interface PlacedView {
+/** A view of a picture, by its place in the catalogue, and its pose in the frame. */
+export interface PlacedView extends Pick<Probe, "position" | "orientation"> {
   view: number;
-  fromEye: Vec3;
-  turn: Axes;
-  cameraWeight: number;
-  nearM: number;
 }
 
 /** A rectangle of a face of a view. */
@@ -33,17 +23,43 @@ export interface FaceArea {
   rect: Rect;
 }
 
+/** What a picture is rendered with. */
+export interface PictureRequest {
+  camera: Camera;
+  /** Width and height in pixels. */
+  size: readonly [number, number];
+  /** Steps of a ray. */
+  steps: number;
+  /** Whether colors are those of the overlay. */
+  showsOverlay: boolean;
+  /** Whether pixels whose surface no probe saw have an alpha of 0; else they show what was seen behind. */
+  marksHoles: boolean;
+}
+
 export type Order =
-  | { kind: "load"; view: number; faces: FaceOutline[]; isLight: boolean }
+  /** A view whose texels are unknown at first, as numbers of `PictureField::load` (src/wasm/picture.rs). */
+  | { kind: "load"; view: number; numbers: Float64Array }
   | { kind: "unload"; view: number }
   /** Depth codes of a rectangle, row by row; without them it becomes unknown. */
   | { kind: "depth"; area: FaceArea; codes: Uint16Array | undefined }
-  /** Four components of each texel: bytes, or bits of halves. */
-  | { kind: "color"; area: FaceArea; texels: Uint8Array | Uint16Array }
-  /** The same of an overlay: codes behind the curve of sRGB. */
-  | { kind: "overlay"; area: FaceArea; texels: Uint8Array }
-  /** A picture; `nearest` is the place among `views` of the one nearest to the eye. */
-  | { kind: "render"; request: MarchRequest; views: PlacedView[]; nearest: number };
+  /** Four components of each texel of color: bytes, or bits of halves. Three bytes of material. Four bytes of an overlay: codes behind the
+   *  curve of sRGB, and one that counts for nothing. */
+  | { kind: "color" | "material" | "overlay"; area: FaceArea; texels: Uint8Array | Uint16Array }
+  /** A picture of views, the nearest to the eye first. */
+  | { kind: "render"; request: PictureRequest; views: PlacedView[] };
+
+/** Counts of a picture, by the names of `lightfold render --stats`. */
+export const COUNTS = [
+  "primary_rays",
+  "march_steps",
+  "refine_steps",
+  "secondary_rays",
+  "normal_evals",
+  "material_samples",
+  "hole_rays",
+  "background_rays",
+] as const;
+export type Counts = Record<(typeof COUNTS)[number], number>;
 
 /** The answer to `render`. */
 export interface Rendered {

@@ -1,14 +1,14 @@
-// The decoder of the program as WebAssembly: an instance of lightfold.wasm, and what its functions take and give (src/wasm/exports.rs).
+// The decoder of the program as WebAssembly: what its functions take and give (src/wasm/exports.rs).
 
-import { type CodecHeader, FormatError, type Storage, UnsupportedError } from "../format/types.ts";
-import type { HeaderStream, Pixels, Prepared, StoredChunk } from "./types.ts";
+import type { CodecHeader, DepthRange, Probe, Rect, Storage } from "../format/types.ts";
+import { FormatError } from "../format/types.ts";
+import type { Camera } from "../views/camera.ts";
+import { TONE_MAP_NUMBERS } from "../views/presentation.ts";
+import { cameraNumbers, Instance } from "./instance.ts";
+import type { HeaderStream, Pixels, Prepared, Presentation, Steps, StoredChunk, UnitPixels } from "./types.ts";
 
 /** Functions of src/wasm/exports.rs. */
-interface Exports {
-  memory: WebAssembly.Memory;
-  input(bytes: number): number;
-  output_pointer(): number;
-  output_bytes(): number;
+interface Functions {
   crc32(): number;
   decompress(method: number, rawBytes: number): number;
   open_stream(...numbers: HeaderNumbers): number;
@@ -21,6 +21,11 @@ interface Exports {
   prepare(stream: number, ...numbers: ChunkNumbers): number;
   transform_tables(): number;
   log2_table(): void;
+  inverse_depths(nearM: number, farM: number): number;
+  visible_units(face: number, width: number, height: number, unitWidth: number, unitHeight: number): number;
+  straight_texels(): number;
+  ray_steps(count: number, nearM: number, farM: number, refine: number): void;
+  present_pictures(tone: number, marksHoles: number, isAnaglyph: number): number;
 }
 
 type HeaderNumbers = [kind: number, face: number, width: number, height: number, unitWidth: number, unitHeight: number];
@@ -30,18 +35,11 @@ type ChunkNumbers = [unit: number, frames: number, isLast: number, method: numbe
 const KINDS = ["color", "depth", "material", "alpha"] as const;
 const STORAGES: readonly Storage[] = ["raw", "lzma2", "zstd"];
 
-const INVALID = -1;
-const UNSUPPORTED = -2;
 /** Result of `show_frame`. */
 const NEEDS_NEXT = 1;
 /** Numbers before the arrays of a prepared chunk, and arrays. */
 const PREPARED_NUMBERS = 5;
 const PREPARED_ARRAYS = 9;
-
-/** Thrown where the instance stopped, as after a panic: it can do nothing more. */
-export class DecoderStopped extends Error {
-  override name = "DecoderStopped";
-}
 
 /** Thrown where a frame blends into the unit's next chunk, which is not there. */
 export class NextIsMissing extends Error {
@@ -64,34 +62,33 @@ export interface ChunkDecoder {
 
 /** An instance. */
 export class Decoder {
-  readonly #exports: Exports;
-  #isStopped = false;
+  readonly #wasm: Instance<Functions>;
 
   constructor(instance: WebAssembly.Instance) {
-    this.#exports = instance.exports as unknown as Exports;
+    this.#wasm = new Instance(instance);
   }
 
   /** True if another instance must take its place. */
   get isStopped(): boolean {
-    return this.#isStopped;
+    return this.#wasm.isStopped;
   }
 
   /** Bytes of its memory, which never become fewer. */
   get memoryBytes(): number {
-    return this.#exports.memory.buffer.byteLength;
+    return this.#wasm.memoryBytes;
   }
 
   /** The CRC-32 of bytes, 0 to 2^32 - 1. */
   crc32(bytes: Uint8Array): number {
-    this.#write(bytes);
-    return this.#run(() => this.#exports.crc32()) >>> 0;
+    this.#wasm.write(bytes);
+    return this.#wasm.run((wasm) => wasm.crc32()) >>> 0;
   }
 
   /** The bytes that stored ones mean, `rawBytes` of them; a FormatError where they are damaged. */
   decompress(storage: Storage, stored: Uint8Array, rawBytes: number): Uint8Array {
-    this.#write(stored);
-    this.#call(() => this.#exports.decompress(STORAGES.indexOf(storage), rawBytes));
-    return this.#output().slice();
+    this.#wasm.write(stored);
+    this.#wasm.call((wasm) => wasm.decompress(STORAGES.indexOf(storage), rawBytes));
+    return this.#wasm.output().slice();
   }
 
   /** Reads a codec header: a FormatError where it breaks a rule, an UnsupportedError where the codec is unknown, or of another kind of
@@ -101,21 +98,21 @@ export class Decoder {
     const bytes = new Uint8Array(codec.length + headerBytes.length);
     bytes.set(Array.from(codec, (letter) => letter.charCodeAt(0)));
     bytes.set(headerBytes, codec.length);
-    this.#write(bytes);
+    this.#wasm.write(bytes);
     const numbers: HeaderNumbers = [KINDS.indexOf(kind), face, width, height, unitWidth, unitHeight];
-    const number = this.#call(() => this.#exports.open_stream(...numbers));
-    return { number, header: JSON.parse(this.#text()) as CodecHeader };
+    const number = this.#wasm.call((wasm) => wasm.open_stream(...numbers));
+    return { number, header: JSON.parse(this.#wasm.text()) as CodecHeader };
   }
 
   closeStream({ number }: DecoderStream): void {
-    this.#run(() => this.#exports.close_stream(number));
+    this.#wasm.run((wasm) => wasm.close_stream(number));
   }
 
   /** A decoder of a chunk, whose payload is checked: a FormatError where it breaks a rule. Errors that show only when a frame is decoded
    *  are FormatErrors of `frame`. */
   openChunk({ number, header }: DecoderStream, chunk: StoredChunk): ChunkDecoder {
     const numbers = this.#writeChunk(chunk);
-    const opened = this.#call(() => this.#exports.open_chunk(number, ...numbers));
+    const opened = this.#wasm.call((wasm) => wasm.open_chunk(number, ...numbers));
     return this.#decoderOf(opened, header.kind === "depth" || (header.kind === "color" && header.isHalf));
   }
 
@@ -124,7 +121,7 @@ export class Decoder {
   openCodings({ number }: DecoderStream, chunk: StoredChunk): ChunkDecoder {
     const numbers = this.#writeChunk(chunk);
     return this.#decoderOf(
-      this.#call(() => this.#exports.open_codings(number, ...numbers)),
+      this.#wasm.call((wasm) => wasm.open_codings(number, ...numbers)),
       false,
     );
   }
@@ -133,8 +130,8 @@ export class Decoder {
    *  128 MiB. */
   prepare({ number }: DecoderStream, chunk: StoredChunk): Prepared {
     const numbers = this.#writeChunk(chunk);
-    this.#call(() => this.#exports.prepare(number, ...numbers));
-    const words = this.#words();
+    this.#wasm.call((wasm) => wasm.prepare(number, ...numbers));
+    const words = this.#wasm.words();
     const [isKeyframes, isNodes, weightsAt, weightCount, passes] = words;
     let at = PREPARED_NUMBERS + PREPARED_ARRAYS;
     const arrays = Array.from(words.subarray(PREPARED_NUMBERS, at), (length) => words.slice(at, (at += length)));
@@ -154,29 +151,73 @@ export class Decoder {
   /** The tables of streams of the transform codec in one buffer, and the first word of the table sets of each stream. */
   transformTables(streams: readonly DecoderStream[]): { words: Uint32Array; firstSets: number[] } {
     const numbers = Uint32Array.from(streams, ({ number }) => number);
-    this.#write(new Uint8Array(numbers.buffer));
-    this.#call(() => this.#exports.transform_tables());
-    const words = this.#words();
+    this.#wasm.write(numbers);
+    this.#wasm.call((wasm) => wasm.transform_tables());
+    const words = this.#wasm.words();
     return { words: words.slice(streams.length), firstSets: [...words.subarray(0, streams.length)] };
   }
 
   /** log2(1 + i/256) with 24 fraction bits, i = 0 to 256 (arithmetic.md 7). */
   log2Table(): Uint32Array {
-    this.#run(() => this.#exports.log2_table());
-    return this.#words().slice();
+    this.#wasm.run((wasm) => wasm.log2_table());
+    return this.#wasm.words().slice();
+  }
+
+  /** The inverse depths of all codes in 1/m, as bits of floats; that of the background is 0. */
+  inverseDepths({ nearM, farM }: DepthRange): Uint32Array {
+    this.#wasm.call((wasm) => wasm.inverse_depths(nearM, farM));
+    return this.#wasm.words().slice();
+  }
+
+  /** 1 for each unit of an image that a camera may see, by its number: of an image without known directions all. `nearM` is the least
+   *  distance of a surface of the probe. */
+  visibleUnits(image: HeaderStream, probe: Probe, nearM: number, cameras: readonly Camera[]): Uint8Array {
+    const { face, width, height, unitWidth, unitHeight } = image;
+    const { position, orientation, intrinsics } = probe;
+    this.#wasm.write(
+      Float64Array.of(...position, ...orientation, ...intrinsics, nearM, ...cameras.flatMap(cameraNumbers)),
+    );
+    this.#wasm.call((wasm) => wasm.visible_units(face, width, height, unitWidth, unitHeight));
+    return this.#wasm.output().slice();
+  }
+
+  /** Straight colors and alpha of a rectangle, four components of each texel: bytes, or those of halves of light. `coding` is its number
+   *  of `open_field` (src/wasm/exports.rs). */
+  straightTexels(coding: number, color: UnitPixels, rect: Rect, alpha?: UnitPixels): Uint8Array<ArrayBuffer> {
+    const numbers = Float64Array.of(coding, ...rect, ...color.rect, ...(alpha?.rect ?? [0, 0, 0, 0]));
+    this.#wasm.write(numbers, color.pixels, ...(alpha === undefined ? [] : [alpha.pixels]));
+    this.#wasm.call((wasm) => wasm.straight_texels());
+    return this.#wasm.output().slice();
+  }
+
+  /** `count` steps, at least 1, between `nearM` and `farM`, both above 0; where far is not beyond near, near alone. */
+  raySteps(count: number, nearM: number, farM: number, refine: number): Steps {
+    this.#wasm.run((wasm) => wasm.ray_steps(count, nearM, farM, refine));
+    const numbers = new Float32Array(this.#wasm.words().slice().buffer);
+    return { logStep: numbers[0], uncertainty: numbers[1], distancesM: numbers.slice(2) };
+  }
+
+  /** Red, green, blue and alpha of pictures for a canvas, one behind the other: of one eye, or the left and the right one, and an overlay
+   *  over each unless its share is 0. All have as many pixels. */
+  presentPictures(pictures: readonly Float32Array[], how: Presentation): Uint8ClampedArray<ArrayBuffer> {
+    const { exposureEv, overlayShare, toneMap, marksHoles, isAnaglyph } = how;
+    this.#wasm.write(Float64Array.of(exposureEv, overlayShare, pictures[0].length / 4), ...pictures);
+    const tone = TONE_MAP_NUMBERS[toneMap];
+    this.#wasm.call((wasm) => wasm.present_pictures(tone, Number(marksHoles), Number(isAnaglyph)));
+    return new Uint8ClampedArray(this.#wasm.output());
   }
 
   #decoderOf(chunk: number, isWide: boolean): ChunkDecoder {
     return {
       frame: (frame, next) => {
-        if (this.#call(() => this.#exports.show_frame(chunk, frame)) === NEEDS_NEXT) {
+        if (this.#wasm.call((wasm) => wasm.show_frame(chunk, frame)) === NEEDS_NEXT) {
           this.#setNext(chunk, next?.());
-          this.#call(() => this.#exports.show_frame(chunk, frame));
+          this.#wasm.call((wasm) => wasm.show_frame(chunk, frame));
         }
-        const bytes = this.#output();
+        const bytes = this.#wasm.output();
         return isWide ? new Uint16Array(bytes.buffer, bytes.byteOffset, bytes.length / 2) : bytes;
       },
-      close: () => this.#run(() => this.#exports.close_chunk(chunk)),
+      close: () => this.#wasm.run((wasm) => wasm.close_chunk(chunk)),
     };
   }
 
@@ -185,7 +226,7 @@ export class Decoder {
       throw new NextIsMissing("A frame blends into the next chunk of its cell, which is not there (color.md 4).");
     }
     const [, ...numbers] = this.#writeChunk(next);
-    this.#call(() => this.#exports.set_next(chunk, ...numbers));
+    this.#wasm.call((wasm) => wasm.set_next(chunk, ...numbers));
   }
 
   /** Checks stored bytes (container.md 6), and makes them the input. */
@@ -199,52 +240,5 @@ export class Decoder {
     }
     const isLast = area.place === "last" ? 1 : 0;
     return [chunk.unit, chunk.frameCount, isLast, STORAGES.indexOf(chunk.storage), chunk.rawBytes];
-  }
-
-  #write(bytes: Uint8Array): void {
-    const at = this.#run(() => this.#exports.input(bytes.length)) >>> 0;
-    new Uint8Array(this.#exports.memory.buffer, at, bytes.length).set(bytes);
-  }
-
-  #output(): Uint8Array {
-    const [at, count] = this.#run(() => [this.#exports.output_pointer() >>> 0, this.#exports.output_bytes() >>> 0]);
-    return new Uint8Array(this.#exports.memory.buffer, at, count);
-  }
-
-  #words(): Uint32Array {
-    const bytes = this.#output();
-    return new Uint32Array(bytes.buffer, bytes.byteOffset, bytes.length / 4);
-  }
-
-  #text(): string {
-    return new TextDecoder().decode(this.#output());
-  }
-
-  /** Runs a function that may answer an error, which is thrown. */
-  #call(run: () => number): number {
-    const result = this.#run(run);
-    if (result >= 0) {
-      return result;
-    }
-    const text = this.#text();
-    const sentence = `${text.slice(0, 1).toUpperCase()}${text.slice(1)}.`;
-    throw result === INVALID
-      ? new FormatError(sentence)
-      : result === UNSUPPORTED
-        ? new UnsupportedError(sentence)
-        : new Error(sentence);
-  }
-
-  #run<T>(run: () => T): T {
-    if (this.#isStopped) {
-      throw new DecoderStopped("The decoder has stopped.");
-    }
-    try {
-      return run();
-    } catch (error) {
-      // A trap, or a stack that overflowed.
-      this.#isStopped = true;
-      throw new DecoderStopped(`The decoder has stopped: ${error instanceof Error ? error.message : String(error)}.`);
-    }
   }
 }

@@ -2,7 +2,8 @@
 
 import type { Answer, Job, StreamOutline } from "../player/jobs.ts";
 import { DecoderCache } from "./cache.ts";
-import { type Decoder, DecoderStopped, type DecoderStream, NextIsMissing } from "./decoder.ts";
+import { type Decoder, type DecoderStream, NextIsMissing } from "./decoder.ts";
+import { DecoderStopped } from "./instance.ts";
 
 /** What a decoder holds of a pixel at most: pictures, keyframes, and what prediction knows; twice that of half floats. */
 const PIXEL_BYTES = 16;

@@ -1,10 +1,17 @@
 // Input and output of the decoder: chunks, pictures, and chunks in the form of the kernels of shaders/.
 
 import type { Chunk, Rect, StreamKind } from "../format/types.ts";
+import type { ToneMapName } from "../views/presentation.ts";
 
 /** A decoded picture of a unit, row by row: codes of depth or alpha; red, green, blue of material and 8-bit colour; bit patterns of
  *  three halves of colour. */
 export type Pixels = Uint16Array | Uint8Array;
+
+/** Decoded pixels of a unit, row by row, and its rectangle in the image. */
+export interface UnitPixels {
+  pixels: Pixels;
+  rect: Rect;
+}
 
 /** What the reading of a codec header needs to know of its stream. Sizes are in pixels. */
 export interface HeaderStream {
@@ -69,4 +76,26 @@ export interface Timeline {
   /** Of the transform codec: sets of frames, each four words of 128 bits, the lowest first, and the pixels that look the same in each. */
   frameSets: Uint32Array;
   framePixels: Uint32Array;
+}
+
+/** Distances at which a ray is sampled. */
+export interface Steps {
+  /** Metres, never falling; at least one. */
+  distancesM: Float32Array<ArrayBuffer>;
+  /** Logarithm of the ratio of adjacent distances; 0 where there is one distance. */
+  logStep: number;
+  /** Greatest distance of hits behind the surface, in the logarithm: the rest of an interval that was halved `refine` times. */
+  uncertainty: number;
+}
+
+/** How pictures become codes. */
+export interface Presentation {
+  exposureEv: number;
+  toneMap: ToneMapName;
+  /** What no probe saw is marked: pixels with an alpha below 1. */
+  marksHoles: boolean;
+  /** Part of the overlay that is shown, 0 to 1. */
+  overlayShare: number;
+  /** Red of the left eye, green and blue of the right one. */
+  isAnaglyph: boolean;
 }

@@ -4,7 +4,7 @@
 import type { DepthRange, Rect } from "../format/types.ts";
 import type { FaceStreams } from "../views/catalogue.ts";
 import { rayLength } from "../views/face.ts";
-import { inverseDepths } from "../views/inverse_depth.ts";
+import { decoder } from "../decoder/module.ts";
 import { above, pyramidSizes } from "../views/pyramid.ts";
 import { bounds } from "../views/rects.ts";
 import type { UnitPicture } from "./decoder.ts";
@@ -89,7 +89,7 @@ export class DepthTables {
 
   of(range: DepthRange): Uint32Array {
     const key = `${range.nearM} ${range.farM}`;
-    const table = this.#known.get(key) ?? inverseDepths(range);
+    const table = this.#known.get(key) ?? decoder().inverseDepths(range);
     this.#known.set(key, table);
     return table;
   }

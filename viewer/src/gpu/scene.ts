@@ -2,8 +2,10 @@
 // src/gpu/render/scene.rs.
 
 import { scale } from "../math.ts";
-import type { ActiveViews, Steps } from "../views/active.ts";
-import { HOLE_DIFFERENCE, segmentsOf, stepsOf } from "../views/active.ts";
+import { decoder } from "../decoder/module.ts";
+import type { Steps } from "../decoder/types.ts";
+import type { ActiveViews } from "../views/active.ts";
+import { HOLE_DIFFERENCE, segmentsOf } from "../views/active.ts";
 import type { Camera } from "../views/camera.ts";
 import type { ColorCoding, FaceStreams } from "../views/catalogue.ts";
 import { pyramidSizes } from "../views/pyramid.ts";
@@ -122,7 +124,7 @@ export function sceneRows(
   settings: MarchSettings,
   texels: LightFieldTexels,
 ): SceneRows {
-  const steps = stepsOf(active, settings.steps, settings.refine);
+  const steps = decoder().raySteps(settings.steps, active.nearM / 10, active.farM, settings.refine);
   const faces: RowValues[] = [];
   const views = active.views.map(({ view, streams, fromEye, turn, cameraWeight }): RowValues => {
     const rows = new Array<number>(FACES_OF_VIEW).fill(NO_FACE);

@@ -25,8 +25,6 @@ export interface DevicePictures {
 class LoadedFace extends FaceUnits {
   /** Color cells whose pictures on the device are new. */
   readonly staleCells = new Set<number>();
-  /** Units of material with a weight above 0. */
-  readonly specular = new Set<number>();
   /** What is to be copied besides what is written. The tile may have had another image. */
   copied: Rect | undefined;
 
@@ -130,21 +128,16 @@ export class LightFieldTexels implements Texels {
   uploadMaterial(stream: number, unit: number, pixels: Uint8Array): void {
     const { face, units } = this.#loaded.ofStream(stream);
     const texels = new Uint8Array((pixels.length / 3) * 4);
-    let isSpecular = false;
     for (let from = 0, to = 0; from < pixels.length; from += 3, to += 4) {
       texels.set([pixels[from], pixels[from + 1], pixels[from + 2]], to);
-      isSpecular ||= pixels[from] > 0 || pixels[from + 1] > 0;
     }
-    face.specular.delete(unit);
-    if (isSpecular) {
-      face.specular.add(unit);
-    }
+    face.setMaterial(unit, pixels);
     this.arrays.upload("materials", face.tile, unitRectOf(units.stream, unit), texels);
     this.written(stream, unit);
   }
 
   isSpecular(view: number): boolean {
-    return this.#planes.has(view) && this.#loaded.ofView(view).some(({ specular }) => specular.size > 0);
+    return this.#loaded.isSpecular(view);
   }
 
   /** Brings the textures to what was written. */

@@ -52,7 +52,6 @@ export class TextureArrays {
   /** {@link pyramidRows} of a tile: `Scene.pyramid_rows`. */
   readonly pyramidRows: number;
   /** Of the colors: bytes, or halves. */
-  readonly colorFormat: "rgba8unorm" | "rgba16float";
   readonly #tile: readonly [number, number];
   readonly #grid: TileGrid;
   readonly #textures: Record<TextureName, GPUTexture>;
@@ -72,12 +71,11 @@ export class TextureArrays {
     const larger = [Math.max(tile[0], pyramid[0]), Math.max(tile[1], pyramid[1])] as const;
     this.#grid = tileGrid(larger, count, { side: maxTextureDimension2D, layers: maxTextureArrayLayers });
     this.#tile = tile;
-    this.colorFormat = catalogue.coding.name === "light" ? "rgba16float" : "rgba8unorm";
     const hasMaterial = catalogue.views.some(({ faces }) => faces.some(({ material }) => material !== undefined));
     this.#textures = {
       inverse_depths: this.#texture("inverse_depths", tile, "r32uint"),
       pyramids: this.#texture("pyramids", pyramid, "r32uint"),
-      colors: this.colorTexture("colors"),
+      colors: this.#texture("colors", tile, catalogue.coding.name === "light" ? "rgba16float" : "rgba8unorm"),
       // Kernels with a binding for materials need a texture, also without materials.
       materials: this.#texture("materials", hasMaterial ? tile : [1, 1], "rgba8unorm"),
     };
@@ -115,9 +113,9 @@ export class TextureArrays {
     };
   }
 
-  /** A further array of colors. */
-  colorTexture(label: string): GPUTexture {
-    return this.#texture(label, this.#tile, this.colorFormat);
+  /** A further array of 8-bit colors. */
+  overlayTexture(): GPUTexture {
+    return this.#texture("overlay", this.#tile, "rgba8unorm");
   }
 
   /** Sends texels of four components to a rectangle of an image, row by row, of this texture or of one's own. */

@@ -1,13 +1,12 @@
 // Draws on the processor, in a worker, where the browser has no graphics device: small pictures.
 
-import type { Order, Rendered } from "../cpu/messages.ts";
-import { renderOrder } from "../cpu/order.ts";
-import { type LightPicture, present } from "../cpu/present.ts";
-import { activeViews } from "../views/active.ts";
+import type { FieldSettings, Order, Rendered } from "../cpu/messages.ts";
+import { present } from "../cpu/present.ts";
+import { decoderModule } from "../decoder/module.ts";
 import type { Camera } from "../views/camera.ts";
 import type { FaceStreams } from "../views/catalogue.ts";
 import type { DeviceFamily } from "./device_units.ts";
-import { OVERLAY_CODING, OVERLAY_SHARE, OverlayPainter, texelOverlays } from "./overlays.ts";
+import { OVERLAY_SHARE, OverlayPainter, texelOverlays } from "./overlays.ts";
 import { type DrawRequest, type DrawResult, type Renderer, type Scene, sizeOfEye } from "./renderer.ts";
 import type { PixelsOf } from "./unit_source.ts";
 import { WorkerTexels } from "./worker_texels.ts";
@@ -27,13 +26,13 @@ export class CpuRenderer implements Renderer {
   readonly texels: WorkerTexels;
   readonly name = "cpu";
   readonly mostPixels = MAX_PIXELS;
-  readonly hasEffects = false;
+  readonly hasEffects = true;
   onFailed: (message: string) => void = () => undefined;
   readonly #worker: Worker;
   readonly #painter: OverlayPainter;
   #waiting: Waiting | undefined;
   #failure: string | undefined;
-  #picture: LightPicture = { size: [0, 0], rgba: new Float32Array() };
+  #picture: Awaited<ReturnType<Renderer["pixels"]>> = { size: [0, 0], rgba: new Float32Array() };
 
   constructor(private readonly scene: Scene) {
     this.#worker = new Worker(new URL("./cpu_worker.js", import.meta.url), { type: "module" });
@@ -43,6 +42,8 @@ export class CpuRenderer implements Renderer {
     };
     this.#worker.onerror = ({ message }) => this.#fail(message ?? "it did not load");
     this.#worker.onmessageerror = () => this.#fail("its answer cannot be read");
+    const settings: FieldSettings = { module: decoderModule(), coding: scene.catalogue.coding };
+    this.#worker.postMessage(settings);
     const send = (order: Order): void => this.#worker.postMessage(order);
     this.texels = new WorkerTexels(scene.catalogue, send);
     this.#painter = new OverlayPainter(scene.container, scene.catalogue, (place, rect, texels) => {
@@ -65,15 +66,15 @@ export class CpuRenderer implements Renderer {
     }
     const size = sizeOfEye(request);
     const overlays = texelOverlays(view);
-    let overlay: LightPicture | undefined;
+    let overlay: Float32Array | undefined;
     if (overlays.length > 0) {
       this.#painter.paint(overlays, request);
-      overlay = { size, rgba: (await this.#render(request, cameras[0], true)).rgba };
+      overlay = (await this.#render(request, cameras[0], true)).rgba;
     }
-    const eyes = rendered.map(({ rgba }) => ({ size, rgba }));
-    [this.#picture] = eyes;
+    const eyes = rendered.map(({ rgba }) => rgba);
+    this.#picture = { size, rgba: eyes[0] };
     const options = { ...view, marksHoles: view.overlays.has("holes"), overlayShare: OVERLAY_SHARE };
-    present(this.scene.canvas, { eyes, overlay }, options);
+    present(this.scene.canvas, size, { eyes, overlay }, options);
     onShown();
     const [{ counts }] = rendered;
     return { counters: { ...counts }, decodeMs: 0, marchMs: rendered.reduce((sum, { ms }) => sum + ms, 0) };
@@ -85,8 +86,7 @@ export class CpuRenderer implements Renderer {
   }
 
   pixels(): Promise<{ size: [number, number]; rgba: Float32Array }> {
-    const { size, rgba } = this.#picture;
-    return Promise.resolve({ size: [...size], rgba });
+    return Promise.resolve(this.#picture);
   }
 
   close(): void {
@@ -110,14 +110,20 @@ export class CpuRenderer implements Renderer {
   #render(request: DrawRequest, camera: Camera, showsOverlay: boolean): Promise<Rendered> {
     const { container, catalogue } = this.scene;
     const { view, views } = request;
-    const active = activeViews(catalogue, views, camera.eye, (probe) => container.probeAt(probe, view.frame));
-    const coding = showsOverlay ? OVERLAY_CODING : active.coding;
-    const order = renderOrder({ ...active, coding }, camera, {
-      size: sizeOfEye(request),
-      steps: Math.min(view.steps, MAX_STEPS),
-      showsOverlay,
-      looksBehindHoles: !view.overlays.has("holes"),
-    });
+    const order: Order = {
+      kind: "render",
+      request: {
+        camera,
+        size: sizeOfEye(request),
+        steps: Math.min(view.steps, MAX_STEPS),
+        showsOverlay,
+        marksHoles: view.overlays.has("holes"),
+      },
+      views: views.map((at) => {
+        const { position, orientation } = container.probeAt(catalogue.views[at].probe, view.frame);
+        return { view: at, position, orientation };
+      }),
+    };
     return new Promise((resolve, reject) => {
       if (this.#failure !== undefined) {
         throw new Error(this.#failure);

@@ -12,7 +12,6 @@ import { type DevicePictures, LightFieldTexels } from "../gpu/texels.ts";
 import { activeViews } from "../views/active.ts";
 import type { Camera } from "../views/camera.ts";
 import type { FaceStreams } from "../views/catalogue.ts";
-import { halfBits, lightOf } from "../views/straight.ts";
 import { DeviceFamily } from "./device_units.ts";
 import { OVERLAY_CODING, OVERLAY_SHARE, OverlayPainter, texelOverlays } from "./overlays.ts";
 import { type DrawRequest, type DrawResult, type Renderer, type Scene, sizeOfEye } from "./renderer.ts";
@@ -114,10 +113,9 @@ export class DeviceRenderer implements Renderer {
       this.#overlay ??= this.#makeOverlay();
       this.#overlay.painter.paint(overlays, request);
       const marked = shot(cameras[0]);
-      const coding = marked.active.coding.name === "light" ? marked.active.coding : OVERLAY_CODING;
       await this.#marcher.render(marks, {
         ...marked,
-        active: { ...marked.active, coding },
+        active: { ...marked.active, coding: OVERLAY_CODING },
         colors: this.#overlay.view,
       });
     }
@@ -153,17 +151,10 @@ export class DeviceRenderer implements Renderer {
   #makeOverlay(): { painter: OverlayPainter; view: GPUTextureView } {
     const { container, catalogue } = this.scene;
     const { arrays } = this.texels;
-    const texture = arrays.colorTexture("overlay");
+    const texture = arrays.overlayTexture();
     const painter = new OverlayPainter(container, catalogue, ({ view, face }, rect, texels) => {
-      const colors = arrays.colorFormat === "rgba8unorm" ? texels : halvesOf(texels);
-      arrays.upload(texture, this.texels.tile(view, face), rect, colors);
+      arrays.upload(texture, this.texels.tile(view, face), rect, texels);
     });
     return { painter, view: texture.createView({ dimension: "2d-array" }) };
   }
-}
-
-/** 8-bit codes as half floats of light. */
-function halvesOf(codes: Uint8Array): Uint16Array {
-  const halves = Array.from({ length: 256 }, (_, code) => halfBits(lightOf(code, "srgb")));
-  return Uint16Array.from(codes, (code) => halves[code]);
 }

@@ -1,9 +1,10 @@
 // A probe whose texels are loaded: where its units are decoded, and how their pictures come into the texels.
 
+import type { UnitPixels } from "../decoder/types.ts";
 import type { Chunk, Stream } from "../format/types.ts";
-import { type FaceStreams, type ProbeStreams, streamsOf } from "../views/catalogue.ts";
+import { type ColorCoding, type FaceStreams, type ProbeStreams, streamsOf } from "../views/catalogue.ts";
 import { unitsUnder } from "../views/rects.ts";
-import type { ColorTexels, UnitPixels } from "../views/straight.ts";
+import { colorTexels } from "../views/straight.ts";
 import type { DeviceFamily } from "./device_units.ts";
 import type { Renderer } from "./renderer.ts";
 import { type DecodeContext, unitFrame, type UnitFrame, type UnitSource, type UnitState } from "./unit_source.ts";
@@ -13,7 +14,8 @@ import { WorkerUnits } from "./worker_units.ts";
 export interface ViewContext {
   renderer: Renderer;
   decoding: DecodeContext;
-  colors: ColorTexels;
+  /** Of the film's colors. */
+  coding: ColorCoding;
 }
 
 /** Units of a frame by their states. */
@@ -178,17 +180,17 @@ export class LoadedView {
 
   /** Sends a cell, or those parts of it over which alpha shows the same frame; answers whether that was all. */
   #sendColor(color: WorkerUnits, cell: number, alpha: WorkerUnits | undefined): boolean {
-    const { renderer, colors } = this.context;
+    const { renderer, coding } = this.context;
     const { texels } = renderer;
     const unit = this.#pixelsOf(color, cell);
     if (alpha === undefined) {
-      texels.uploadColor(color.stream.index, unit.rect, colors.of(unit, unit.rect));
+      texels.uploadColor(color.stream.index, unit.rect, colorTexels(coding, unit, unit.rect));
       return true;
     }
     let isWhole = true;
     for (const [matte, part] of unitsUnder(alpha.stream, unit.rect)) {
       if (alpha.frame(matte) === color.frame(cell)) {
-        texels.uploadColor(color.stream.index, part, colors.of(unit, part, this.#pixelsOf(alpha, matte)));
+        texels.uploadColor(color.stream.index, part, colorTexels(coding, unit, part, this.#pixelsOf(alpha, matte)));
       } else {
         isWhole = false;
       }

@@ -19,7 +19,7 @@ const LATER: Color = [40, 90, 200];
 const TEXEL_OVERLAYS = ["probes", "nodes", "units", "keyframes", "fetched"] as const satisfies Overlay[];
 type TexelOverlay = (typeof TEXEL_OVERLAYS)[number];
 
-/** How colors of overlays are coded; those of films of light are light, too. */
+/** How colors of overlays are coded. */
 export const OVERLAY_CODING: ColorCoding = { name: "codes", transfer: "srgb", exposureEv: 0 };
 /** How much of an overlay is shown. */
 export const OVERLAY_SHARE = 0.55;

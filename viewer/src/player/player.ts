@@ -10,16 +10,8 @@ import { findAdapter, Gpu, isSoftware } from "../gpu/device.ts";
 import { imageBytes } from "../gpu/texture_arrays.ts";
 import { add, length, scale, subtract } from "../math.ts";
 import { type Camera, cameraOf, stereoEyes } from "../views/camera.ts";
-import {
-  type Catalogue,
-  catalogueOf,
-  frameRanges,
-  hasFrame,
-  type ProbeStreams,
-  streamsOf,
-} from "../views/catalogue.ts";
+import { type Catalogue, catalogueOf, frameRanges, hasFrame, streamsOf } from "../views/catalogue.ts";
 import { selectViews } from "../views/selection.ts";
-import { ColorTexels } from "../views/straight.ts";
 import { VisibleUnits } from "../views/visible.ts";
 import { CodingMaps, type SeenUnit } from "./coding_maps.ts";
 import { CpuRenderer } from "./cpu_renderer.ts";
@@ -76,8 +68,7 @@ export async function openPlayer(
       throw read.reason;
     }
     const container = read.value;
-    const all = catalogueOf(container);
-    const catalogue = gpu === undefined ? withoutMaterials(all) : all;
+    const catalogue = catalogueOf(container);
     const mostFaces = Math.max(...catalogue.views.map(({ faces }) => faces.length));
     const mostViews = mostViewsOf(catalogue, mostFaces, gpu === undefined);
     decoding = decodeContextOf(container);
@@ -91,15 +82,6 @@ export async function openPlayer(
     gpu?.destroy();
     throw error;
   }
-}
-
-/** The processor follows no secondary rays, which alone show materials. */
-function withoutMaterials({ views, coding }: Catalogue): Catalogue {
-  const plain = ({ faces, ...view }: ProbeStreams): ProbeStreams => ({
-    ...view,
-    faces: faces.map((face) => ({ ...face, material: undefined })),
-  });
-  return { views: views.map(plain), coding };
 }
 
 /** Views that are loaded at once. Textures of a device have limits of their own. */
@@ -226,8 +208,7 @@ class FilmPlayer implements Player {
     renderer.onFailed = (message) => this.#tell({ fatal: true, message });
     decoding.onReady = () => this.#wake();
     decoding.onBroken = (message) => this.#tell({ fatal: false, message });
-    const hasAlpha = catalogue.views.some(({ faces }) => faces.some(({ alpha }) => alpha !== undefined));
-    this.#context = { renderer, decoding, colors: new ColorTexels(catalogue.coding, hasAlpha) };
+    this.#context = { renderer, decoding, coding: catalogue.coding };
     this.#visible = new VisibleUnits(container);
     this.#heading = new VisibleUnits(container);
   }

@@ -30,19 +30,16 @@ export class WorkerTexels implements Texels {
 
   /** Loads a view of which nothing is known; its tiles have codes once they are written. */
   load(view: number, codes: TileCodes): void {
-    const { faces } = this.catalogue.views[view];
+    const { faces, nearM, farM } = this.catalogue.views[view];
     this.#loaded.load(
       view,
       faces.map((face) => new SentFace(face, view, codes)),
     );
-    const outlines = faces.map(({ face, size, map, header: { range, isDistance } }) => ({
-      face,
-      size,
-      map,
-      range,
-      isDistance,
-    }));
-    this.send({ kind: "load", view, faces: outlines, isLight: this.catalogue.coding.name === "light" });
+    const rows = faces.flatMap(({ face, size, map, header: { range, isDistance }, alpha, material }) => {
+      const flags = [isDistance, alpha !== undefined, material !== undefined].map(Number);
+      return [face, ...size, ...map.scale, ...map.center, range.nearM, range.farM, ...flags];
+    });
+    this.send({ kind: "load", view, numbers: Float64Array.of(nearM, farM, ...rows) });
   }
 
   unload(view: number): void {
@@ -67,13 +64,16 @@ export class WorkerTexels implements Texels {
     this.send({ kind: "color", area: { view, face: streams.face, rect }, texels });
   }
 
-  /** Materials show in secondary rays alone, which are not followed here. */
-  uploadMaterial(stream: number, unit: number): void {
+  uploadMaterial(stream: number, unit: number, pixels: Uint8Array): void {
+    const { face, units } = this.#loaded.ofStream(stream);
+    face.setMaterial(unit, pixels);
+    const area = { view: face.view, face: face.streams.face, rect: unitRectOf(units.stream, unit) };
+    this.send({ kind: "material", area, texels: pixels });
     this.written(stream, unit);
   }
 
-  isSpecular(): boolean {
-    return false;
+  isSpecular(view: number): boolean {
+    return this.#loaded.isSpecular(view);
   }
 
   update(): void {

@@ -3,6 +3,7 @@
 //
 // Positions are subtracted in double precision, so that pictures far from the world's origin lose no precision.
 
+import type { Steps } from "../decoder/types.ts";
 import type { Probe, Vec3 } from "../format/types.ts";
 import type { Axes } from "../math.ts";
 import { inverse, length, rotate, rotation, subtract } from "../math.ts";
@@ -81,35 +82,8 @@ export function activeViews(
   };
 }
 
-/** Distances at which a ray is sampled. */
-export interface Steps {
-  /** Metres, never falling; at least one. */
-  distancesM: Float32Array;
-  /** Logarithm of the ratio of adjacent distances; 0 where there is one distance. */
-  logStep: number;
-  /** Greatest distance of hits behind the surface, in the logarithm: the rest of an interval that was halved `refine` times. */
-  uncertainty: number;
-}
-
-/** Steps of a picture: `count`, from a tenth of the least distance of surfaces on. */
-export function stepsOf({ nearM, farM }: Pick<ActiveViews, "nearM" | "farM">, count: number, refine: number): Steps {
-  return stepsBetween(count, nearM / 10, farM, refine);
-}
-
 /** Points of the longest segment that one test may prove empty, a power of two, and of the first one. */
 export function segmentsOf({ distancesM }: Steps): { longest: number; first: number } {
   const longest = 2 ** Math.ceil(Math.log2(distancesM.length));
   return { longest, first: Math.max(longest / 4, 1) };
-}
-
-/** `count` steps, at least 1, between `nearM` and `farM`, both above 0; where far is not beyond near, near alone. */
-export function stepsBetween(count: number, nearM: number, farM: number, refine: number): Steps {
-  const [near, far] = [Math.fround(nearM), Math.fround(farM)];
-  const step = Math.log(far / near) / count;
-  const distancesM =
-    far > near
-      ? Float32Array.from({ length: count + 1 }, (_, at) => near * Math.exp(step * at))
-      : Float32Array.of(near);
-  const logStep = distancesM.length > 1 ? Math.log(distancesM[1] / distancesM[0]) : 0;
-  return { distancesM, logStep, uncertainty: -Math.log1p(Math.expm1(-logStep) * 0.5 ** refine) };
 }

@@ -10,6 +10,11 @@ import { texelMap } from "./face.ts";
 /** How colors are coded: 8-bit codes behind a curve and an exposure in stops, or half floats of linear light. */
 export type ColorCoding = { name: "codes"; transfer: ColorHeader["transfer"]; exposureEv: number } | { name: "light" };
 
+/** The number of a coding for functions of src/wasm. */
+export function codingNumber(coding: ColorCoding): number {
+  return coding.name === "light" ? 0 : coding.transfer === "linear" ? 1 : 2;
+}
+
 /** The streams of a face; all of its images have the same size. */
 export interface FaceStreams {
   /** Number of the face: 0 to 5 px nx py ny pz nz, or 6. */

@@ -47,6 +47,8 @@ export class FaceUnits {
   readonly #staleTiles = new Set<number>();
   /** Rectangles in which units of other kinds became known or unknown. */
   #staleRects: Rect[] = [];
+  /** Units of material with a weight above 0. */
+  readonly #specular = new Set<number>();
 
   constructor(readonly streams: FaceStreams) {
     this.depth = new StreamUnits(streams.depth);
@@ -63,6 +65,19 @@ export class FaceUnits {
     } else if (isChange) {
       this.#staleRects.push(unitRectOf(units.stream, unit));
     }
+  }
+
+  /** Takes in the pixels of a unit of material, three bytes each: weights of reflection and refraction come first. */
+  setMaterial(unit: number, pixels: Uint8Array): void {
+    this.#specular.delete(unit);
+    if (pixels.some((weight, at) => weight > 0 && at % 3 < 2)) {
+      this.#specular.add(unit);
+    }
+  }
+
+  /** Whether a weight of its material is above 0. */
+  get isSpecular(): boolean {
+    return this.#specular.size > 0;
   }
 
   /** The texels to be written since the last call. */
@@ -141,6 +156,11 @@ export class LoadedFaces<Face extends FaceUnits> {
       throw new Error(`View ${view} is not loaded`);
     }
     return found;
+  }
+
+  /** Whether a weight of a material of a view is above 0; of one that is not loaded none is. */
+  isSpecular(view: number): boolean {
+    return this.#views.get(view)?.some((face) => face.isSpecular) ?? false;
   }
 
   /** A stream of a loaded view. */

@@ -1,4 +1,4 @@
-// How shaders number tone maps and layouts of two eyes: gpu/present.wgsl and glb/shaders.ts.
+// How shaders number tone maps and layouts of two eyes: gpu/present.wgsl and glb/shaders.ts, and src/wasm.
 
 export type StereoLayout = "mono" | "side-by-side" | "anaglyph";
 export type ToneMapName = "none" | "reinhard" | "filmic";

@@ -11,7 +11,7 @@ export interface Texels {
   written(stream: number, unit: number): void;
   /** Takes in that a unit shows nothing that may be seen: its texels become unknown until it is written again. */
   forget(stream: number, unit: number): void;
-  /** Sends texels of a rectangle of a color stream, row by row: those of `ColorTexels`. */
+  /** Sends texels of a rectangle of a color stream, row by row: those of `colorTexels`. */
   uploadColor(stream: number, rect: Rect, texels: Uint8Array | Uint16Array): void;
   /** Sends the pixels of a unit of material, three bytes each, and takes in that it is written. */
   uploadMaterial(stream: number, unit: number, pixels: Uint8Array): void;
