@@ -23,9 +23,9 @@ pub fn decode(bytes: &[u8]) -> Result<Cow<'_, str>> {
             Error::invalid_at("", at, "this is not text in UTF-8, nor in UTF-16 with a byte order mark")
         });
     }
-    encoding
-        .decode_without_bom_handling_and_without_replacement(text)
-        .ok_or_else(|| Error::invalid(format!("this is not text in {}, which its byte order mark states", encoding.name())))
+    encoding.decode_without_bom_handling_and_without_replacement(text).ok_or_else(|| {
+        Error::invalid(format!("this is not text in {}, which its byte order mark states", encoding.name()))
+    })
 }
 
 /// As [`decode`], with U+FFFD in place of bytes that are not of the encoding: names in other encodings are common in scenes.

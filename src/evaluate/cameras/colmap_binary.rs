@@ -78,12 +78,8 @@ pub fn images(bytes: &[u8], lenses: &Lenses) -> Result<Vec<FileCamera>> {
     let mut cameras = Vec::new();
     for _ in 0..fields.u64()? {
         let id = fields.u32()?;
-        let image = Image {
-            turn: fields.f64s()?,
-            shift: fields.f64s()?,
-            camera: fields.u32()?.into(),
-            name: fields.text()?,
-        };
+        let image =
+            Image { turn: fields.f64s()?, shift: fields.f64s()?, camera: fields.u32()?.into(), name: fields.text()? };
         let points = fields.u64()?;
         fields.take(points.saturating_mul(POINT_BYTES))?;
         cameras.push(image.camera(lenses).map_err(|error| error.context(format!("image {id}")))?);

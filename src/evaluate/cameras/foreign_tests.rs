@@ -1,6 +1,5 @@
 //! Tests of files as other programs write them: what is read, what is left out, and what is refused with one sentence.
 
-
 use glam::DVec3;
 
 use super::*;
@@ -136,7 +135,9 @@ const IMAGE: &str = "1 1 0 0 0 0 0 0 3 a b.png\n\n";
 #[test]
 fn lenses_of_colmap_are_pinholes() {
     let distorted = |model: &str| {
-        format!("1 cameras; the lens distortion of the photographs ({model}) was left out: poses and focal lengths are used")
+        format!(
+            "1 cameras; the lens distortion of the photographs ({model}) was left out: poses and focal lengths are used"
+        )
     };
     assert_eq!(said_of_model("# words\n3 OPENCV 8 4 5 5 4 2 0 0 0 0\n", IMAGE), "1 cameras");
     assert_eq!(said_of_model("3 OPENCV 8 4 5 5 4 2 0 0 0.1 0\n", IMAGE), distorted("OPENCV"));

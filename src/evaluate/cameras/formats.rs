@@ -122,9 +122,7 @@ pub fn read(path: &Path, settings: ReadSettings) -> Result<FileCameras> {
         match (found.cameras.is_empty(), found.notes.first()) {
             (false, _) => Ok(found),
             (true, Some(note)) => Err(Error::unsupported(format!("it has no usable camera: {note}")).in_file(&file)),
-            (true, None) => {
-                Err(Error::invalid("it has no cameras, where at least one was expected").in_file(&file))
-            }
+            (true, None) => Err(Error::invalid("it has no cameras, where at least one was expected").in_file(&file)),
         }
     };
     read().map_err(|error: Error| error.in_file(path))

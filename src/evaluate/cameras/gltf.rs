@@ -105,10 +105,12 @@ impl Moving<'_> {
         }
         check_count(count, last - first + 1.0)?;
         let frames = first as u32..=last as u32;
-        frames.map(|at_frame| {
-            let range = FrameRange { first: at_frame, last: at_frame };
-            Ok((at(f64::from(at_frame) / self.fps)?, Some(range)))
-        }).collect()
+        frames
+            .map(|at_frame| {
+                let range = FrameRange { first: at_frame, last: at_frame };
+                Ok((at(f64::from(at_frame) / self.fps)?, Some(range)))
+            })
+            .collect()
     }
 }
 

@@ -40,7 +40,9 @@ struct NerfstudioPose {
 pub fn read_nerfstudio(content: &Content<'_>) -> Result<FileCameras> {
     let path: NerfstudioPath = json(content.bytes, "a camera_path.json of nerfstudio")?;
     if let Some(kind) = path.camera_type.filter(|kind| kind != "perspective") {
-        return Err(Error::unsupported(format!("its \"camera_type\" is {kind}, only perspective cameras are supported")));
+        return Err(Error::unsupported(format!(
+            "its \"camera_type\" is {kind}, only perspective cameras are supported"
+        )));
     }
     let size = path.render_width.zip(path.render_height).map(|(width, height)| [width, height]);
     let of_size = size.map(|[width, height]| f64::from(width) / f64::from(height));

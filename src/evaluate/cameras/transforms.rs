@@ -149,9 +149,8 @@ impl Lens {
 fn camera(lens: &Lens, frame: &Frame) -> Result<FileCamera> {
     let (eye, axes) = axes_of(&matrix(&frame.transform_matrix)?)?;
     let camera = Camera::with_window(eye, axes, lens.half, lens.middle).map_err(of_camera(&frame.file_path))?;
-    let is_whole = |size: &[f64; 2]| {
-        size.iter().all(|size| size.fract() == 0.0 && (1.0..=f64::from(u32::MAX)).contains(size))
-    };
+    let is_whole =
+        |size: &[f64; 2]| size.iter().all(|size| size.fract() == 0.0 && (1.0..=f64::from(u32::MAX)).contains(size));
     Ok(FileCamera {
         name: frame.file_path.clone(),
         size: lens.size.filter(is_whole).map(|size| size.map(|size| size as u32)),

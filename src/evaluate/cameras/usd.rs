@@ -332,9 +332,7 @@ fn matrix_of_step(name: &str, value: &[f64]) -> Result<DMat4> {
         "translate" => Ok(DMat4::from_translation(three(value)?)),
         "translateX" | "translateY" | "translateZ" => Ok(DMat4::from_translation(along(kind) * one(value)?)),
         "scale" => Ok(DMat4::from_scale(three(value)?)),
-        "scaleX" | "scaleY" | "scaleZ" => {
-            Ok(DMat4::from_scale(DVec3::ONE + along(kind) * (one(value)? - 1.0)))
-        }
+        "scaleX" | "scaleY" | "scaleZ" => Ok(DMat4::from_scale(DVec3::ONE + along(kind) * (one(value)? - 1.0))),
         "orient" => match *value {
             [w, x, y, z] => Ok(DMat4::from_quat(DQuat::from_xyzw(x, y, z, w).normalize())),
             _ => Err(Error::invalid("a quaternion of four numbers was expected")),

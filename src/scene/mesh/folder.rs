@@ -1,5 +1,7 @@
-//! Files that a scene refers to. They are read only from the scene's folder or below it. A symbolic link counts as its target:
-//! one that leads out of the folder is not followed.
+//! Files that a scene refers to. They are read only from the scene's folder, from below it, and where a name begins with `../`
+//! from below its parent. A name that leads to no file there is searched in the scene's folder by its last part, because exporters
+//! write the paths of their own machine and other case. A symbolic link counts as its target: one that leads out of the folder is
+//! not followed.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -16,11 +18,26 @@ pub struct Folder {
     read: Vec<(PathBuf, Arc<Vec<u8>>)>,
     /// Names of files that could not be read.
     missing: Vec<String>,
+    /// Names that a search found, and the files that were read.
+    found: Vec<(String, PathBuf)>,
 }
+
+/// Maximum number of files and folders that a search looks at.
+const MAX_SEARCHED: usize = 10_000;
 
 impl Folder {
     pub fn of(file: &Path) -> Folder {
-        Folder { path: file.parent().unwrap_or(Path::new("")).to_path_buf(), read: Vec::new(), missing: Vec::new() }
+        Folder {
+            path: file.parent().unwrap_or(Path::new("")).to_path_buf(),
+            read: Vec::new(),
+            missing: Vec::new(),
+            found: Vec::new(),
+        }
+    }
+
+    /// Describes the files that were read from another place than the scene names.
+    pub fn notes(&self) -> impl Iterator<Item = String> {
+        self.found.iter().map(|(name, path)| format!("“{}” was found as {}", shown(name), path.display()))
     }
 
     /// Returns the bytes of the file of that name. Fails if the name leads out of the folder.
@@ -38,9 +55,9 @@ impl Folder {
         digest(format!("{} {of_named:?} {:?}", digest(file), self.missing).as_bytes())
     }
 
-    /// Fails if links lead from a path in the folder out of it.
-    fn check_links(&self, name: &str, path: &Path) -> Result<()> {
-        let folder = if self.path.as_os_str().is_empty() { Path::new(".") } else { &self.path };
+    /// Fails if links lead from a path in a folder out of it.
+    fn check_links(name: &str, path: &Path, folder: &Path) -> Result<()> {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let real = |path: &Path| path.canonicalize().map_err(|error| Error::io(path, error));
         if real(path)?.starts_with(real(folder)?) {
             return Ok(());
@@ -53,7 +70,30 @@ impl Folder {
     }
 
     fn look_up(&mut self, name: &str, budget: &mut Budget) -> Result<Arc<Vec<u8>>> {
-        let path = self.path.join(inside(name)?);
+        let below = self.path.clone();
+        let asked = inside(name).and_then(|rest| self.open(name, below.join(rest), &below, budget));
+        let Err(error) = asked else { return asked };
+        // Remote names have no place on this machine.
+        if name.contains("://") {
+            return Err(error);
+        }
+        let slashed = name.replace('\\', "/");
+        let parent = self.path.join("..");
+        let beside = slashed.strip_prefix("../").and_then(|rest| inside(rest).ok()).map(|rest| parent.join(rest));
+        let found = match beside.filter(|path| path.is_file()) {
+            Some(path) => Some((path, parent)),
+            None => search(&below, slashed.rsplit(['/', ':']).next().unwrap_or_default()).map(|path| (path, below)),
+        };
+        let Some((place, root)) = found else { return Err(error) };
+        let bytes = self.open(name, place.clone(), &root, budget)?;
+        if !self.found.iter().any(|(known, _)| known == name) {
+            self.found.push((name.to_owned(), place));
+        }
+        Ok(bytes)
+    }
+
+    /// Reads a file, once, unless links lead out of `folder`.
+    fn open(&mut self, name: &str, path: PathBuf, folder: &Path, budget: &mut Budget) -> Result<Arc<Vec<u8>>> {
         if let Some((_, bytes)) = self.read.iter().find(|(read, _)| *read == path) {
             return Ok(bytes.clone());
         }
@@ -61,12 +101,44 @@ impl Folder {
             Error::Io { source, .. } => Error::invalid(format!("“{}” cannot be read: {source}", shown(name))),
             other => Error::invalid(other.to_string()),
         };
-        self.check_links(name, &path).map_err(failed)?;
+        Self::check_links(name, &path, folder).map_err(failed)?;
         let bytes = Arc::new(read(&path).map_err(failed)?);
         budget.grow(bytes.len() as u64);
         self.read.push((path, bytes.clone()));
         Ok(bytes)
     }
+}
+
+/// Returns the file with a name in a folder or below it: the first by depth and name, of the same case if there is one. Links are
+/// not followed.
+fn search(folder: &Path, name: &str) -> Option<PathBuf> {
+    if name.is_empty() {
+        return None;
+    }
+    let lower = name.to_lowercase();
+    let (mut folders, mut other_case, mut searched) = (vec![folder.to_path_buf()], None, 0);
+    while !folders.is_empty() && searched < MAX_SEARCHED {
+        let mut next = Vec::new();
+        for folder in folders {
+            let folder = if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder };
+            let mut entries: Vec<_> = std::fs::read_dir(&folder).into_iter().flatten().flatten().collect();
+            entries.sort_by_key(std::fs::DirEntry::file_name);
+            for entry in entries {
+                searched += 1;
+                let Ok(kind) = entry.file_type() else { continue };
+                let own = entry.file_name();
+                if kind.is_dir() {
+                    next.push(entry.path());
+                } else if kind.is_file() && own == name {
+                    return Some(entry.path());
+                } else if kind.is_file() && other_case.is_none() && own.to_string_lossy().to_lowercase() == lower {
+                    other_case = Some(entry.path());
+                }
+            }
+        }
+        folders = next;
+    }
+    other_case
 }
 
 fn shown(name: &str) -> String {
@@ -126,6 +198,37 @@ mod tests {
         {
             assert!(inside(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn files_in_other_places_are_searched() {
+        let place = tempfile::tempdir().unwrap();
+        let at = |name: &str| place.path().join(name);
+        for name in ["model/source/maps", "model/textures", "other"] {
+            std::fs::create_dir_all(at(name)).unwrap();
+        }
+        for name in
+            ["model/textures/up.png", "model/source/maps/Wood.PNG", "model/source/maps/tin.png", "other/far.png"]
+        {
+            std::fs::write(at(name), name).unwrap();
+        }
+        let mut folder = Folder::of(&at("model/source/scene.gltf"));
+        let mut fetch = |name: &str| folder.fetch(name, &mut Budget::new(0)).map(|bytes| bytes.as_slice().to_vec());
+        for (name, expected) in [
+            ("../textures/up.png", "model/textures/up.png"),
+            ("..\\textures\\up.png", "model/textures/up.png"),
+            ("maps/wood.png", "model/source/maps/Wood.PNG"),
+            ("C:\\Users\\me\\wood.png", "model/source/maps/Wood.PNG"),
+            ("/home/me/maps/tin.png", "model/source/maps/tin.png"),
+        ] {
+            assert_eq!(fetch(name).unwrap(), expected.as_bytes(), "{name}");
+        }
+        for name in ["up.png", "../../other/far.png", "../other/far.png", "http://example.com/tin.png", "/home/me/"] {
+            assert!(fetch(name).is_err(), "{name}");
+        }
+        let notes: Vec<String> = folder.notes().collect();
+        assert_eq!(notes.len(), 5);
+        assert!(notes[0].starts_with("“../textures/up.png” was found as"), "{}", notes[0]);
     }
 
     #[test]

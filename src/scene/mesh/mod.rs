@@ -6,6 +6,7 @@ pub mod bvh;
 pub mod folder;
 pub mod gltf;
 pub mod material;
+pub mod polygon;
 pub mod ray;
 pub mod texture;
 mod triangle;

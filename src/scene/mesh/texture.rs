@@ -1,4 +1,4 @@
-//! Textures: 8-bit sRGB images with alpha, decoded from PNG or JPEG and sampled bilinearly in linear light.
+//! Textures: 8-bit sRGB images with alpha, decoded from image files and sampled bilinearly in linear light.
 
 use std::io::Cursor;
 use std::sync::LazyLock;
@@ -13,6 +13,18 @@ use codec::image::{ReadLimits, Transfer};
 
 /// Bytes of pixels that an image file of any size may claim; see [`ReadLimits`].
 const PIXEL_FLOOR: u64 = 64 << 20;
+
+/// Formats of textures. TGA has no signature: it is recognised by its header.
+const FORMATS: [ImageFormat; 5] =
+    [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Bmp, ImageFormat::Tga, ImageFormat::WebP];
+
+/// True for the header of a TGA image: the kind of its colour map, of its pixels, and their bits.
+fn is_tga(bytes: &[u8]) -> bool {
+    bytes.len() > 18
+        && matches!(bytes[1], 0 | 1)
+        && matches!(bytes[2], 1..=3 | 9..=11)
+        && matches!(bytes[16], 8 | 15 | 16 | 24 | 32)
+}
 
 /// Handling of texture coordinates outside 0..1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
@@ -69,12 +81,11 @@ impl Wrap {
 }
 
 impl ImageTexture {
-    /// Decodes a PNG or JPEG image. 16-bit samples are reduced to 8 bits; grey becomes three equal channels.
+    /// Decodes a PNG, JPEG, BMP, TGA or WebP image. 16-bit samples are reduced to 8 bits; grey becomes three equal channels.
     pub fn decode(bytes: &[u8], wrap: [Wrap; 2], budget: &mut Budget) -> Result<ImageTexture> {
-        let format = ::image::guess_format(bytes).ok();
-        let Some(format @ (ImageFormat::Png | ImageFormat::Jpeg)) = format else {
-            return Err(Error::unsupported("neither a PNG nor a JPEG image"));
-        };
+        let format = ::image::guess_format(bytes).ok().filter(|format| FORMATS.contains(format));
+        let format = format.or_else(|| is_tga(bytes).then_some(ImageFormat::Tga));
+        let format = format.ok_or_else(|| Error::unsupported("this is no PNG, JPEG, BMP, TGA or WebP image"))?;
         let damaged = |error: ::image::ImageError| Error::invalid(format!("the image is damaged: {error}"));
         let cap = ReadLimits::default().believable(bytes.len() as u64, PIXEL_FLOOR);
         let mut limits = Limits::default();

@@ -83,6 +83,7 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
     }
     let materials = paints.into_iter().map(shaded).collect();
     let durations_s = root.animations.iter().map(|animation| stated_duration_s(root, animation)).collect();
+    notes.extend(buffers.folder.notes());
     let contents = buffers.folder.contents(bytes);
     let mut stage = Stage { nodes, instances, skins, materials, lights, animation, is_moving: false };
     stage.find_moving();

@@ -8,14 +8,16 @@ use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::path::Path;
 
-use glam::{DVec3, Vec2};
+use glam::{DVec3, Vec2, Vec4};
 
 use super::mtl;
 use crate::mesh::assembly::{Assembly, Channels, Part, Winding};
 use crate::mesh::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
 use crate::mesh::folder::Folder;
+use crate::mesh::polygon::triangulate;
 use crate::{MeshMaterial, SceneMesh};
 use codec::error::{Error, Result};
+use codec::image::Transfer;
 use footage::text::decode_lossy;
 
 /// Maximum bytes that the parser allocates per byte of text.
@@ -29,7 +31,7 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Scene
     if no_surface > 0 {
         notes.push(format!("{no_surface} points, lines or curves are ignored: they have no surface"));
     }
-    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
+    let options = tobj::LoadOptions { single_index: true, triangulate: false, ignore_points: true, ignore_lines: true };
     let mut folder = Folder::of(path);
     let library = mtl::Library { folder: &mut folder, budget: &mut budget, notes, textures: BTreeMap::new() };
     let library = RefCell::new(library);
@@ -48,11 +50,11 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Scene
     let channels = Channels {
         normals: models.iter().any(|model| aligned(&model.mesh, &model.mesh.normals, 3)),
         uvs: models.iter().any(|model| aligned(&model.mesh, &model.mesh.texcoords, 2)),
-        colors: false,
+        colors: models.iter().any(|model| aligned(&model.mesh, &model.mesh.vertex_color, 3)),
     };
     let mut assembly = Assembly::new(channels);
     for tobj::Model { mesh, name } in &models {
-        budget.take(mesh.indices.len() as u64 / 3, TRIANGLE_BYTES, name)?;
+        budget.take(triangle_count(mesh) as u64, TRIANGLE_BYTES, name)?;
         budget.take(count(&mesh.positions, 3) as u64, CORNER_BYTES, name)?;
         // If only some corners of a group have normals, the parser does not report which, so none are used.
         let normals = if aligned(mesh, &mesh.normals, 3) { mesh.normals.as_slice() } else { &[] };
@@ -63,18 +65,53 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Scene
         let material = mesh.material_id.map_or(0, |id| id + 1).min(paints.len() - 1);
         // In OBJ, v increases upwards.
         let uvs: Vec<Vec2> = uvs.as_chunks::<2>().0.iter().map(|&[u, v]| Vec2::new(u, 1.0 - v)).collect();
+        let colors = if aligned(mesh, &mesh.vertex_color, 3) { mesh.vertex_color.as_slice() } else { &[] };
+        let colors: Vec<Vec4> = colors.as_chunks::<3>().0.iter().map(|&srgb| linear(srgb)).collect();
+        let positions = vectors(&mesh.positions);
+        let triangles = triangles(mesh, &positions);
         assembly.add(&Part {
-            positions: &vectors(&mesh.positions),
+            positions: &positions,
             normals: &vectors(normals),
             uvs: &uvs,
-            colors: &[],
-            triangles: mesh.indices.as_chunks::<3>().0,
+            colors: &colors,
+            triangles: &triangles,
             material: material as u32,
             winding: Winding::Outward,
         });
     }
     assembly.left_out.note(notes);
+    notes.extend(folder.notes());
     Ok((SceneMesh::new(assembly.finish(), paints.into()), folder.contents(bytes)))
+}
+
+/// Returns the linear colour of a vertex. Programs that write colours behind positions write sRGB.
+fn linear(srgb: [f32; 3]) -> Vec4 {
+    let [r, g, b] = srgb.map(|code| Transfer::Srgb.decode(f64::from(code).max(0.0).min(1.0)) as f32);
+    Vec4::new(r, g, b, 1.0)
+}
+
+/// Returns the number of triangles of a mesh: of each polygon two fewer than its corners.
+fn triangle_count(mesh: &tobj::Mesh) -> usize {
+    match mesh.face_arities.len() {
+        0 => mesh.indices.len() / 3,
+        polygons => mesh.indices.len().saturating_sub(2 * polygons),
+    }
+}
+
+/// Returns the triangles of a mesh of polygons.
+fn triangles(mesh: &tobj::Mesh, positions: &[DVec3]) -> Vec<[u32; 3]> {
+    if mesh.face_arities.is_empty() {
+        return mesh.indices.as_chunks::<3>().0.to_vec();
+    }
+    let mut triangles = Vec::with_capacity(triangle_count(mesh));
+    let mut rest = mesh.indices.as_slice();
+    for &count in &mesh.face_arities {
+        let (polygon, behind) = rest.split_at((count as usize).min(rest.len()));
+        rest = behind;
+        let corners: Vec<DVec3> = polygon.iter().map(|&at| positions[at as usize]).collect();
+        triangulate(&corners, |triangle| triangles.push(triangle.map(|at| polygon[at])));
+    }
+    triangles
 }
 
 struct Plain {
@@ -86,6 +123,9 @@ struct Plain {
 fn plain(bytes: &[u8]) -> Result<Plain> {
     let decoded = decode_lossy(bytes);
     let bytes = decoded.as_bytes();
+    let vertices = || bytes.split(|&byte| byte == b'\n').filter(|line| line.trim_ascii_start().starts_with(b"v "));
+    let has_color = |line: &[u8]| line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).count() == 7;
+    let has_colors = vertices().next().is_some() && vertices().all(has_color);
     let mut text = Vec::with_capacity(bytes.len());
     let mut no_surface = 0;
     // Number of positions, texture coordinates and normals so far.
@@ -102,9 +142,9 @@ fn plain(bytes: &[u8]) -> Result<Plain> {
         let mut words = joined.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         match words.next() {
             Some(b"v") => {
-                // Drops weights and colours.
+                // Drops weights.
                 text.push(b'v');
-                for word in words.take(3) {
+                for word in words.take(if has_colors { 6 } else { 3 }) {
                     text.push(b' ');
                     text.extend_from_slice(word);
                 }
