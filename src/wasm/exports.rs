@@ -278,7 +278,8 @@ pub extern "C" fn ray_steps(count: u32, near_m: f32, far_m: f32, refine: u32) {
     });
 }
 
-/// Outputs the codes of pictures; [`present`] describes input and output. `tone` is 0 for none, 1 for Reinhard's, 2 for a filmic one.
+/// Outputs the codes of pictures; [`present`] describes input and output. `tone` is 0 for none, 1 for Reinhard's, 2 for a
+/// filmic one.
 #[unsafe(no_mangle)]
 pub extern "C" fn present_pictures(tone: u32, marks_holes: u32, is_anaglyph: u32) -> i32 {
     call(|state| {
@@ -316,7 +317,8 @@ pub extern "C" fn straight_texels() -> i32 {
     })
 }
 
-/// Starts a light field without views. `coding` is that of its colours: 0 for halves of light, 1 for linear codes, 2 for sRGB codes.
+/// Starts a light field without views. `coding` is that of its colours: 0 for halves of light, 1 for linear codes, 2 for sRGB
+/// codes.
 #[unsafe(no_mangle)]
 pub extern "C" fn open_field(coding: u32, exposure_ev: f32) -> i32 {
     call(|state| {

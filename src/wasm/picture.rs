@@ -200,8 +200,8 @@ impl PictureField {
         Ok(())
     }
 
-    /// Renders a picture. `rows` has the camera, then eight numbers for each active view, the most important first: its number, position and
-    /// orientation.
+    /// Renders a picture. `rows` has the camera, then eight numbers for each active view, the most important first: its number,
+    /// position and orientation.
     pub fn render(&mut self, mut rows: Numbers<'_>, settings: PictureSettings) -> Result<Rendered> {
         let camera = take_camera(&mut rows)?;
         let mut views = Vec::new();

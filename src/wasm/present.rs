@@ -28,9 +28,9 @@ pub struct Presentation {
     pub is_anaglyph: bool,
 }
 
-/// Returns red, green, blue and alpha of the shown pictures, each row by row. `input` has the exposure in stops, the fraction of the
-/// overlay that is shown, and the number of pixels of a picture; then one picture or two, and an overlay unless the fraction is 0, as
-/// linear RGB and alpha in single precision.
+/// Returns red, green, blue and alpha of the shown pictures, each row by row. `input` has the exposure in stops, the fraction
+/// of the overlay that is shown, and the number of pixels of a picture; then one picture or two, and an overlay unless the
+/// fraction is 0, as linear RGB and alpha in single precision.
 pub fn present(input: &[u8], how: Presentation) -> Result<Vec<u8>> {
     let mut numbers = Numbers::new(input);
     let [exposure_ev, share] = numbers.take()?;

@@ -11,8 +11,8 @@ use codec::image::{Face, Transfer};
 use codec::math::Viewer;
 use render::views::{Rect, StraightCodes, UnitGrid, finite_half, straight_half, visible_units};
 
-/// Returns 1 for each unit of a face that cameras see, else 0 (CALF 6.2). `numbers` has position, orientation and intrinsics of the
-/// probe and the minimum distance of its surfaces in metres, then the cameras.
+/// Returns 1 for each unit of a face that cameras see, else 0 (CALF 6.2). `numbers` has position, orientation and intrinsics of
+/// the probe and the minimum distance of its surfaces in metres, then the cameras.
 pub fn units_in_sight(mut numbers: Numbers<'_>, face: u32, grid: UnitGrid) -> Result<Vec<u8>> {
     let probe = ProbeEntry {
         name: String::new(),
@@ -46,9 +46,9 @@ impl StraightTables {
         StraightTables { linear: None, srgb: None }
     }
 
-    /// Returns texels of four components, bytes or bit patterns of halves: straight colours and alpha (color.md 1 and 2). `input` has
-    /// the coding as of [`open_field`](crate::exports::open_field), the rectangle of the texels, and those of the units of colour and
-    /// of alpha, without a width where there is no alpha; then the pixels of both.
+    /// Returns texels of four components, bytes or bit patterns of halves: straight colours and alpha (color.md 1 and 2).
+    /// `input` has the coding as of [`open_field`](crate::exports::open_field), the rectangle of the texels, and those of the
+    /// units of colour and of alpha, without a width where there is no alpha; then the pixels of both.
     pub fn texels(&mut self, input: &[u8]) -> Result<Vec<u8>> {
         let mut numbers = Numbers::new(input);
         let coding = numbers.take_u32()?;
