@@ -51,7 +51,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let asked = decode::stored_bytes(&decoder, &selection.choose(&decoder)?);
     // Loading leaves enough memory for the decoder.
     let memory_left = match memory.bytes {
-        Some(_) => memory.less(decode::least_bytes(&decoder, &selection.choose(&decoder)?)),
+        Some(_) => memory.less(decode::min_bytes(&decoder, &selection.choose(&decoder)?)),
         None => memory,
     };
     let limit = load_limit(decoder.reader().file_bytes, asked, memory_left);

@@ -18,14 +18,14 @@ use footage::metrics::depth_error::DepthErrors;
 pub const FEW_ROWS: usize = 12;
 const MISSING_LINES: usize = 8;
 
-/// Returns the whole report. Streams have rows if there are at most `most_rows`.
-pub fn report(sides: &[Side; 2], comparison: &Comparison, judgement: &Judgement, most_rows: usize) -> String {
+/// Returns the whole report. Streams have rows if there are at most `max_rows`.
+pub fn report(sides: &[Side; 2], comparison: &Comparison, judgement: &Judgement, max_rows: usize) -> String {
     let side = |(at, side): (usize, &Side)| {
         let streams = counted(side.streams.len() as u64, "stream");
         format!("{}  {} ({}, {streams})", side_name(at), side.path, side.form.name())
     };
     let heading: Vec<String> = sides.iter().enumerate().map(side).chain(domain_lines(comparison)).collect();
-    let has_rows = comparison.streams.len() <= most_rows;
+    let has_rows = comparison.streams.len() <= max_rows;
     let mut paragraphs = vec![
         heading.join("\n"),
         summary(comparison),

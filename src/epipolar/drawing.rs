@@ -33,14 +33,14 @@ pub type TriangleLayers = Vec<Vec<u32>>;
 
 /// Rasteriser of the triangles of a scene.
 pub trait TriangleDrawing: Sync {
-    /// Returns the triangles at one position within each pixel (0.5 is the centre), at most `most_layers` behind each other.
+    /// Returns the triangles at one position within each pixel (0.5 is the centre), at most `max_layers` behind each other.
     /// Returns `None` if rays are to be traced instead.
     fn draw(
         &self,
         from: &Viewpoint,
         window: &PixelWindow,
         place: [f64; 2],
-        most_layers: usize,
+        max_layers: usize,
     ) -> Result<Option<TriangleLayers>>;
 }
 

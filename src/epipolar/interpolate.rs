@@ -119,7 +119,7 @@ impl<'a> Interpolator<'a> {
     }
 
     /// Returns the maximum number of splits of a line, including its ends.
-    pub fn most_splits(&self) -> usize {
+    pub fn max_splits(&self) -> usize {
         self.settings.splits.saturating_add(2)
     }
 

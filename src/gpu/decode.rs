@@ -72,7 +72,7 @@ pub struct GpuDecoder<'a> {
     shown: Vec<Option<Shown>>,
     resident: Resident,
     calls: u64,
-    most_work: u64,
+    max_work: u64,
     /// Maximum words of chunks that are kept between calls; bounds device memory during long playback.
     pub kept_words: usize,
     /// Pixels that the last call wrote, by unit.
@@ -224,7 +224,7 @@ impl<'a> GpuDecoder<'a> {
             units,
             resident: Resident::new(gpu, gpu.info.max_binding_bytes as usize / 4)?,
             calls: 0,
-            most_work: MAX_WORK,
+            max_work: MAX_WORK,
             kept_words: usize::MAX,
             buffers,
             cost: DecodeCost::default(),
@@ -247,14 +247,14 @@ impl<'a> GpuDecoder<'a> {
 
     /// Limits the invocations of a list. For tests.
     pub fn limit_work(&mut self, invocations: u64) {
-        self.most_work = invocations.min(MAX_WORK);
+        self.max_work = invocations.min(MAX_WORK);
     }
 
     /// Returns the maximum invocations of a list of units for a kernel.
-    fn most_work(&self, kernel: &Kernel) -> u64 {
+    fn max_work(&self, kernel: &Kernel) -> u64 {
         let scratch_bytes = MAX_SCRATCH_BYTES.min(self.gpu.info.max_binding_bytes);
         let by_scratch = kernel.reader.map_or(MAX_WORK, |_| scratch_bytes / (4 * u64::from(SCRATCH_WORDS)));
-        self.most_work.min(by_scratch)
+        self.max_work.min(by_scratch)
     }
 
     /// Returns the family's kernel for a chunk type.
@@ -489,14 +489,14 @@ impl<'a> GpuDecoder<'a> {
             return Err(self.gpu.failed("a tile", &why));
         }
         let Some(resident) = self.resident.chunk(key) else { return Ok(false) };
-        let ResidentChunk { row: chunk, most_work, kernel, passes, .. } = *resident;
+        let ResidentChunk { row: chunk, max_work, kernel, passes, .. } = *resident;
         let timeline = Arc::clone(&resident.timeline);
-        if batch.of(kernel).work + u64::from(most_work) > self.most_work(self.kernel(kernel)) {
+        if batch.of(kernel).work + u64::from(max_work) > self.max_work(self.kernel(kernel)) {
             self.submit(batch)?;
         }
         let list = batch.of(kernel);
         list.items.push(Item { unit: unit as u32, chunk, next, frame, key });
-        list.work += u64::from(most_work);
+        list.work += u64::from(max_work);
         list.rounds = list.rounds.max(rounds);
         list.passes = list.passes.max(passes);
         self.shown[unit] = Some(Shown { key, frame, timeline });

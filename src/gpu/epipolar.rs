@@ -135,7 +135,7 @@ impl<'a> GpuInterpolator<'a> {
         let most = (first + (self.pixels / of.views.size[0] as usize).max(1)).min(of.rows.end);
         let splits = |row: usize| {
             let glossy = of.sources.iter().map(|source| source.rows[row].gloss.len()).sum::<usize>();
-            glossy.saturating_mul(of.most_splits())
+            glossy.saturating_mul(of.max_splits())
         };
         let (mut line_sum, mut split_sum) = (lines(first), splits(first));
         let fits = |row: &usize| {

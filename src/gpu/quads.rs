@@ -93,7 +93,7 @@ impl<'a> GpuQuads<'a> {
         };
         let samples = settings.samples();
         let mut sums = vec![[0f32; 4]; width as usize * height as usize];
-        let (mut fragments, mut most_fragments) = (0u64, 0u32);
+        let (mut fragments, mut max_fragments) = (0u64, 0u32);
         for sample in &samples {
             monitor.check()?;
             gpu.write("picture", &self.picture, &words_of(&[self.picture_of(camera, settings.size, sample)]))?;
@@ -111,14 +111,14 @@ impl<'a> GpuQuads<'a> {
             let counts = read_halves(gpu, &targets.counts, 1)?;
             let counts = || counts.iter().map(|&count| f16::to_f32(count) as u32);
             fragments += counts().map(u64::from).sum::<u64>();
-            most_fragments = most_fragments.max(counts().max().unwrap_or(0));
+            max_fragments = max_fragments.max(counts().max().unwrap_or(0));
         }
-        if most_fragments >= COUNT_LIMIT {
+        if max_fragments >= COUNT_LIMIT {
             return Err(gpu.failed("counting", &format!("{COUNT_LIMIT} triangles or more lie over a pixel")));
         }
         let share = 1.0 / samples.len() as f32;
         monitor.advance(u64::from(height));
-        Ok(Drawn { pixels: sums.iter().map(|sum| sum.map(|part| part * share)).collect(), fragments, most_fragments })
+        Ok(Drawn { pixels: sums.iter().map(|sum| sum.map(|part| part * share)).collect(), fragments, max_fragments })
     }
 
     /// Draws all batches in one pass.

@@ -285,7 +285,7 @@ fn rows_of_dispatch(gpu: &Gpu, views: usize, kernel: &Kernel, settings: &RenderS
     let row = (rays * points).saturating_mul(views.max(1) as u64);
     let work = if gpu.info.is_software() { WORK_OF_SOFTWARE } else { WORK_OF_DEVICE };
     let secondary =
-        if kernel.name == kernels::RENDER_EFFECTS.name { most_secondary_rays(settings.max_bounces) } else { 0 };
+        if kernel.name == kernels::RENDER_EFFECTS.name { max_secondary_rays(settings.max_bounces) } else { 0 };
     [1 + secondary, 1].map(|rays| {
         let groups = work / row.saturating_mul(rays).saturating_mul(TILE.into()).max(1);
         groups.clamp(1, u64::from(u32::MAX / TILE)) as u32 * TILE
@@ -295,7 +295,7 @@ fn rows_of_dispatch(gpu: &Gpu, views: usize, kernel: &Kernel, settings: &RenderS
 /// Returns the maximum number of secondary rays per camera ray. A surface emits up to four rays and searches for the back of a
 /// solid along up to three. The number of surfaces per bounce is at most `1 / MIN_SHARE`, because rays with a smaller share are
 /// not traced.
-fn most_secondary_rays(max_bounces: u32) -> u64 {
+fn max_secondary_rays(max_bounces: u32) -> u64 {
     let most = (1.0 / MIN_SHARE) as u64;
     let surfaces = |bounce: u32| most.min(4u64.pow(bounce));
     (0..max_bounces.min(MAX_BOUNCES)).map(|bounce| 3 * surfaces(bounce) + surfaces(bounce + 1)).sum()
@@ -316,10 +316,10 @@ mod tests {
     #[test]
     fn secondary_rays_are_bounded() {
         // 85 surfaces cast 4 + 16 + 64 + 256 rays, and each casts three rays through a solid.
-        assert_eq!(most_secondary_rays(0), 0);
-        assert_eq!(most_secondary_rays(1), 3 + 4);
-        assert_eq!(most_secondary_rays(4), 3 * 85 + 340);
-        assert_eq!(most_secondary_rays(5), most_secondary_rays(4) + 4 * 256);
-        assert_eq!(most_secondary_rays(u32::MAX), most_secondary_rays(MAX_BOUNCES));
+        assert_eq!(max_secondary_rays(0), 0);
+        assert_eq!(max_secondary_rays(1), 3 + 4);
+        assert_eq!(max_secondary_rays(4), 3 * 85 + 340);
+        assert_eq!(max_secondary_rays(5), max_secondary_rays(4) + 4 * 256);
+        assert_eq!(max_secondary_rays(u32::MAX), max_secondary_rays(MAX_BOUNCES));
     }
 }

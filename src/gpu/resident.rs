@@ -162,7 +162,7 @@ pub struct ResidentChunk {
     /// Row in the table of chunks.
     pub row: u32,
     /// Maximum invocations of any of its records.
-    pub most_work: u32,
+    pub max_work: u32,
     pub kernel: KernelOf,
     /// See [`Prepared::passes`].
     pub passes: u32,
@@ -177,15 +177,15 @@ pub struct Resident {
     /// Bytes of chunks, then the rows of records, boxes and chunks.
     pub tables: [Growing; 4],
     resident: HashMap<u32, ResidentChunk>,
-    most_words: usize,
+    max_words: usize,
 }
 
 impl Resident {
-    /// Creates empty tables, whose buffers grow up to `most_words` words.
-    pub fn new(gpu: &Gpu, most_words: usize) -> Result<Resident> {
+    /// Creates empty tables, whose buffers grow up to `max_words` words.
+    pub fn new(gpu: &Gpu, max_words: usize) -> Result<Resident> {
         let table = |label| Growing::new(gpu, label);
         let tables = [table("stream")?, table("records")?, table("boxes")?, table("chunks")?];
-        Ok(Resident { tables, resident: HashMap::new(), most_words })
+        Ok(Resident { tables, resident: HashMap::new(), max_words })
     }
 
     pub fn chunk(&self, key: u32) -> Option<&ResidentChunk> {
@@ -213,7 +213,7 @@ impl Resident {
     }
 
     pub fn has_room(&self, chunk: &Prepared) -> bool {
-        self.tables.iter().zip(words_taken(chunk)).all(|(table, words)| table.has_room(words, self.most_words))
+        self.tables.iter().zip(words_taken(chunk)).all(|(table, words)| table.has_room(words, self.max_words))
     }
 
     /// Drops chunks that a call does not need, least recently needed first, until at most `words` words of chunks remain. All
@@ -250,14 +250,14 @@ impl Resident {
         let record_count = chunk.records.len() as u32;
         let row = Chunk { first_record, record_count, weights_at: weights_at + 4 * at, weight_count };
         let rows = [words_of(&records.collect::<Vec<_>>()), words_of(&boxes.collect::<Vec<_>>()), words_of(&[row])];
-        let most_work = chunk.records.iter().map(|row| row.work).max().unwrap_or(0);
+        let max_work = chunk.records.iter().map(|row| row.work).max().unwrap_or(0);
         let mut stream = chunk.stream;
         stream.resize(words[0], 0);
         for ((table, place), words) in self.tables.iter_mut().zip(&places).zip([stream].into_iter().chain(rows)) {
             table.put(place.start, words);
         }
         let (kernel, passes, timeline) = (chunk.kernel, chunk.passes, Arc::new(chunk.timeline));
-        let resident = ResidentChunk { row: number, most_work, kernel, passes, timeline, last_used: call, places };
+        let resident = ResidentChunk { row: number, max_work, kernel, passes, timeline, last_used: call, places };
         self.resident.insert(key, resident);
     }
 

@@ -180,11 +180,11 @@ impl TriangleDrawing for GpuTriangles<'_> {
         from: &Viewpoint,
         window: &PixelWindow,
         place: [f64; 2],
-        most_layers: usize,
+        max_layers: usize,
     ) -> Result<Option<TriangleLayers>> {
         let Some(axes) = axes(from) else { return Ok(None) };
         let size = window.size();
-        if self.batches.is_empty() || most_layers == 0 {
+        if self.batches.is_empty() || max_layers == 0 {
             return Ok(Some(Vec::new()));
         }
         let seen = Window { eye: from.position, axes, tangents: window.tangents(from), size, sample: place };
@@ -193,7 +193,7 @@ impl TriangleDrawing for GpuTriangles<'_> {
         let targets = self.targets(size)?;
         self.clear(&targets.textures[1])?;
         let (mut layers, mut active) = (Vec::new(), usize::MAX);
-        for layer in 0..most_layers {
+        for layer in 0..max_layers {
             let into = layer % 2;
             self.pass(&picture, &targets, into)?;
             let found;

@@ -209,8 +209,8 @@ pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2]) -
 }
 
 /// Decodes a predictive chunk on the host, to boxes of the codes that each frame changes: every symbol depends on the previous
-/// ones, and a unit is a single substream. The codes may take at most `most_bytes` bytes.
-fn of_predictive(chunk: &PredictiveChunk, most_bytes: u64) -> Result<Prepared> {
+/// ones, and a unit is a single substream. The codes may take at most `max_bytes` bytes.
+fn of_predictive(chunk: &PredictiveChunk, max_bytes: u64) -> Result<Prepared> {
     let (mut codes, mut boxes, mut records, mut pixels) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     chunk.for_each_frame(|frame| {
         let (first, mut work) = (boxes.len(), 0);
@@ -221,8 +221,8 @@ fn of_predictive(chunk: &PredictiveChunk, most_bytes: u64) -> Result<Prepared> {
             let rows = frame.picture.chunks(frame.size[0] as usize).skip(y as usize).take(height as usize);
             rows.for_each(|row| codes.extend_from_slice(&row[x as usize..][..width as usize]));
         }
-        if 2 * codes.len() as u64 > most_bytes {
-            let most = most_bytes >> 20;
+        if 2 * codes.len() as u64 > max_bytes {
+            let most = max_bytes >> 20;
             return Err(Error::unsupported(format!(
                 "the codes of a chunk need more than {most} MiB on a device: use the CPU, or encode with smaller \
                 tiles or fewer frames between keyframes"

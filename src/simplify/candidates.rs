@@ -88,8 +88,8 @@ pub struct CandidateLevel {
 #[derive(Debug, Clone, Copy)]
 pub struct Extent {
     /// Minimum and maximum distance in metres: 1% of the region's radius, and the radius of the geometry.
-    pub least_m: f64,
-    pub most_m: f64,
+    pub min_m: f64,
+    pub max_m: f64,
     /// Maximum dilation of a cell on each side, in the plane of its face.
     pub margin: f64,
 }
@@ -176,16 +176,12 @@ fn tilings(cell: TreeCell, points: &[WeightedPoint], extent: &Extent, settings: 
         return Vec::new();
     }
     let corners = extent.dilated(cell).corners().map(|corner| direction(cell.face, corner).normalize());
-    let bounds = FitBounds { corners, least_m: extent.least_m, most_m: extent.most_m };
+    let bounds = FitBounds { corners, min_m: extent.min_m, max_m: extent.max_m };
     let total: f64 = points.iter().map(|point| point.weight).sum();
     let mut random = Random::new(u64::from(leaf_order(cell)) << 8 | u64::from(cell.level));
     let mean: DVec3 = points.iter().map(|point| point.weight * point.position).sum::<DVec3>() / total;
     let mut clusters = Clusters {
-        planes: vec![TilePlane::fronto_parallel(if mean.length() > extent.least_m {
-            mean
-        } else {
-            points[0].position
-        })],
+        planes: vec![TilePlane::fronto_parallel(if mean.length() > extent.min_m { mean } else { points[0].position })],
         owner: vec![0; points.len()],
         energy: vec![0.0; points.len()],
     };
@@ -307,7 +303,7 @@ mod tests {
     use super::*;
     use codec::monitor::Silent;
 
-    const EXTENT: Extent = Extent { least_m: 0.01, most_m: 100.0, margin: 0.01 };
+    const EXTENT: Extent = Extent { min_m: 0.01, max_m: 100.0, margin: 0.01 };
 
     fn points(positions: impl Iterator<Item = DVec3>) -> Vec<MergedPoint> {
         positions.map(|position| MergedPoint { position: position.as_vec3(), samples: 1 }).collect()

@@ -78,14 +78,14 @@ impl Fidelity {
     fn add(&mut self, scene: &QuadMesh, image: &CaptureImage, rays: &ImageRays, background: Background) -> Result<()> {
         let Some(compared) = Compared::new(scene, image, rays, background)? else { return Ok(()) };
         let Compared { similarity, shown, wanted, surfaces, drawn, overdraw } = compared;
-        let Drawn { pixels, fragments, most_fragments } = drawn;
+        let Drawn { pixels, fragments, max_fragments } = drawn;
         self.similarity.merge(&similarity)?;
         let opaque = || pixels.iter().enumerate().filter(|(_, pixel)| pixel[3] >= OPAQUE_ALPHA).map(|(at, _)| at);
         let of = |codes: &[[u8; 3]]| opaque().flat_map(|at| codes[at]).collect::<Vec<u8>>();
         self.opaque.merge(&SquaredError::of_u8(&of(shown.data()), &of(wanted.data()))?)?;
         self.pixels += pixels.len() as u64;
         self.fragments += fragments;
-        self.fragments_per_pixel_max = self.fragments_per_pixel_max.max(most_fragments);
+        self.fragments_per_pixel_max = self.fragments_per_pixel_max.max(max_fragments);
         self.peak_overdraw = self.peak_overdraw.max(overdraw);
         let below =
             |alpha: f32| pixels.iter().zip(&surfaces).filter(|(pixel, is)| **is && pixel[3] < alpha).count() as u64;

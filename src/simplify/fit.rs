@@ -45,17 +45,17 @@ pub struct FitBounds {
     /// Unit directions to the corners of the tile.
     pub corners: [DVec3; 4],
     /// Distances in metres beyond which corners are penalised: 1% of the region's radius, and the radius of the geometry.
-    pub least_m: f64,
-    pub most_m: f64,
+    pub min_m: f64,
+    pub max_m: f64,
 }
 
 impl FitBounds {
-    /// Returns true if a plane meets all four edges of the frustum in front of the centre, at distances from `least_m` to four
-    /// times `most_m`.
+    /// Returns true if a plane meets all four edges of the frustum in front of the centre, at distances from `min_m` to four
+    /// times `max_m`.
     pub fn admits(&self, plane: TilePlane) -> bool {
         self.corners.iter().all(|&corner| {
             let hit = plane.hit(corner);
-            hit >= self.least_m && hit <= 4.0 * self.most_m
+            hit >= self.min_m && hit <= 4.0 * self.max_m
         })
     }
 }
@@ -111,7 +111,7 @@ impl Disk<'_> {
                 }
             }
         }
-        let [least, most] = [self.bounds.least_m, self.bounds.most_m].map(|metres| metres / self.scale);
+        let [least, most] = [self.bounds.min_m, self.bounds.max_m].map(|metres| metres / self.scale);
         for corner in self.bounds.corners {
             let slope = corner.dot(normal);
             let hit = offset / slope;
@@ -199,7 +199,7 @@ pub fn fit_plane(points: &[WeightedPoint], bounds: &FitBounds, first: TilePlane,
     let gammas: &[f64] = if evaluations > 8 { &[FIRST_GAMMA, 0.0] } else { &[0.0] };
     if evaluations > 0 && bounds.admits(start) {
         let center =
-            mean_direction.normalize_or_zero() * start.hit(mean_direction.normalize_or_zero()).min(bounds.most_m);
+            mean_direction.normalize_or_zero() * start.hit(mean_direction.normalize_or_zero()).min(bounds.max_m);
         let mut disk = Disk {
             points,
             bounds,
@@ -241,7 +241,7 @@ mod tests {
 
     fn bounds() -> FitBounds {
         let corners = [[-0.2, -0.2], [0.2, -0.2], [0.2, 0.2], [-0.2, 0.2]];
-        FitBounds { corners: corners.map(|[x, y]| DVec3::new(x, y, -1.0).normalize()), least_m: 0.01, most_m: 100.0 }
+        FitBounds { corners: corners.map(|[x, y]| DVec3::new(x, y, -1.0).normalize()), min_m: 0.01, max_m: 100.0 }
     }
 
     /// Returns points of a plane, along rays through a grid.

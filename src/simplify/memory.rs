@@ -42,7 +42,7 @@ const SHARES_BYTES: u64 = 48 << 20;
 const TILES_BYTES: u64 = 16 << 20;
 
 /// Returns the number of pixels of the largest image.
-fn most_pixels(capture: &Capture) -> u64 {
+fn max_pixels(capture: &Capture) -> u64 {
     capture.images.iter().map(|image| image.pixels() as u64).max().unwrap_or(0)
 }
 
@@ -53,7 +53,7 @@ fn held_images(capture: &Capture) -> u64 {
 
 /// Returns the bytes of merging and selection.
 fn selecting_bytes(capture: &Capture) -> u64 {
-    let pixels = most_pixels(capture);
+    let pixels = max_pixels(capture);
     let samples = pixels.saturating_mul(capture.images.len() as u64);
     let points = samples.min(MAX_POINTS as u64);
     let waiting = samples.min(2 * WAITING as u64);
@@ -66,7 +66,7 @@ fn selecting_bytes(capture: &Capture) -> u64 {
 /// Returns the bytes of texturing tiles whose textures have the given sides.
 fn texturing_bytes(capture: &Capture, sides: &[usize], settings: &Settings) -> u64 {
     let threads = rayon::current_num_threads();
-    let pixels = most_pixels(capture);
+    let pixels = max_pixels(capture);
     let of_side = |side: usize| (side as u64).pow(2);
     let texels: u64 = sides.iter().copied().map(of_side).sum();
     let mut largest = sides.to_vec();
@@ -95,7 +95,7 @@ fn atlas_texels(texels: u64, settings: &Settings) -> u64 {
 
 /// Returns the bytes of a picture of a scene and the image that it is compared with.
 fn compared_bytes(capture: &Capture) -> u64 {
-    most_pixels(capture).saturating_mul(COMPARED_PIXEL_BYTES)
+    max_pixels(capture).saturating_mul(COMPARED_PIXEL_BYTES)
 }
 
 fn need(fixed: u64, each: u64, instead: &str) -> Need<'_> {
@@ -106,7 +106,7 @@ fn need(fixed: u64, each: u64, instead: &str) -> Need<'_> {
 /// scene.
 pub fn check_images(captures: &[&Capture], compared: &[&Capture], budget: Budget) -> Result<()> {
     let selecting = captures.iter().map(|capture| {
-        let images = most_pixels(capture).saturating_mul(READING_PIXEL_BYTES + size_of::<Sample>() as u64);
+        let images = max_pixels(capture).saturating_mul(READING_PIXEL_BYTES + size_of::<Sample>() as u64);
         selecting_bytes(capture).max(images)
     });
     let comparing = compared.iter().map(|capture| compared_bytes(capture) + TILES_BYTES);

@@ -49,7 +49,7 @@ impl ViewingRegion {
     }
 
     /// Returns the distance from the centre, in metres, within which there is no tile: 1% of the radius (Seurat 4.2).
-    pub fn least_m(&self) -> f64 {
+    pub fn min_m(&self) -> f64 {
         0.01 * self.radius()
     }
 

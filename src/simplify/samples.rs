@@ -136,7 +136,7 @@ impl SampleRules<'_> {
         rays: impl Iterator<Item = CaptureRay>,
         mut take: impl FnMut(Sample),
     ) -> Result<u64> {
-        let (width, least_m) = (capture.images[image].size[0], self.region.least_m());
+        let (width, min_m) = (capture.images[image].size[0], self.region.min_m());
         let mut left_out = 0;
         // Values of the last origin, which is the only one in most images.
         let (mut eye, mut before_sky) = (DVec3::NAN, 0.0);
@@ -161,7 +161,7 @@ impl SampleRules<'_> {
                 false => ray.distance_m.min(self.region.to_sky(origin, direction)),
             };
             let end = origin + distance_m * direction;
-            if self.region.contains(end) || end.length() < least_m {
+            if self.region.contains(end) || end.length() < min_m {
                 if self.inside == Inside::Drop {
                     left_out += 1;
                     continue;

@@ -109,7 +109,7 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     let merged = begun.elapsed();
 
     let texels_per_unit = settings.texels_per_unit(capture);
-    let extent = Extent { least_m: region.least_m(), most_m: farthest_m, margin: 1.0 / capture.pixels_per_unit() };
+    let extent = Extent { min_m: region.min_m(), max_m: farthest_m, margin: 1.0 / capture.pixels_per_unit() };
     let mut fitting = CandidateSettings::of(settings.effort);
     // Smaller cells would have no sample in some places, which would leave holes.
     let finest = (2.0 * capture.pixels_per_unit() / MIN_CELL_PIXELS).max(1.0).log2() as u32;
@@ -212,7 +212,7 @@ impl SelectedTiles {
         let Counts { samples, dropped_samples, points, candidates, fitted_cells } = self.counts;
         let mut words = vec![samples, dropped_samples, points, candidates, fitted_cells];
         words.extend(self.durations.map(|duration| duration.as_nanos() as u64));
-        words.extend([self.extent.least_m, self.extent.most_m, self.extent.margin].map(f64::to_bits));
+        words.extend([self.extent.min_m, self.extent.max_m, self.extent.margin].map(f64::to_bits));
         words.extend([primal.to_bits(), dual.to_bits(), *iterations as u64]);
         words.extend([self.reserve.share, self.reserve.dual].map(f64::to_bits));
         words.extend(prices.map(f64::to_bits));
@@ -294,7 +294,7 @@ fn read(words: &mut Words<'_>, region: ViewingRegion, notes: Vec<String>) -> Opt
         fitted_cells: words.word()?,
     };
     let durations = [words.word()?, words.word()?, words.word()?].map(Duration::from_nanos);
-    let extent = Extent { least_m: words.float()?, most_m: words.float()?, margin: words.float()? };
+    let extent = Extent { min_m: words.float()?, max_m: words.float()?, margin: words.float()? };
     let (primal, dual, iterations) = (words.float()?, words.float()?, words.word()? as usize);
     let reserve = Reserve { share: words.float()?, dual: words.float()? };
     let prices = words.floats::<CONSTRAINTS>()?;

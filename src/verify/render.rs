@@ -335,8 +335,8 @@ fn own_depths(setup: &Setup) -> Measured {
                     let before_m = step.checked_sub(1).map_or(0.0, |before| steps.distances_m[before]);
                     let interval_m = f64::from(steps.distances_m[step] - before_m);
                     let late_m = f64::from(found) - distance_m;
-                    let most_m = interval_m * 0.5f64.powi(REFINE as i32);
-                    (-rounding * distance_m..=most_m + rounding * distance_m).contains(&late_m)
+                    let max_m = interval_m * 0.5f64.powi(REFINE as i32);
+                    (-rounding * distance_m..=max_m + rounding * distance_m).contains(&late_m)
                 }
                 _ => false,
             };

@@ -170,12 +170,12 @@ impl Case {
 
     /// Counts triangles whose plane passes within r_min, 1% of the region's radius, of the region's centre.
     fn slivers(&self, found: &Simplified) -> usize {
-        let least_m = 0.01 * found.region.radius();
+        let min_m = 0.01 * found.region.radius();
         let middle = found.region.middle;
         let mesh = &found.scene.mesh;
         let passes_near = |&triangle: &usize| {
             let [a, b, c] = mesh.corners(triangle).map(|corner| corner - middle);
-            (b - a).cross(c - a).try_normalize().is_some_and(|normal| normal.dot(a).abs() < least_m)
+            (b - a).cross(c - a).try_normalize().is_some_and(|normal| normal.dot(a).abs() < min_m)
         };
         (0..mesh.triangles.len()).filter(passes_near).count()
     }
@@ -393,7 +393,7 @@ fn coincident() -> Measured {
     let mut tilings = vec![Vec::new(); TreeCell::count(0)];
     tilings[cell.index()] = vec![Tiling { planes: vec![plane; 2], energy: 0.0 }];
     let model = CostModel {
-        extent: Extent { least_m: 0.01, most_m: 4.0, margin: 0.0 },
+        extent: Extent { min_m: 0.01, max_m: 4.0, margin: 0.0 },
         eyes: vec![DVec3::ZERO],
         texels_per_unit: TEXELS as f64,
         texture_coordinates: TextureCoordinates::Affine,

@@ -300,7 +300,7 @@ fn measure_pictures(gpu: &Gpu, path: &str) -> Result<()> {
         println!(
             "{:<24} {:>6} {:>6} {:>6} {:>11.1} {:>10.2} {:>9.2} {:>9.2} {:>12.2}",
             path.rsplit('/').next().unwrap_or(path),
-            playback.summary().most_views,
+            playback.summary().max_views,
             side,
             steps,
             marched as f64 / pixels,

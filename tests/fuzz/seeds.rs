@@ -12,7 +12,7 @@ use codec::image::Plane;
 use codec::monitor::Silent;
 use codec::streams::shard::{ShardEntry, WholeStream};
 use codec::streams::{CodecHeader, ColorCoding};
-use evaluate::cameras::{self as camera_formats, CameraFormat, Content, FileCamera, Written};
+use evaluate::cameras::{self as camera_formats, CameraFormat, Content, FileCamera, ReadSettings, Written};
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds, Layer,
     LayerAttributes, LineOrder, Vec2, WritableImage,
@@ -356,7 +356,9 @@ pub fn camera_files(format: CameraFormat) -> Vec<Vec<u8>> {
     let files = cameras();
     let read = files.iter().map(|bytes| {
         let path = Path::new("cameras.json");
-        camera_formats::parse(&Content { path, bytes, fps: 24.0 }).expect("cameras")
+        camera_formats::parse(&Content { path, bytes, settings: ReadSettings::with_fps(24.0) })
+            .expect("cameras")
+            .cameras
     });
     let written = |cameras: Vec<FileCamera>| match camera_formats::write(&cameras, format, &CAMERA_SETTINGS) {
         Ok(Written::File(bytes)) => bytes,

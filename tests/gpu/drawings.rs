@@ -41,7 +41,7 @@ pub fn equal_depths_and_many_layers() -> Result<(), Failed> {
             }
             let found = drawings::run(gpu, &case).map_err(said)?;
             println!("{compositing:?}: {:?}", found.agreement);
-            if found.agreement.mismatches() > 0 || found.on_device.most_fragments != found.on_cpu.most_fragments {
+            if found.agreement.mismatches() > 0 || found.on_device.max_fragments != found.on_cpu.max_fragments {
                 return Err(format!("{compositing:?} on {}: {:?}", gpu.info.name, found.agreement).into());
             }
             // More than 2048 copies of the tile that covers most pixels.

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use evaluate::cameras;
+use evaluate::cameras::{self, ReadSettings};
 use glam::DVec3;
 use serde_json::Value;
 use tempfile::TempDir;
@@ -22,7 +22,7 @@ fn files_of_other_programs_are_read_as_they_mean_them() {
     let vector = |value: &Value| DVec3::from_array([0, 1, 2].map(|at| value[at].as_f64().unwrap()));
     let shares = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5]];
     for (name, count, tolerance) in [("colmap", 3, 1e-12), ("shot.usda", 5, 1e-8), ("shot.glb", 4, 1e-6)] {
-        let read = cameras::read(&data(name), 24.0).unwrap();
+        let read = cameras::read(&data(name), ReadSettings::with_fps(24.0)).unwrap().cameras;
         assert_eq!(read.len(), count, "{name}");
         let mut place = 0;
         for camera in expected[name].as_array().unwrap() {

@@ -183,7 +183,7 @@ fn budgets_of_simplifying_and_rendering_are_at_most_twice_what_is_taken() {
     assert_eq!(captured.code, 0, "{}", captured.said);
     assert_eq!(run("encode views --clip -o film.lfold", at).code, 0);
     let eye = "--eye 0.05,1.5,0.3 --look-at 0,1.2,-3 --fov 60";
-    for (line, most_refusals, is_known) in [
+    for (line, max_refusals, is_known) in [
         // The memory of textures is known only after the tiles are selected.
         ("simplify views --effort fast -o scene.glb".to_owned(), 3, true),
         (format!("render film.lfold {eye} --size 512 --steps 64 --effects none -o picture.png"), 1, true),
@@ -195,7 +195,7 @@ fn budgets_of_simplifying_and_rendering_are_at_most_twice_what_is_taken() {
             let least = Least::of(&line, 1, at);
             let Least { asked_mb, peak_bytes, refusals } = least;
             assert!(!is_known || least.is_near(), "{line}: {asked_mb} MB asked for, {peak_bytes} bytes taken");
-            assert!(refusals <= most_refusals, "{line}: {refusals} refusals");
+            assert!(refusals <= max_refusals, "{line}: {refusals} refusals");
         }
     }
     // A run whose budget suffices for the tiles only leaves no file.

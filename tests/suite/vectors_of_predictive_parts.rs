@@ -143,12 +143,12 @@ fn parts() -> Vec<Part> {
         part("predictive-frames-that-repeat", &repeats, plain(0), &[(FRAME, &[0, 1]), (MODE, &[0, 1, 2])]),
         part("predictive-two-levels", &two, with_levels(vec![700, 60_000]), &[(PIXEL, &[0, 1, 2])]),
         part("predictive-most-levels", &many, with_levels(levels.clone()), &[(ESCAPE, &[15])]),
-        most_own_sets(&planes(9000.0, 1.0), planar(40, 9000)),
+        max_own_sets(&planes(9000.0, 1.0), planar(40, 9000)),
     ]
 }
 
 /// Returns a part with eight own table sets, of which the payloads use the last.
-fn most_own_sets(images: &[Vec<u16>], header: PredictiveHeader) -> Part {
+fn max_own_sets(images: &[Vec<u16>], header: PredictiveHeader) -> Part {
     let plain = part("", images, header.clone(), &[]);
     let counts = plain.stream.chunks.iter().map(|(unit, chunk)| {
         let area = UnitArea { rect: plain.stream.entry.unit_rect(*unit), image: [SIDE; 2] };

@@ -235,7 +235,7 @@ fn encoded_halves() -> Vec<u8> {
 }
 
 /// Returns a region of palettes with the maximum number of leaves and colours for its bytes, plus `more`.
-fn most_items(more: usize) -> Vec<u8> {
+fn max_items(more: usize) -> Vec<u8> {
     // A node takes two bits and a palette size four; all other symbols take none.
     let tables = own_set(|family| match family.alphabet {
         4 if family.first_context == NODE.first_context => vec![1024; 4],
@@ -286,7 +286,7 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
         ("transform8-palettes", palettes::<u8>(300)),
         ("transform8-own-tables", own_tables::<u8>(400)),
         ("transform8-chunks-of-cells", chunks_of_cells()),
-        ("transform8-most-items", most_items(0)),
+        ("transform8-most-items", max_items(0)),
         ("transform8-encoded", encoded_bytes()),
         ("transform-half-sizes-and-lengths", sizes_and_lengths::<HalfKey>(500)),
         ("transform-half-trees", trees::<HalfKey>(510)),
@@ -397,7 +397,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     all.push(("transform-quarters-of-least", by_hand([4, 4], 1, symbols(&node(0, 0, 1), &[])), size));
     all.push(("transform-parts-of-one-frame", by_hand([4, 4], 1, symbols(&node(0, 0, 2), &[])), size));
     all.push(("transform-of-five-frames", by_hand([4, 4], 5, symbols(&node(0, 9, 0), &[])), size));
-    all.push(("transform-too-many-items", most_items(1), "more blocks and colours than its substream justifies"));
+    all.push(("transform-too-many-items", max_items(1), "more blocks and colours than its substream justifies"));
     all.push(("transform-palette-index", by_hand([4, 4], 1, beyond_its_palette()), "that its palette does not have"));
 
     let end = "does not end where its symbols do";

@@ -265,7 +265,7 @@ class Region:
         self.cache = list(colors)
         self.pictures = [[[None] * width for _ in range(height)] for _ in range(frames)]
         # Leaves, and colours of palettes.
-        self.items, self.most_items = 0, 64 + 8 * stream.bytes
+        self.items, self.max_items = 0, 64 + 8 * stream.bytes
         size = next(size for size in range(4) if 4 << size >= max(width, height))
         self.node(0, 0, 0, size, frames)
         stream.finish()
@@ -291,7 +291,7 @@ class Region:
 
     def count(self, items):
         self.items += items
-        check(self.items <= self.most_items, "a region has more leaves and colours than its substream allows")
+        check(self.items <= self.max_items, "a region has more leaves and colours than its substream allows")
 
     def predicted(self, c, left, top, first, size, step):
         q, means, x, y = 1 << size, self.means[c], left // 4, top // 4

@@ -285,9 +285,9 @@ fn parse_reduction(text: &str) -> std::result::Result<LayerReduction, String> {
     let percent = |text: &str| text.trim().parse::<f64>().ok().filter(|percent| (0.0..=100.0).contains(percent));
     let both = text.split_once(',').and_then(|(least, most)| percent(least).zip(percent(most)));
     let reduction = both.filter(|(least, most)| least <= most);
-    let (least_percent, most_percent) =
+    let (min_percent, max_percent) =
         reduction.ok_or_else(|| format!("'{text}': two percentages such as 0.1,1 were expected"))?;
-    Ok(LayerReduction { least_percent, most_percent })
+    Ok(LayerReduction { min_percent, max_percent })
 }
 
 impl Args {

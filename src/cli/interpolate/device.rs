@@ -73,12 +73,12 @@ impl TriangleDrawing for Drawing<'_> {
         from: &Viewpoint,
         window: &PixelWindow,
         place: [f64; 2],
-        most_layers: usize,
+        max_layers: usize,
     ) -> Result<Option<TriangleLayers>> {
         if self.has_failed.load(Ordering::Relaxed) {
             return Ok(None);
         }
-        match self.triangles.draw(from, window, place, most_layers) {
+        match self.triangles.draw(from, window, place, max_layers) {
             Err(error @ Error::Unsupported { .. }) if self.choice == Some(DeviceChoice::Auto) => {
                 self.global.note(format_args!("{error}; casting rays instead"));
                 self.has_failed.store(true, Ordering::Relaxed);

@@ -68,22 +68,22 @@ impl<'a> LightFieldSubject<'a> {
     fn bytes_beside_views(&self, jobs: &[Job]) -> Result<u64> {
         let args = self.args;
         let pixels_of = |job: &Job| pixels(job.size).saturating_mul(job.request.cameras.len() as u64);
-        let most_pixels = jobs.iter().map(pixels_of).max().unwrap_or(0);
+        let max_pixels = jobs.iter().map(pixels_of).max().unwrap_or(0);
         let sheet = if args.contact_sheet.is_some() { jobs.len() as u64 * SHEET_BYTES } else { 0 };
         let of_method = match self.method() {
             Method::Splat => splat_bytes(self.decoder),
             Method::Reproject => 0,
             _ => march_bytes(self.decoder, &args.playback_options(), args.march.effects),
         };
-        let of_pictures = picture_bytes(most_pixels, !args.march.aov.is_empty(), args.truth.reference.is_some())
+        let of_pictures = picture_bytes(max_pixels, !args.march.aov.is_empty(), args.truth.reference.is_some())
             .saturating_add(sheet)
             .saturating_add(if jobs.iter().any(|job| job.request.cameras.len() > 1) {
-                most_pixels.saturating_mul(JOINED_BYTES)
+                max_pixels.saturating_mul(JOINED_BYTES)
             } else {
                 0
             });
         let fixed = of_pictures.saturating_add(of_method);
-        let views = self.playback.least_bytes(jobs.iter().map(|job| &job.request));
+        let views = self.playback.min_bytes(jobs.iter().map(|job| &job.request));
         let need = Need { what: "rendering", fixed: fixed.saturating_add(views), each: 0, instead: RENDERED_INSTEAD };
         args.memory.get().at_once(&need, 1)?;
         Ok(fixed)

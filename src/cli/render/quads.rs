@@ -117,8 +117,8 @@ impl Subject for QuadSubject<'_> {
         let pixels_of = |job: &Job| pixels(job.size).saturating_mul(job.request.cameras.len() as u64);
         let of_drawing =
             |job: &Job| drawing_bytes(&self.scene.quads, &DrawSettings { size: job.size, ..self.settings() });
-        let most_pixels = jobs.iter().map(pixels_of).max().unwrap_or(0);
-        let of_pictures = picture_bytes(most_pixels, false, args.truth.reference.is_some());
+        let max_pixels = jobs.iter().map(pixels_of).max().unwrap_or(0);
+        let of_pictures = picture_bytes(max_pixels, false, args.truth.reference.is_some());
         let fixed = of_pictures.saturating_add(jobs.iter().map(of_drawing).max().unwrap_or(0));
         let need = Need { what: "rendering", fixed, each: 0, instead: "a smaller --size" };
         args.memory.get().at_once(&need, 1).map(|_| ())

@@ -62,7 +62,7 @@ pub struct QuadFigures {
     triangles: usize,
     fragments: u64,
     samples: u64,
-    most_fragments: u32,
+    max_fragments: u32,
     /// Largest mean overdraw of a picture.
     peak_overdraw: f64,
     update_ms: Vec<f64>,
@@ -79,7 +79,7 @@ impl QuadFigures {
         for drawn in pictures {
             self.fragments += drawn.fragments;
             self.samples += samples;
-            self.most_fragments = self.most_fragments.max(drawn.most_fragments);
+            self.max_fragments = self.max_fragments.max(drawn.max_fragments);
             self.peak_overdraw = self.peak_overdraw.max(drawn.fragments as f64 / samples.max(1) as f64);
         }
         self.update_ms.push(update_ms);
@@ -137,7 +137,7 @@ struct Document<'a> {
 enum DrawnFrom {
     Views {
         views: usize,
-        least_views: Option<usize>,
+        min_views: Option<usize>,
         hole_rays: u64,
     },
     Triangles {
@@ -231,14 +231,14 @@ impl Report<'_> {
     fn document(&self) -> Document<'_> {
         let drawn = match &self.figures {
             Figures::LightField(figures) => DrawnFrom::Views {
-                views: figures.summary.most_views,
-                least_views: figures.frames.views.iter().min().copied(),
+                views: figures.summary.max_views,
+                min_views: figures.frames.views.iter().min().copied(),
                 hole_rays: figures.summary.counters.hole_rays,
             },
             Figures::Quads(figures) => DrawnFrom::Triangles {
                 triangles: figures.triangles,
                 overdraw_mean: figures.overdraw_mean(),
-                fragments_per_pixel_max: figures.most_fragments,
+                fragments_per_pixel_max: figures.max_fragments,
                 peak_overdraw_measured: figures.peak_overdraw,
             },
         };
@@ -297,7 +297,7 @@ impl Report<'_> {
                 "overdraw: mean {:.2}, of one picture up to {:.2}, of one pixel up to {}",
                 figures.overdraw_mean(),
                 figures.peak_overdraw,
-                figures.most_fragments
+                figures.max_fragments
             )],
         };
         std::iter::once(line).chain(more).collect()

@@ -64,13 +64,13 @@ fn level(name: String, number: usize, percent: f64, cameras: usize) -> Series {
     Series { name, kind: Kind::Curve, look, marks: vec![mark(0.0), mark(cameras as f64)] }
 }
 
-fn most_cameras(curves: &[Curve]) -> usize {
+fn max_cameras(curves: &[Curve]) -> usize {
     curves.iter().map(|curve| curve.figures.len()).max().unwrap_or(0).max(1)
 }
 
 /// Returns a chart of shares in percent over the number of cameras.
 fn chart(title: String, legend: String, up: &str, curves: &[Curve], series: Vec<Series>) -> Drawing {
-    let x = Axis::linear("cameras", [0.0, most_cameras(curves) as f64]);
+    let x = Axis::linear("cameras", [0.0, max_cameras(curves) as f64]);
     Chart { series, legend, ..Chart::new(title, x, Axis::linear(up, [0.0, 100.0])) }.draw(SIZE[0], SIZE[1])
 }
 

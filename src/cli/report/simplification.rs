@@ -198,7 +198,7 @@ mod tests {
         let sum: u64 = layers.data().iter().map(|&count| u64::from(count)).sum();
         let drawn = draw(&scene, &camera, [48, 40]);
         assert!(sum > 1000 && sum == drawn.fragments, "{sum} {}", drawn.fragments);
-        assert_eq!(layers.data().iter().max(), Some(&drawn.most_fragments));
+        assert_eq!(layers.data().iter().max(), Some(&drawn.max_fragments));
     }
 
     #[test]

@@ -54,7 +54,7 @@ impl Default for OpenLimits {
 
 /// Minimum bytes to decode one image of a stream: 3 bytes per pixel, which is the least of all codecs for an image that is
 /// assembled from its units, and the largest payload of each unit.
-fn least_bytes(index: &Index, at: u32) -> u64 {
+fn min_bytes(index: &Index, at: u32) -> u64 {
     let stream = &index.streams[at as usize];
     let pixels = u64::from(stream.width) * u64::from(stream.height) * 3;
     pixels.saturating_add(index.held_payload_bytes(at, |chunk| chunk.raw_bytes.into()))
@@ -64,7 +64,7 @@ fn least_bytes(index: &Index, at: u32) -> u64 {
 pub fn check(index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()> {
     let (mut total, mut unit_frames, mut pixels) = (0u64, 0u64, 0u64);
     for (at, stream) in (0..).zip(&index.streams) {
-        let bytes = least_bytes(index, at);
+        let bytes = min_bytes(index, at);
         if bytes > limits.stream_bytes(file_bytes) {
             return Err(Error::invalid(format!(
                 "stream {at} claims {}x{} pixels and payloads of {} bytes, more than a file of {file_bytes} bytes justifies",

@@ -78,10 +78,10 @@ pub fn unit_bytes(decoder: &Decoder, stream: &StreamInfo, unit: u32) -> u64 {
     CodecHeader::HELD_UNIT_BYTES
         + u64::from(width) * u64::from(height) * stream.header.held_pixel_bytes()
         + chunks.iter().map(|chunk| stream.header.parsed_chunk_bytes(&stream.entry, chunk)).max().unwrap_or(0)
-        + most_reading_bytes(stream, chunks)
+        + max_reading_bytes(stream, chunks)
 }
 
-fn most_reading_bytes(stream: &StreamInfo, chunks: &[ChunkEntry]) -> u64 {
+fn max_reading_bytes(stream: &StreamInfo, chunks: &[ChunkEntry]) -> u64 {
     let bytes = chunks.iter().map(|chunk| reading_bytes(chunk).max(stream.header.parsing_bytes(&stream.entry, chunk)));
     bytes.max().unwrap_or(0)
 }
@@ -89,7 +89,7 @@ fn most_reading_bytes(stream: &StreamInfo, chunks: &[ChunkEntry]) -> u64 {
 pub fn stream_bytes(decoder: &Decoder, stream: &StreamInfo) -> u64 {
     let index = decoder.reader().index();
     // Each thread reads one chunk at a time.
-    let reading = most_reading_bytes(stream, index.stream_chunks(stream.index)) * rayon::current_num_threads() as u64;
+    let reading = max_reading_bytes(stream, index.stream_chunks(stream.index)) * rayon::current_num_threads() as u64;
     stream.parsed_bytes(index).saturating_add(reading)
 }
 

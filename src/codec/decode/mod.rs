@@ -29,6 +29,6 @@ pub use selection::{Request, Selection, StreamFrames};
 pub use unit::UnitDecoder;
 pub use unit_filter::{AllUnits, UnitFilter};
 pub use units::{
-    DecodeSummary, Decoded, DecodedPart, decode_units, decoded_pixel_bytes, jobs_at_once, least_bytes, stored_bytes,
+    DecodeSummary, Decoded, DecodedPart, decode_units, decoded_pixel_bytes, jobs_at_once, min_bytes, stored_bytes,
 };
 pub use window::check_windows;

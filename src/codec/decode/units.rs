@@ -88,7 +88,7 @@ impl Decoded {
 }
 
 /// Returns the bytes of memory needed to decode the units one at a time, including the open container.
-pub fn least_bytes(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> u64 {
+pub fn min_bytes(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> u64 {
     let units = |stream: &StreamInfo| {
         (0..stream.entry.unit_count()).map(|unit| memory::unit_bytes(decoder, stream, unit)).max().unwrap_or(0)
     };

@@ -42,7 +42,7 @@ pub fn hierarchical(
         let gap = Gap { views, pair: [pair.0, pair.1] };
         let next_m = match settings.placement {
             SourcePlacement::Midpoint => gap.place_m(0.5),
-            SourcePlacement::Clusters => gap.most_holes_m(),
+            SourcePlacement::Clusters => gap.max_holes_m(),
         };
         if next_m <= left_m || next_m >= right_m {
             continue;
@@ -75,7 +75,7 @@ impl Gap<'_> {
     }
 
     /// Returns the position with the most missing pixels; ties go to the position nearest to the middle.
-    fn most_holes_m(&self) -> f64 {
+    fn max_holes_m(&self) -> f64 {
         // From the middle outwards, so that the first of several equal positions is kept.
         let mut parts: Vec<u32> = (1..PARTS).collect();
         parts.sort_by_key(|&part| part.abs_diff(PARTS / 2));

@@ -98,8 +98,9 @@ impl Image {
         let lens = lenses.get(&id).ok_or_else(|| Error::invalid(format!("there is no camera {id} in its model")))?;
         let [w, x, y, z] = self.turn;
         let quaternion = DQuat::from_xyzw(x, y, z, w);
-        if !((quaternion.length() - 1.0).abs() <= 1e-3) {
-            return Err(Error::invalid(format!("a quaternion of length {} is not a rotation", quaternion.length())));
+        let length = quaternion.length();
+        if !(0.999..=1.001).contains(&length) {
+            return Err(Error::invalid(format!("a quaternion of length {length} is not a rotation")));
         }
         let to_world = DMat3::from_quat(quaternion.normalize()).transpose();
         let eye = -(to_world * DVec3::from_array(self.shift));

@@ -35,6 +35,7 @@ pub enum CameraFormat {
     InstantNgp,
 }
 
+type IsOf = fn(&Value) -> bool;
 type Reader = fn(&Content<'_>) -> Result<FileCameras>;
 type Writer = fn(&[FileCamera], &WriteSettings) -> Result<Written>;
 
@@ -51,7 +52,7 @@ const FORMATS: &[(CameraFormat, Reader, Option<Writer>)] = &[
 ];
 
 /// JSON formats by their content. Others are camera files of lightfold, whose reader reports what it expects.
-const JSON_FORMATS: &[(CameraFormat, fn(&Value) -> bool)] = &[
+const JSON_FORMATS: &[(CameraFormat, IsOf)] = &[
     (CameraFormat::Lightfold, own::has_probes),
     (CameraFormat::Gltf, |document| document.get("asset").is_some()),
     (CameraFormat::Transforms, transforms::is_of),

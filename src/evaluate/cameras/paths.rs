@@ -129,7 +129,7 @@ pub fn read_instant_ngp(content: &Content<'_>) -> Result<FileCameras> {
     let to_world = |v: DVec3| DVec3::new(v.z, v.x, v.y);
     let read = |at: usize, key: &InstantNgpKey| -> Result<FileCamera> {
         let turn = DQuat::from_array(key.turn);
-        if (turn.length() - 1.0).abs() > 1e-3 {
+        if !(0.999..=1.001).contains(&turn.length()) {
             return Err(Error::invalid(format!("a quaternion of length {} is not a rotation", turn.length())));
         }
         let turn = DMat3::from_quat(turn.normalize());

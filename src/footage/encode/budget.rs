@@ -142,7 +142,7 @@ impl GroupNeed {
     }
 
     /// Bytes for batches of one frame.
-    pub fn least_bytes(&self) -> u64 {
+    pub fn min_bytes(&self) -> u64 {
         self.need("").bytes(1)
     }
 

@@ -68,7 +68,7 @@ impl<'a> Plan<'a> {
         let Plan { source, settings, .. } = self;
         settings.check()?;
         // Report the group that needs the most, so that the command fails only once.
-        let most = self.groups.iter().max_by_key(|planned| (planned.need.least_bytes(), planned.at));
+        let most = self.groups.iter().max_by_key(|planned| (planned.need.min_bytes(), planned.at));
         let Some(GroupPlan { group, need, .. }) = most else {
             return Err(Error::Usage(format!("'{}' has no stream of the selected kinds", source.name())));
         };

@@ -298,14 +298,14 @@ pub(super) struct Source {
     pub stream: u32,
 }
 
-/// Divides chunks into runs that are adjacent in their file and have at most `most_bytes` bytes in total, or a single chunk.
-fn runs(mut chunks: &[Source], most_bytes: u64) -> Vec<&[Source]> {
+/// Divides chunks into runs that are adjacent in their file and have at most `max_bytes` bytes in total, or a single chunk.
+fn runs(mut chunks: &[Source], max_bytes: u64) -> Vec<&[Source]> {
     let mut runs = Vec::new();
     while let Some(first) = chunks.first() {
         let mut bytes = u64::from(first.chunk.stored_bytes);
         let continues = |pair: &&[Source]| {
             bytes += u64::from(pair[1].chunk.stored_bytes);
-            pair[0].is_before(&pair[1]) && bytes <= most_bytes
+            pair[0].is_before(&pair[1]) && bytes <= max_bytes
         };
         let (run, rest) = chunks.split_at(1 + chunks.windows(2).take_while(continues).count());
         runs.push(run);

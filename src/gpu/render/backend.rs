@@ -101,20 +101,20 @@ fn by_family<'s>(streams: impl Iterator<Item = &'s StreamInfo>) -> Vec<Vec<&'s S
     family::groups(streams.map(|stream| (stream, Family::of(&stream.header), 0)), 0)
 }
 
-/// True if a device with buffers of at most `most_bytes` bytes can decode the depth and colour of a container for rendering:
+/// True if a device with buffers of at most `max_bytes` bytes can decode the depth and colour of a container for rendering:
 /// every probe fits, colours are 8-bit codes, and products of inverse depths and ray lengths equal those of the CPU.
-pub fn can_decode(decoder: &Decoder, most_bytes: u64) -> bool {
+pub fn can_decode(decoder: &Decoder, max_bytes: u64) -> bool {
     let is_apt = |stream: &StreamInfo| match &stream.header {
         CodecHeader::Depth(header) => {
-            let [least_m, most_m] = MULTIPLIED_M;
-            header.kind == DepthKind::Planar || (header.range.near_m() >= least_m && header.range.far_m() <= most_m)
+            let [min_m, max_m] = MULTIPLIED_M;
+            header.kind == DepthKind::Planar || (header.range.near_m() >= min_m && header.range.far_m() <= max_m)
         }
         CodecHeader::Color(header) => !header.is_half(),
         CodecHeader::Material(_) => true,
         // Colour cells on the device have no alpha, so the CPU decodes these containers and the device only renders.
         CodecHeader::Alpha(_) => false,
     };
-    decoder.streams().iter().all(is_apt) && buffer_bytes(decoder) <= most_bytes
+    decoder.streams().iter().all(is_apt) && buffer_bytes(decoder) <= max_bytes
 }
 
 /// Returns the size in bytes of the largest buffer that any probe of a container needs, with depth and colour of all its faces.

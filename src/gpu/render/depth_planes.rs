@@ -232,9 +232,9 @@ impl DepthPlanes {
 
     /// Lists the jobs of each level, from the texels up, then those of the reductions.
     fn pyramid_jobs(&self, changed: &BTreeMap<usize, Rect>) -> Vec<Vec<PyramidJob>> {
-        let most_levels = changed.keys().map(|face| self.levels(*face).len()).max().unwrap_or(0);
+        let max_levels = changed.keys().map(|face| self.levels(*face).len()).max().unwrap_or(0);
         let mut all = Vec::new();
-        for level in 1..most_levels {
+        for level in 1..max_levels {
             let mut jobs: Vec<PyramidJob> = Vec::new();
             for (face, &rect) in changed {
                 let levels = self.levels(*face);

@@ -26,11 +26,11 @@ pub struct TileGrid {
 impl TileGrid {
     /// Returns a grid for `count` tiles with as few tiles per layer as the limits allow; `None` if there are too many tiles.
     pub fn new(tile: [u32; 2], count: u32, limits: TextureLimits) -> Option<TileGrid> {
-        let [most_columns, most_rows] = tile.map(|side| limits.side / side.max(1));
+        let [max_columns, max_rows] = tile.map(|side| limits.side / side.max(1));
         let per_layer = count.max(1).div_ceil(limits.layers.max(1));
-        let columns = per_layer.min(most_columns).max(1);
+        let columns = per_layer.min(max_columns).max(1);
         let rows = per_layer.div_ceil(columns);
-        let fits = most_columns > 0 && rows <= most_rows;
+        let fits = max_columns > 0 && rows <= max_rows;
         fits.then(|| TileGrid { columns, rows, layers: count.max(1).div_ceil(columns * rows) })
     }
 

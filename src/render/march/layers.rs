@@ -134,7 +134,7 @@ pub(crate) struct LayerWalk<'p, 'a> {
     /// Share of the ray that has no layer yet.
     left: f32,
     /// Minimum distance of a surface that is shown, in metres.
-    least_m: f32,
+    min_m: f32,
     /// Linear RGB of the last texels whose depths did not match.
     unseen: Option<Vec3>,
     /// Range of distances in metres in which surfaces are visible.
@@ -248,7 +248,7 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
             shown: PrimaryHit::default(),
             place: Place::Thin { all_m: hits.all_m },
             left: 1.0,
-            least_m: range_m[0],
+            min_m: range_m[0],
             unseen: None,
             range_m,
             is_cut: false,
@@ -270,7 +270,7 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
         self.query = match hit_m.filter(|&hit_m| hit_m <= self.range_m[1] && self.exits <= MAX_EXITS) {
             Some(hit_m) => {
                 (self.place, self.is_cut) = (Place::Hit, hit_m < self.range_m[0]);
-                self.is_within &= hit_m < self.least_m;
+                self.is_within &= hit_m < self.min_m;
                 self.at(hit_m)
             }
             None => Query::Done,
@@ -317,7 +317,7 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
 
     /// Returns the query for a point on a surface.
     fn at(&self, at_m: f32) -> Query {
-        let is_asked = at_m >= self.least_m && !self.is_cut && !self.is_within;
+        let is_asked = at_m >= self.min_m && !self.is_cut && !self.is_within;
         if is_asked { Query::Color(at_m) } else { self.after(at_m) }
     }
 
@@ -344,7 +344,7 @@ impl<'p, 'a> LayerWalk<'p, 'a> {
         let light = self.primary.light(seen.color);
         self.shown.push(Layer { distance_m: Some(distance_m), light, share: self.left - left });
         self.left = left;
-        self.least_m = distance_m * libm::expf(SAME_SURFACE);
+        self.min_m = distance_m * libm::expf(SAME_SURFACE);
     }
 
     /// Returns all layers of the ray, after the last query.

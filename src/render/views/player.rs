@@ -271,7 +271,7 @@ impl<'a> Player<'a> {
     }
 
     /// Returns the minimum bytes that suffice to show some views (indices into [`LightField::views`], each once).
-    pub fn least_bytes(&self, views: &[usize]) -> u64 {
+    pub fn min_bytes(&self, views: &[usize]) -> u64 {
         self.bytes_of(views).into_iter().min().unwrap_or(0)
     }
 

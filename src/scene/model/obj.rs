@@ -14,6 +14,7 @@ use super::mtl;
 use crate::mesh::assembly::{Assembly, Channels, Part, Winding};
 use crate::mesh::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
 use crate::mesh::folder::Folder;
+use crate::mesh::gltf::materials::unit;
 use crate::mesh::polygon::triangulate;
 use crate::{MeshMaterial, SceneMesh};
 use codec::error::{Error, Result};
@@ -86,7 +87,7 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Scene
 
 /// Returns the linear colour of a vertex. Programs that write colours behind positions write sRGB.
 fn linear(srgb: [f32; 3]) -> Vec4 {
-    let [r, g, b] = srgb.map(|code| Transfer::Srgb.decode(f64::from(code).max(0.0).min(1.0)) as f32);
+    let [r, g, b] = srgb.map(|code| Transfer::Srgb.decode(unit(code)) as f32);
     Vec4::new(r, g, b, 1.0)
 }
 

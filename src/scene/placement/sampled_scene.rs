@@ -109,8 +109,8 @@ impl SampledScene {
     }
 
     /// Returns the surfels, given the points that each candidate sees. `Z(x)` (CALF 4.1) is the distance from a point to the
-    /// region, and at least `least_m`.
-    pub fn surfels(&self, candidates: &[DVec3], visibility: &[Vec<u64>], region: &Region, least_m: f64) -> Surfels {
+    /// region, and at least `min_m`.
+    pub fn surfels(&self, candidates: &[DVec3], visibility: &[Vec<u64>], region: &Region, min_m: f64) -> Surfels {
         let sides = |(at, SamplePoint { on, weight, .. }): (usize, &SamplePoint)| {
             let who = candidates.iter().zip(visibility).filter(|(_, seen)| seen[at / 64] >> (at % 64) & 1 == 1);
             let (mut front, mut back) = (0, 0);
@@ -119,7 +119,7 @@ impl SampledScene {
                 front += usize::from(height > 0.0);
                 back += usize::from(height < 0.0);
             }
-            let viewer_distance_m = region.distance_m(on.point).max(least_m);
+            let viewer_distance_m = region.distance_m(on.point).max(min_m);
             let surfel = |normal: DVec3| Surfel { point: on.point, normal, weight: *weight, viewer_distance_m };
             let front_side = (front > 0 || back == 0).then(|| (front > 0, surfel(on.normal)));
             [front_side, (back > 0).then(|| (true, surfel(-on.normal)))]

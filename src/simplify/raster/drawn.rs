@@ -13,7 +13,7 @@ pub struct Drawn {
     /// Total number of triangles over all samples, visible or not.
     pub fragments: u64,
     /// Maximum number of triangles over a sample.
-    pub most_fragments: u32,
+    pub max_fragments: u32,
 }
 
 impl Drawn {
@@ -21,7 +21,7 @@ impl Drawn {
         let counts = || rows.iter().flat_map(|(_, counts)| counts);
         Drawn {
             fragments: counts().map(|&count| u64::from(count)).sum(),
-            most_fragments: counts().copied().max().unwrap_or(0),
+            max_fragments: counts().copied().max().unwrap_or(0),
             pixels: rows.iter().flat_map(|(pixels, _)| pixels.iter().map(|pixel| pixel.to_array())).collect(),
         }
     }

@@ -65,7 +65,7 @@ fn later_triangles_are_blended_over_earlier_ones() {
     square(&mut mesh, 1.0, 0.25);
     square(&mut mesh, 3.0, 0.75);
     let drawn = draw(&scene(mesh), &camera(DVec3::ZERO, DVec3::NEG_Z), [16, 16]);
-    assert_eq!((drawn.fragments, drawn.most_fragments), (2 * 8 * 8, 2));
+    assert_eq!((drawn.fragments, drawn.max_fragments), (2 * 8 * 8, 2));
     let alpha = 128.0 / 255.0;
     for (at, pixel) in drawn.pixels.iter().enumerate() {
         let is_inside = [at % 16, at / 16].iter().all(|place| (4..12).contains(place));
@@ -125,7 +125,7 @@ fn the_two_triangles_of_a_square_share_no_pixel_and_leave_none() {
         let eye = DVec3::new(0.3 * turn.cos(), 0.3 * turn.sin(), 0.1);
         let drawn = draw(&scene, &camera(eye, DVec3::new(0.01, 0.02, -2.0)), [61, 61]);
         // Only the corners lie exactly on the diagonal.
-        assert!(drawn.most_fragments == 1, "{step}");
+        assert!(drawn.max_fragments == 1, "{step}");
         assert_eq!(drawn.fragments, drawn.pixels.iter().filter(|pixel| pixel[3] > 0.0).count() as u64);
     }
 }
@@ -139,8 +139,8 @@ fn spans_give_the_picture_of_single_fragments() {
         let camera = camera(eye, eye + DVec3::new(turn.cos(), 0.21, turn.sin()));
         let camera = camera.with_aspect(f64::from(size[0]) / f64::from(size[1]));
         let (found, wanted) = (draw(&scene, &camera, size), draw_plainly(&scene, &camera, size));
-        assert_eq!((found.fragments, found.most_fragments), (wanted.fragments, wanted.most_fragments), "{size:?}");
-        assert!(size == [1, 1] || wanted.most_fragments > 1, "{size:?}: {wanted:?}");
+        assert_eq!((found.fragments, found.max_fragments), (wanted.fragments, wanted.max_fragments), "{size:?}");
+        assert!(size == [1, 1] || wanted.max_fragments > 1, "{size:?}: {wanted:?}");
         for (at, (found, wanted)) in found.pixels.iter().zip(&wanted.pixels).enumerate() {
             assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 4e-5), "{size:?} {at}: {found:?} {wanted:?}");
         }
@@ -226,7 +226,7 @@ fn near_and_far_of_the_camera_cut_triangles() {
 
 #[test]
 fn light_of_pictures_is_straight_or_over_black() {
-    let drawn = Drawn { pixels: vec![[0.25, 0.5, 0.0, 0.5], [0.0; 4]], fragments: 1, most_fragments: 1 };
+    let drawn = Drawn { pixels: vec![[0.25, 0.5, 0.0, 0.5], [0.0; 4]], fragments: 1, max_fragments: 1 };
     let image = drawn.image([2, 1]).unwrap();
     assert_eq!(image.color.data(), [[0.5, 1.0, 0.0], [0.0; 3]]);
     assert_eq!(drawn.over_black([2, 1]).unwrap().color.data(), [[0.25, 0.5, 0.0], [0.0; 3]]);

@@ -1,9 +1,7 @@
 //! Camera files of other programs: parsed, and if accepted, written in every format.
 
-use std::path::Path;
-
 use codec::error::Result;
-use evaluate::cameras::{self, CameraFormat, Content, FileCamera, WriteSettings};
+use evaluate::cameras::{self, CameraFormat, Content, FileCameras, ReadSettings, WriteSettings};
 use tempfile::TempDir;
 
 use super::{Judged, judge, models};
@@ -18,8 +16,8 @@ thread_local! {
     static FOLDER: TempDir = TempDir::new().expect("a temporary folder");
 }
 
-fn look(read: &Result<Vec<FileCamera>>) -> Judged {
-    if let Ok(all) = read {
+fn look(read: &Result<FileCameras>) -> Judged {
+    if let Ok(FileCameras { cameras: all, .. }) = read {
         if let Some(camera) = all.iter().find(|camera| !camera.timed.camera.eye().is_finite()) {
             return Err(format!("a camera stands nowhere: {camera:?}"));
         }
@@ -35,7 +33,7 @@ fn look(read: &Result<Vec<FileCamera>>) -> Judged {
 pub fn run(bytes: &[u8]) -> Judged {
     FOLDER.with(|folder| {
         let path = folder.path().join("none/cameras");
-        look(&cameras::parse(&Content { path: &path, bytes, fps: 24.0 }))
+        look(&cameras::parse(&Content { path: &path, bytes, settings: ReadSettings::with_fps(24.0) }))
     })
 }
 
@@ -47,7 +45,7 @@ pub fn run_colmap(bytes: &[u8]) -> Judged {
         let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).expect("a file");
         write("cameras.txt", lenses);
         write("images.txt", images);
-        look(&cameras::read(Path::new(folder.path()), 24.0))
+        look(&cameras::read(folder.path(), ReadSettings::with_fps(24.0)))
     })
 }
 

@@ -9,7 +9,7 @@ use codec::decode::{Decoder, StreamFrames};
 use codec::entropy::{Model, table_text};
 use codec::image::{Face, FrameRange, Pattern, ReadLimits, StreamKind};
 use evaluate::camera_file::CameraFile;
-use evaluate::cameras::{self, Content};
+use evaluate::cameras::{self, Content, ReadSettings};
 use footage::dataset::seurat::{SeuratCapture, SeuratView};
 use footage::dataset::{Manifest, Source, SourceOptions};
 use footage::encode::ScanFile;
@@ -110,7 +110,7 @@ pub fn run_cameras(bytes: &[u8]) -> Judged {
 
 /// Parses the cameras of a USD file.
 pub fn run_usda(bytes: &[u8]) -> Judged {
-    judge(&cameras::parse(&Content { path: Path::new("a.usda"), bytes, fps: 24.0 }))
+    judge(&cameras::parse(&Content { path: Path::new("a.usda"), bytes, settings: ReadSettings::with_fps(24.0) }))
 }
 
 /// Parses entropy tables of a model, writes them and parses them again.

@@ -28,7 +28,7 @@ pub const FREE_ITEMS: u64 = 64;
 pub const ITEMS_A_BYTE: u64 = 8;
 
 /// Maximum number of leaves and colours of a substream.
-pub fn most_items(substream: &[u8]) -> u64 {
+pub fn max_items(substream: &[u8]) -> u64 {
     FREE_ITEMS + ITEMS_A_BYTE * substream.len() as u64
 }
 
@@ -44,7 +44,7 @@ struct MostContent {
 impl MostContent {
     /// Each level takes at least one raw bit of the substream, for its sign.
     fn of_substream(bytes: &[u8]) -> MostContent {
-        MostContent { items: most_items(bytes), levels: 8 * bytes.len() as u64 }
+        MostContent { items: max_items(bytes), levels: 8 * bytes.len() as u64 }
     }
 }
 
@@ -161,14 +161,14 @@ impl Region {
             .map_err(|message| Error::invalid_at(SECTION, at as u64, message))
     }
 
-    /// As [`Region::read`], with any coder, and at most `most_items` leaves and colours.
+    /// As [`Region::read`], with any coder, and at most `max_items` leaves and colours.
     pub fn read_by<C: SourceCoder>(
         coder: C,
-        most_items: u64,
+        max_items: u64,
         root: Block,
         setting: Setting<'_>,
     ) -> Result<Region, &'static str> {
-        Region::read_within(coder, MostContent { items: most_items, levels: u64::MAX }, root, setting)
+        Region::read_within(coder, MostContent { items: max_items, levels: u64::MAX }, root, setting)
     }
 
     fn read_within<C: SourceCoder>(
@@ -178,7 +178,7 @@ impl Region {
         Setting { header, delta, domain }: Setting<'_>,
     ) -> Result<Region, &'static str> {
         let pixels = (root.shape.pixels() * root.shape.frames) as u64;
-        let most_levels = most.levels.min(CHANNELS as u64 * pixels) as usize;
+        let max_levels = most.levels.min(CHANNELS as u64 * pixels) as usize;
         let mut reader = RegionReader {
             coder,
             header,
@@ -187,7 +187,7 @@ impl Region {
             means: Means::default(),
             cache: ColorCache::new(&header.colors),
             history: History::default(),
-            levels: SparseLevels::with_capacity(most_levels),
+            levels: SparseLevels::with_capacity(max_levels),
             leaves: Leaves::default(),
             items_left: most.items,
             illegal: None,

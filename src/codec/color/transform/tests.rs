@@ -7,7 +7,7 @@ use crate::color::transform::coder::{Coder, Reader, SourceCoder};
 use crate::color::transform::contexts::{ALPHABETS, NODE};
 use crate::color::transform::payload::Layout;
 use crate::color::transform::region::{
-    PALETTE, PARTS, QUARTERS, Region, Setting, TRANSFORM, held_bytes, most_items, parsed_bytes,
+    PALETTE, PARTS, QUARTERS, Region, Setting, TRANSFORM, held_bytes, max_items, parsed_bytes,
 };
 use crate::color::transform::tables::BUILT_IN;
 use crate::color::transform::{Keyed, Tables, TransformChunk};
@@ -104,7 +104,7 @@ fn work(payload: &[u8], limits: Limits, tables: &Tables) -> (usize, usize) {
         let coder = Counting { coder: Reader { stream, tables: set }, count: &mut count };
         // The result is ignored: `TransformChunk::parse` decides whether the payload is legal.
         let setting = Setting { header: &layout.header, delta, domain: &HalfKey::DOMAIN };
-        let _ = Region::read_by(coder, most_items(bytes), root, setting);
+        let _ = Region::read_by(coder, max_items(bytes), root, setting);
     }
     (count, pixels)
 }

@@ -171,10 +171,10 @@ impl<'a> Search<'a> {
             let ends = ends(group, size);
             self.plan.for_each_line(costs, &mut room, |line, a, b| {
                 let (a, b) = (within(ranges[line][0], &ends, a), within(ranges[line][1], &ends, b));
-                let [least_a, least_b] = &mut least[line];
+                let [min_a, min_b] = &mut least[line];
                 for lane in 0..LANES {
-                    least_a[lane] = lesser(a[lane], least_a[lane]);
-                    least_b[lane] = lesser(b[lane], least_b[lane]);
+                    min_a[lane] = lesser(a[lane], min_a[lane]);
+                    min_b[lane] = lesser(b[lane], min_b[lane]);
                 }
             });
         }
@@ -236,12 +236,12 @@ impl<'a> Search<'a> {
         let mut levels = Levels { least: [[0; LANES]; 8], most: [[0; LANES]; 8], background: [i16::INFINITE; LANES] };
         for lane in 0..LANES {
             let Square { mode, low, high } = group[lane.min(group.len() - 1)];
-            let [most_low, most_high] = [low, high].map(|at| (at + size - 1).min(self.last));
+            let [max_low, max_high] = [low, high].map(|at| (at + size - 1).min(self.last));
             let (least, most) = match mode {
-                Mode::Eight => (Pair::eight([high, low]), Pair::eight([most_high, most_low])),
-                Mode::Six => (Pair::six([low, high]), Pair::six([most_low, most_high])),
+                Mode::Eight => (Pair::eight([high, low]), Pair::eight([max_high, max_low])),
+                Mode::Six => (Pair::six([low, high]), Pair::six([max_low, max_high])),
             };
-            if mode == Mode::Six || most_high == MAX_ENDPOINT {
+            if mode == Mode::Six || max_high == MAX_ENDPOINT {
                 levels.background[lane] = 0;
             }
             // A surface must not use the background code; another code of the palette replaces it.

@@ -57,20 +57,20 @@ fn ranked(tile: &Tile, count: usize) -> Vec<usize> {
         extremes[pixel] = [Greatest(value), Greatest(-value)];
     }
     let left = |[n, sum, square, _]: [f32; 4]| if n > 0.0 { square - sum * sum / n } else { 0.0 };
-    let mut least_variance = Least::new(count / 2);
+    let mut min_variance = Least::new(count / 2);
     let mut counts = Vec::with_capacity(Plan::all().len());
     Plan::all().for_each_line(&moments, &mut Vec::new(), |line, a, b| {
-        least_variance.offer(left(a) + left(b), line);
+        min_variance.offer(left(a) + left(b), line);
         counts.push([a[0], b[0]]);
     });
     let range = |[high, low]: [Greatest; 2]| if high.0 + low.0 > 0.0 { high.0 + low.0 } else { 0.0 };
-    let mut least_range = Least::new(count / 2);
+    let mut min_range = Least::new(count / 2);
     Plan::all().for_each_line(&extremes, &mut Vec::new(), |line, a, b| {
         let [of_a, of_b] = counts[line];
-        least_range.offer(of_a * range(a) * range(a) + of_b * range(b) * range(b), line);
+        min_range.offer(of_a * range(a) * range(a) + of_b * range(b) * range(b), line);
     });
     let mut chosen = vec![0];
-    chosen.extend(least_variance.best.iter().chain(&least_range.best).map(|&(_, line)| line));
+    chosen.extend(min_variance.best.iter().chain(&min_range.best).map(|&(_, line)| line));
     chosen.sort_unstable();
     chosen.dedup();
     chosen

@@ -29,7 +29,7 @@ pub(crate) struct PacketView<'a> {
     /// Projection for [`PacketView::guessed`], if all images of a cube have the same one and it covers the face.
     whole_faces: Option<Map>,
     /// [`PacketView::near_m`], but at least [`MIN_M`].
-    least_guessed_m: Lanes,
+    min_guessed_m: Lanes,
     pub(crate) from_eye: [Lanes; 3],
     reach_m: f32,
     near_m: Lanes,
@@ -161,7 +161,7 @@ impl<'a> PacketView<'a> {
             turn,
             turns_of_faces: Face::CUBE.map(|face| turn_of_face(turn, face)),
             whole_faces: alike.filter(|&map| !is_view && are_small && is_whole(map)),
-            least_guessed_m: Lanes::splat(active.view.near_m.abs().max(MIN_M)),
+            min_guessed_m: Lanes::splat(active.view.near_m.abs().max(MIN_M)),
             from_eye: active.from_eye.to_array().map(Lanes::splat),
             reach_m: active.from_eye.abs().max_element(),
             near_m: Lanes::splat(active.view.near_m),
@@ -219,7 +219,7 @@ impl<'a> PacketView<'a> {
             (x * down[0] + y * down[1] + z * down[2]) * inverse_depth,
         ];
         let widest = plane[0].abs().max(plane[1].abs());
-        let is_there = widest.cmple(Lanes::splat(SURELY_BELOW_ONE)) & planar_m.cmpge(self.least_guessed_m);
+        let is_there = widest.cmple(Lanes::splat(SURELY_BELOW_ONE)) & planar_m.cmpge(self.min_guessed_m);
         if is_there.bitmask() != ALL {
             return None;
         }

@@ -196,7 +196,7 @@ pub struct Shown {
 pub struct PlaybackSummary {
     pub shots: usize,
     /// Maximum number of active views of one request.
-    pub most_views: usize,
+    pub max_views: usize,
     pub counters: Counters,
     pub counts: ShowCounts,
     pub pacing: FramePacing,
@@ -232,11 +232,11 @@ impl<'a> Playback<'a> {
     }
 
     /// Returns the minimum bytes that suffice to show the views of each request.
-    pub fn least_bytes<'r>(&self, requests: impl IntoIterator<Item = &'r FrameRequest>) -> u64 {
+    pub fn min_bytes<'r>(&self, requests: impl IntoIterator<Item = &'r FrameRequest>) -> u64 {
         let mut selector = ViewSelector::new(self.options.selection);
         let of_request = |request: &FrameRequest| {
             let selection = selector.select(&self.player.candidates(request.frame), eye_of(request));
-            self.player.least_bytes(&selection.views())
+            self.player.min_bytes(&selection.views())
         };
         requests.into_iter().map(of_request).max().unwrap_or(0)
     }
@@ -299,7 +299,7 @@ impl<'a> Playback<'a> {
         self.update_ms.push(update_ms);
         self.render_ms.push(render_ms);
         self.summary.shots += 1;
-        self.summary.most_views = self.summary.most_views.max(views.len());
+        self.summary.max_views = self.summary.max_views.max(views.len());
         self.summary.counts = self.summary.counts + counts;
         self.summary.counters = pictures.iter().fold(self.summary.counters, |sum, picture| sum + picture.counters);
         Ok(Shown { pictures, counts, trace })

@@ -93,9 +93,9 @@ impl ViewSelector {
         let fast_enough = self.performance.as_ref().and_then(|performance| performance.most).unwrap_or(usize::MAX);
         let way_to = |view: usize| candidates.iter().find(|other| other.view == view).map(|other| other.position - eye);
         for active in self.by_priority(candidates, eye) {
-            let close = self.settings.cull_angle_deg.zip(way_to(active.view)).and_then(|(least_deg, way)| {
+            let close = self.settings.cull_angle_deg.zip(way_to(active.view)).and_then(|(min_deg, way)| {
                 let mut taken = selection.active.iter().map(|active: &Active| active.view);
-                taken.find(|&view| way_to(view).is_some_and(|other| apart_deg(way, other) < least_deg))
+                taken.find(|&view| way_to(view).is_some_and(|other| apart_deg(way, other) < min_deg))
             });
             let why = match close {
                 Some(view) => Some(Why::Angle(view)),

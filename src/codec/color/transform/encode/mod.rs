@@ -69,9 +69,9 @@ impl<S: Keyed> TransformEncoder<S> {
         let transformed = encode_chunk(&cell, quality, &self.search, &self.tables, self.start);
         let raw_bytes = 3 * S::BYTES * self.format.pixels() * frames.len();
         // Keyframes take at least a quarter of the samples unless frames repeat, which takes a transform few bytes, too.
-        let most_bytes = if matches!(self.search.target, Target::Psnr(_)) { raw_bytes / 4 } else { raw_bytes };
+        let max_bytes = if matches!(self.search.target, Target::Psnr(_)) { raw_bytes / 4 } else { raw_bytes };
         let payload = match transformed {
-            Some(Encoded { payload, start }) if payload.len() <= most_bytes => {
+            Some(Encoded { payload, start }) if payload.len() <= max_bytes => {
                 self.start = Some(start);
                 payload
             }

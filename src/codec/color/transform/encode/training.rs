@@ -5,7 +5,7 @@ use crate::color::transform::coder::{Coder, Reader, SourceCoder};
 use crate::color::transform::domain::Keyed;
 use crate::color::transform::encode::rate::Counts;
 use crate::color::transform::payload::{Layout, check_frames, holds_cells};
-use crate::color::transform::region::{Region, Setting, most_items};
+use crate::color::transform::region::{Region, Setting, max_items};
 use crate::color::transform::tables::{Tables, Transform};
 use crate::entropy::{Decoder, PayloadCounts, Prices};
 use crate::error::{Error, Result};
@@ -30,7 +30,7 @@ pub fn count_payload<S: Keyed>(
         let root = Block::root([width, height], frames as usize);
         let counting = CountingReader { reader, counts: &mut counts };
         let setting = Setting { header: &header, delta, domain: &S::DOMAIN };
-        Region::read_by(counting, most_items(bytes), root, setting).map_err(Error::invalid)?;
+        Region::read_by(counting, max_items(bytes), root, setting).map_err(Error::invalid)?;
     }
     let bits = Prices::new(set).total(&counts);
     Ok(Some(PayloadCounts { counts, bytes: payload.len() as u64, bits }))
