@@ -40,10 +40,14 @@ pub fn decode_lossy(bytes: &[u8]) -> Cow<'_, str> {
 /// [`Error::Invalid`] with the line and column.
 pub fn json<T: DeserializeOwned>(bytes: &[u8], what: &str) -> Result<T> {
     let text = decode(bytes)?;
-    let syntax = |error: serde_json::Error| Error::invalid(format!("this is not JSON: {}", fault(&text, &error)));
-    // Faults of the syntax first: a fault of the content may only follow from one.
-    serde_json::from_str::<IgnoredAny>(&text).map_err(syntax)?;
-    serde_json::from_str(&text).map_err(|error| Error::invalid(format!("this is not {what}: {error}")))
+    serde_json::from_str(&text).map_err(|error| {
+        // A fault of the content may only follow from one of the syntax.
+        let message = match serde_json::from_str::<Value>(&text) {
+            Ok(_) => format!("this is not {what}: {error}"),
+            Err(error) => format!("this is not JSON: {}", fault(&text, &error)),
+        };
+        Error::invalid(message)
+    })
 }
 
 /// As [`json`], with comments and trailing commas as some programs read them.

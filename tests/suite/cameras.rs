@@ -64,7 +64,7 @@ fn a_path_renders_the_same_pictures_from_every_format() {
         ("transforms.json", ""),
         ("model", " --format colmap --size 90x60"),
         ("shot.glb", ""),
-        ("shot.usda", " --fps 30"),
+        ("shot.usda", " --fps 24"),
     ] {
         fine(&format!("cameras path.json -o {name}{options}"), at);
         fine(&format!("render a.lfold --camera {name} --frames 0-2 --size 24 -o shown_{name}/%04d.png"), at);
@@ -138,7 +138,7 @@ fn what_cannot_be_converted_is_refused_in_a_sentence() {
         ("cameras path.json -o path.json", "overwritten"),
         ("cameras words.json -o a.usda", "words.json"),
         ("cameras nothing.json -o a.usda", "nothing.json"),
-        ("cameras . -o a.usda", "images.txt"),
+        ("cameras . -o a.usda", "a COLMAP model was expected"),
     ] {
         let said = refused(line, at);
         assert!(said.contains(words), "{line}: {said}");

@@ -447,7 +447,7 @@ fn manifests_that_contradict_themselves() {
         (r#""depth": "{probe}/{face}.%04d.exr""#, "", "files"),
         (r#""name": "t","#, r#""name": "t", "faces_present": ["px", "up"],"#, "up"),
         (r#""name": "t","#, r#""name": "t", "faces_present": [],"#, "at least one"),
-        ("}]}", "}]", "manifest"),
+        ("}]}", "}]", "this is not JSON"),
     ] {
         let text = good.replacen(from, to, 1);
         assert_ne!(text, good, "{from}");

@@ -2,7 +2,7 @@
 
 use byteorder::{ByteOrder, LittleEndian};
 
-use super::colmap::{Image, Intrinsics, Lenses, MODELS};
+use super::colmap_model::{Image, Intrinsics, Lenses, MODELS};
 use super::document::FileCamera;
 use super::lens::Distortion;
 use codec::error::{Error, Result};

@@ -9,6 +9,7 @@
 
 mod colmap;
 mod colmap_binary;
+mod colmap_model;
 mod document;
 mod formats;
 mod gltf;

@@ -7,6 +7,9 @@ use codec::image::FrameRange;
 use codec::math::{Camera, Lens};
 use render::camera_path::TimedCamera;
 
+/// Lenses of USD are in single precision.
+const OF_FLOATS: f64 = f32::EPSILON as f64;
+
 const SETTINGS: WriteSettings = WriteSettings { size: (720, None), fps: 24.0 };
 
 fn camera(at: f64, fov_y_deg: f64, middle: [f64; 2]) -> Camera {
@@ -65,7 +68,7 @@ fn still_cameras_come_back() {
         (CameraFormat::Lightfold, 1e-12),
         (CameraFormat::Transforms, 1e-12),
         (CameraFormat::Colmap, 1e-12),
-        (CameraFormat::Usd, 1e-12),
+        (CameraFormat::Usd, OF_FLOATS),
         (CameraFormat::Gltf, 1e-6),
     ] {
         check(&cameras, format, tolerance);
@@ -76,9 +79,10 @@ fn still_cameras_come_back() {
 fn off_axis_windows_come_back_or_are_refused() {
     let cameras: Vec<FileCamera> =
         (0..3).map(|at| still(camera(f64::from(at), 35.0, [0.1 * f64::from(at), -0.05]))).collect();
-    for format in [CameraFormat::Lightfold, CameraFormat::Transforms, CameraFormat::Colmap, CameraFormat::Usd] {
+    for format in [CameraFormat::Lightfold, CameraFormat::Transforms, CameraFormat::Colmap] {
         check(&cameras, format, 1e-12);
     }
+    check(&cameras, CameraFormat::Usd, OF_FLOATS);
     let said = write(&cameras, CameraFormat::Gltf, &SETTINGS).unwrap_err().to_string();
     assert!(said.contains("off-axis"), "{said}");
 }
@@ -90,14 +94,14 @@ fn cameras_that_move_come_back_frame_by_frame() {
         (CameraFormat::Lightfold, 1e-12),
         (CameraFormat::Transforms, 1e-12),
         (CameraFormat::Colmap, 1e-12),
-        (CameraFormat::Usd, 1e-12),
+        (CameraFormat::Usd, OF_FLOATS),
         (CameraFormat::Gltf, 2e-6),
     ] {
         check(&moving, format, tolerance);
     }
     let zooming: Vec<FileCamera> =
         (0..4).map(|at| at_frame(camera(1.0, 30.0 + f64::from(at), [0.01 * f64::from(at), 0.0]), at)).collect();
-    check(&zooming, CameraFormat::Usd, 1e-12);
+    check(&zooming, CameraFormat::Usd, OF_FLOATS);
     let zooming: Vec<FileCamera> = (0..4).map(|at| at_frame(camera(1.0, 30.0 + f64::from(at), [0.0; 2]), at)).collect();
     assert!(write(&zooming, CameraFormat::Gltf, &SETTINGS).unwrap_err().to_string().contains("field of view"));
     // A range of frames is one pose per frame, and two cameras in one frame are two moving cameras.

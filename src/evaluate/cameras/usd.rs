@@ -399,6 +399,9 @@ fn number(value: &Value) -> Result<f64> {
 fn numbers(value: &Value) -> Result<Vec<f64>> {
     Ok(match value {
         Value::Int(number) => vec![f64::from(*number)],
+        Value::Uint(number) => vec![f64::from(*number)],
+        Value::Int64(number) => vec![*number as f64],
+        Value::Uint64(number) => vec![*number as f64],
         Value::Half(number) => vec![number.to_f64()],
         Value::Float(number) => vec![f64::from(*number)],
         Value::Double(number) => vec![*number],

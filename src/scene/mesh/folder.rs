@@ -71,8 +71,14 @@ impl Folder {
 
     fn look_up(&mut self, name: &str, budget: &mut Budget) -> Result<Arc<Vec<u8>>> {
         let below = self.path.clone();
-        let asked = inside(name).and_then(|rest| self.open(name, below.join(rest), &below, budget));
+        let asked = inside(name).map(|rest| below.join(rest));
+        // A file or link that is there is not searched elsewhere.
+        let is_there = asked.as_ref().is_ok_and(|path| path.symlink_metadata().is_ok());
+        let asked = asked.and_then(|path| self.open(name, path, &below, budget));
         let Err(error) = asked else { return asked };
+        if is_there {
+            return Err(error);
+        }
         // Remote names have no place on this machine.
         if name.contains("://") {
             return Err(error);

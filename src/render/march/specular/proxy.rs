@@ -61,11 +61,12 @@ impl Proxies {
         Ok(Proxies { proxies: provider.proxies(views, monitor)?, coding: views.coding })
     }
 
-    /// Returns the index of the proxy whose surface contains a point.
+    /// Returns the index of the proxy whose surface is nearest to a point, of those that reach it.
     pub fn at(&self, point: Vec3) -> Option<usize> {
-        self.proxies.iter().position(|Proxy { sphere, reach_m, .. }| {
-            ((point - sphere.centre).length() - sphere.radius_m).abs() <= *reach_m
-        })
+        let distance_m = |sphere: &Sphere| ((point - sphere.centre).length() - sphere.radius_m).abs();
+        let of = |(at, proxy): (usize, &Proxy)| (at, distance_m(&proxy.sphere), proxy.reach_m);
+        let near = self.proxies.iter().enumerate().map(of).filter(|(_, distance_m, reach_m)| distance_m <= reach_m);
+        near.min_by(|(_, a, _), (_, b, _)| a.total_cmp(b)).map(|(at, ..)| at)
     }
 
     pub fn environments(&self) -> Vec<ActiveViews<'_>> {
@@ -78,7 +79,7 @@ impl Proxies {
 pub(crate) fn reach_m(views: &ActiveViews<'_>, sphere: &Sphere) -> f32 {
     let texel_m = |view: &ActiveView<'_>| {
         let scale = view.view.faces.iter().flatten().map(|face| face.map.scale[0].abs().max(face.map.scale[1].abs()));
-        (sphere.centre - view.from_eye).length() / scale.fold(0.0, f32::max)
+        (sphere.centre - view.from_eye).length() * scale.fold(0.0, f32::max)
     };
     let texel_m = views.views.iter().map(texel_m).fold(f32::INFINITY, f32::min);
     NEAR_SURFACE * sphere.radius_m + if texel_m.is_finite() { REACH_TEXELS * texel_m } else { 0.0 }
