@@ -26,6 +26,4 @@ pub use formats::{CameraFormat, parse, read, write};
 pub use probes::of_probes;
 
 #[cfg(test)]
-mod foreign_tests;
-#[cfg(test)]
 mod tests;

@@ -1,5 +1,7 @@
 //! Tests that cameras round-trip through each format.
 
+mod foreign;
+
 use glam::DVec3;
 
 use super::*;

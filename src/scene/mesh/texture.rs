@@ -164,6 +164,18 @@ mod tests {
     }
 
     #[test]
+    fn files_of_all_formats_are_decoded() {
+        let pixels = [[200, 0, 0], [0, 200, 0], [0, 0, 200], [10, 20, 30]];
+        let image = ::image::RgbImage::from_raw(2, 2, pixels.concat()).unwrap();
+        for format in FORMATS.into_iter().filter(|format| *format != ImageFormat::Jpeg) {
+            let mut file = Cursor::new(Vec::new());
+            DynamicImage::from(image.clone()).write_to(&mut file, format).unwrap();
+            let decoded = ImageTexture::decode(file.get_ref(), [Wrap::Clamp; 2], &mut Budget::new(0)).unwrap();
+            assert_eq!(decoded.pixels, pixels.map(|[r, g, b]| [r, g, b, 255]), "{format:?}");
+        }
+    }
+
+    #[test]
     fn pixels_are_met_at_their_centres_and_mixed_as_light_between() {
         let image = texture(Wrap::Clamp);
         assert_eq!(image.sample(DVec2::new(0.25, 0.25)), (DVec3::ZERO, 0.0));

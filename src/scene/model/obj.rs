@@ -197,6 +197,32 @@ fn corner(word: &str, counts: [usize; 3]) -> Option<String> {
 mod tests {
     use super::*;
 
+    fn read_text(text: &str) -> SceneMesh {
+        super::read(text.as_bytes(), Path::new("a.obj"), &mut Vec::new()).unwrap().0
+    }
+
+    #[test]
+    fn colours_behind_positions_are_linear() {
+        let vertices = "v 0 0 0 1 0 0.5\nv 1 0 0 1 0 0.5\nv 0 1 0 1 0 0.5\nf 1 2 3\n";
+        let color = read_text(vertices).mesh.colors[0];
+        assert!((color - Vec4::new(1.0, 0.0, 0.21404114, 1.0)).length() < 1e-6, "{color}");
+        // A weight is no colour, and colours of some vertices count for none.
+        for text in [vertices.replace(" 1 0 0.5", " 1"), vertices.replacen(" 1 0 0.5", "", 1)] {
+            assert!(read_text(&text).mesh.colors.is_empty(), "{text}");
+        }
+    }
+
+    #[test]
+    fn concave_polygons_keep_their_notches() {
+        let mesh = read_text("v 0 0 0\nv 2 -1 0\nv 1 0 0\nv 2 1 0\nf 1 2 3 4\nf 1/ 2/ 4/\n").mesh;
+        let area = |at: usize| {
+            let [a, b, c] = mesh.corners(at);
+            0.5 * (b - a).cross(c - a).length()
+        };
+        assert_eq!(mesh.triangles.len(), 3);
+        assert!((area(0) + area(1) - 1.0).abs() < 1e-6 && (area(2) - 2.0).abs() < 1e-6);
+    }
+
     #[test]
     fn corners_are_counted_from_the_first() {
         let of = |word: &str| corner(word, [9, 5, 2]);

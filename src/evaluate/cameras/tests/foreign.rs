@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::*;
+use crate::cameras::*;
 use codec::error::Result;
 
 /// Files of a folder by their paths in it.
