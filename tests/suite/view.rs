@@ -170,6 +170,12 @@ fn stats_say_what_a_view_saves() {
     for key in ["visible_units", "bytes_read", "pixels", "frustum_tests"] {
         assert_eq!(file[key], seen[key], "{key}");
     }
+    // Without a point to look at, a camera looks along −Z.
+    let [stated, unstated] = ["--eye 0,1,2 --look-at 0,1,1", "--eye 0,1,2"].map(|eye| report(folder.path(), eye));
+    assert_eq!(
+        (&stated["visible_units"], &stated["bytes_read"]),
+        (&unstated["visible_units"], &unstated["bytes_read"])
+    );
     let one = report(folder.path(), &format!("{eye} --fov 60 --frames 2"));
     assert_eq!(number(&one, "pixels") * 4.0, number(&seen, "pixels"));
     let wide = report(folder.path(), &format!("{eye} --fov 60 --aspect 16/9"));
@@ -214,7 +220,7 @@ fn cameras_that_make_no_sense_are_refused() {
     assert!(said("--eye 0,1,2 --look-at 0,1,3 --fov NaN").contains("between 0 and 180"));
     assert!(said("--eye 0,1 --look-at 0,1,3 --fov 60").contains("three finite numbers"));
     assert!(said("--eye 0,1,2 --look-at 0,1,3 --fov 60 --aspect 0").contains("16/9"));
-    assert!(said("--eye 0,1,2").contains("--look-at"));
+    assert!(said("--look-at 0,1,2").contains("--eye"));
     assert!(said("--fov 60").contains("--eye"));
     assert!(said("--camera none.json").contains("none.json"));
     fs::write(folder.path().join("cam.json"), cameras(&[camera([0.0, 1.0, 5.0], r#", "fvo": 3"#)])).unwrap();
