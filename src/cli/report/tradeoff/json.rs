@@ -17,7 +17,7 @@ pub struct Report<'a> {
     #[serde(flatten)]
     pub results: &'a Results,
     pub version: &'static str,
-    /// One object per point, as written by [`point`].
+    /// One object per point, as written by [`point()`].
     pub points: Vec<Value>,
     pub findings: &'a [Finding],
     pub failed: &'a [FailedPoint],
