@@ -1,5 +1,6 @@
 //! Tests that cameras round-trip through each format.
 
+#[path = "foreign/tests.rs"]
 mod foreign;
 
 use glam::DVec3;
