@@ -57,7 +57,7 @@ pub fn json<T: DeserializeOwned>(bytes: &[u8], what: &str) -> Result<T> {
 /// [`Error::Invalid`] with the line and column, without them for a fault of the content of a file with comments.
 pub fn json_with_comments<T: DeserializeOwned>(bytes: &[u8], what: &str) -> Result<T> {
     let text = decode(bytes)?;
-    if serde_json::from_str::<IgnoredAny>(&text).is_ok() || nesting(&text) > MAX_NESTING {
+    if serde_json::from_str::<IgnoredAny>(&text).is_ok() || nesting(text.as_bytes()) > MAX_NESTING {
         return json(bytes, what);
     }
     match jsonc_parser::parse_to_serde_value::<Value>(&text, &jsonc_parser::ParseOptions::default()) {
@@ -71,13 +71,13 @@ pub fn json_with_comments<T: DeserializeOwned>(bytes: &[u8], what: &str) -> Resu
 /// Maximum nesting of JSON with comments, that of JSON without.
 const MAX_NESTING: i32 = 127;
 
-/// Returns an upper bound of the nesting of JSON: brackets in strings and comments count.
-fn nesting(text: &str) -> i32 {
-    let step = |depth: &mut i32, byte: u8| {
-        *depth += i32::from(matches!(byte, b'[' | b'{')) - i32::from(matches!(byte, b']' | b'}'));
+/// Returns the maximum nesting of brackets in a text; those in strings and comments count.
+pub fn nesting(text: &[u8]) -> i32 {
+    let step = |depth: &mut i32, byte: &u8| {
+        *depth += i32::from(matches!(byte, b'(' | b'[' | b'{')) - i32::from(matches!(byte, b')' | b']' | b'}'));
         Some(*depth)
     };
-    text.bytes().scan(0, step).max().unwrap_or(0)
+    text.iter().scan(0, step).max().unwrap_or(0)
 }
 
 /// Describes a fault of the syntax.

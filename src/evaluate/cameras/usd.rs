@@ -21,6 +21,7 @@ use codec::error::{Error, Result};
 use codec::image::FrameRange;
 use codec::math::Camera;
 use footage::guard::guarded;
+use footage::text::nesting;
 use render::camera_path::TimedCamera;
 
 /// Defaults for values that a file does not state.
@@ -32,6 +33,9 @@ const FOCAL_LENGTH: f64 = 50.0;
 const WRITTEN_APERTURE: f64 = 0.36;
 /// Distance from a whole frame at which a time counts as that frame.
 const NEAR_FRAME: f64 = 1e-6;
+
+/// Maximum nesting of prims, and of brackets in text: the crate reads them by recursion.
+const MAX_NESTING: usize = 64;
 
 /// First bytes of each file format, and its ending.
 const FORMATS: [(&[u8], &str); 3] = [(b"#usda", "usda"), (b"PXR-USDC", "usdc"), (b"PK\x03\x04", "usdz")];
@@ -75,6 +79,16 @@ fn read_stage(content: &Content<'_>) -> Result<FileCameras> {
     Ok(found)
 }
 
+fn too_deep() -> Error {
+    Error::unsupported(format!("the USD file is nested more than {MAX_NESTING} deep"))
+}
+
+/// Fails if the text of a layer is nested too deep.
+fn check_nesting(layer: &[u8]) -> Result<()> {
+    let is_text = !layer.starts_with(b"PXR-USDC") && !layer.starts_with(b"PK");
+    if is_text && nesting(layer) > MAX_NESTING as i32 { Err(too_deep()) } else { Ok(()) }
+}
+
 fn damaged(error: impl std::fmt::Display) -> Error {
     Error::invalid(format!("the USD file cannot be read: {error:#}"))
 }
@@ -86,15 +100,18 @@ fn open(content: &Content<'_>) -> Result<Stage> {
         Some(_) => content.bytes.to_vec(),
         None => content.text()?.into_owned().into_bytes(),
     };
+    check_nesting(&bytes)?;
     let ending = ending(&bytes).unwrap_or("usda");
     let folder = std::path::absolute(content.path).ok().and_then(|path| Some(path.parent()?.to_path_buf()));
-    if ending == "usdz" {
-        return Stage::open(&content.path.to_string_lossy()).map_err(damaged);
-    }
-    // The name decides how the crate reads a layer.
-    let root = folder.unwrap_or_default().join(content.path.file_stem().unwrap_or_default()).with_extension(ending);
+    // The name decides how the crate reads a layer; it opens packages by their path.
+    let root = if ending == "usdz" {
+        PathBuf::new()
+    } else {
+        folder.unwrap_or_default().join(content.path.file_stem().unwrap_or_default()).with_extension(ending)
+    };
     let resolver = RootInMemory { root: root.clone(), bytes, files: ar::DefaultResolver::new() };
-    Stage::builder().resolver(resolver).open(&root.to_string_lossy()).map_err(damaged)
+    let opened = if ending == "usdz" { content.path } else { &root };
+    Stage::builder().resolver(resolver).open(&opened.to_string_lossy()).map_err(damaged)
 }
 
 /// Resolves the root layer to bytes in memory and other layers to files.
@@ -119,10 +136,12 @@ impl Resolver for RootInMemory {
 
     fn open_asset(&self, path: &ar::ResolvedPath) -> std::io::Result<Box<dyn ar::Asset>> {
         let path: &Path = path;
-        match path == self.root {
-            true => Ok(Box::new(Cursor::new(self.bytes.clone()))),
-            false => self.files.open_asset(&ar::ResolvedPath::new(path)),
-        }
+        let bytes = match path == self.root {
+            true => self.bytes.clone(),
+            false => self.files.open_asset(&ar::ResolvedPath::new(path))?.read_all()?,
+        };
+        check_nesting(&bytes).map_err(std::io::Error::other)?;
+        Ok(Box::new(Cursor::new(bytes)))
     }
 }
 
@@ -140,6 +159,9 @@ const LENS: [&str; 5] =
 impl Scene {
     /// Adds the camera at a prim and those below it; `chain` holds the prims on the path to it.
     fn find(self, prim: Prim, chain: &mut Vec<Prim>, found: &mut FileCameras) -> Result<()> {
+        if chain.len() >= MAX_NESTING {
+            return Err(too_deep());
+        }
         let stage = prim.stage().clone();
         if !PrimPredicate::DEFAULT_PROXIES.matches(stage.prim_status(prim.path().clone()).map_err(damaged)?) {
             return Ok(());

@@ -254,6 +254,11 @@ fn usd_cameras_that_are_not_clear_are_left_out() {
         (place("double3 xformOp:translate.timeSamples = { -3: (1, 2, 3), 5: (2, 2, 2) }"), "from 0 on"),
         (place("double3 xformOp:translate.timeSamples = { 0: (1, 2, 3), 1e9: (2, 2, 2) }"), "more than 100000 frames"),
         (said_of("PXR-USDC binary"), "the USD file"),
+        (said_of(&format!("#usda 1.0\n{}", "def \"a\" {\n".repeat(100_000))), "nested more than 64 deep"),
+        (
+            said_of(&format!("#usda 1.0\n(\n customLayerData = {}", "{ dictionary a = ".repeat(100_000))),
+            "nested more than 64",
+        ),
         (said_of("#usda 1.0\ndef Xform \"a\" {}"), "no cameras"),
         (said_of("#usda 1.0\ndef Xform \"a\" {"), "the USD file cannot be read"),
     ] {
