@@ -29,12 +29,12 @@ const FORMATS: &Choices<CameraFormat> = &[
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold cameras film.lfold -o transforms.json\n  \
-    lightfold cameras shot.usd --camera-name hero -o path.json\n  \
+    lightfold cameras shot.usda --camera-name hero -o path.json\n  \
     lightfold cameras shot.glb --fps 25 -o transforms.json\n  \
     lightfold cameras path.json --size 1920x1080 -o colmap --format colmap\n\n\
     The format of IN is detected from its content: a container, a dataset, a camera file, a file of probes to capture \
-    as written by place and interpolate --cameras-out, glTF, USD as text, binary or package with its layers, a COLMAP \
-    model as text or binary or a project with one in sparse/0, transforms.json and camera_path.json of nerfstudio, \
+    as written by place and interpolate --cameras-out, glTF, USD as text with its layers, a COLMAP model as text \
+    or binary or a project with one in sparse/0, transforms.json and camera_path.json of nerfstudio, \
     cameras.json of Gaussian splatting, or base_cam.json of instant-ngp. Without --format, the name of OUT \
     selects the format: transforms*.json, other .json files (lightfold), .glb, .usda, or a folder (COLMAP).\n\n\
     A perspective probe becomes one camera, a cube map six cameras of 90 degrees. They show the faces unmirrored; \

@@ -24,7 +24,7 @@ pub struct FileCamera {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FileCameras {
     pub cameras: Vec<FileCamera>,
-    /// What was left out or replaced, and why.
+    /// Sentences about what was left out or replaced, and why.
     pub notes: Vec<String>,
 }
 

@@ -1,6 +1,6 @@
 //! Lenses of photographs, whose poses are used and whose distortion is not: rendered pictures have none.
 
-/// What a file states of its lenses beyond a pinhole.
+/// Lens effects that a file states beyond a pinhole.
 #[derive(Debug, Default)]
 pub struct Distortion {
     coefficients: Vec<String>,

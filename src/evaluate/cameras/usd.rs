@@ -1,4 +1,4 @@
-//! Cameras of USD (openusd.org, UsdGeomCamera and UsdGeomXformable): prims of type `Camera` of text, binary and package files,
+//! Cameras of USD (openusd.org, UsdGeomCamera and UsdGeomXformable): prims of type `Camera` of text files,
 //! through sublayers, references, payloads and variants. They look along −Z with +Y up; apertures and focal length have the same
 //! unit.
 //!
@@ -37,15 +37,11 @@ const NEAR_FRAME: f64 = 1e-6;
 /// Maximum nesting of prims, and of brackets in text: the crate reads them by recursion.
 const MAX_NESTING: usize = 64;
 
-/// First bytes of each file format, and its ending.
-const FORMATS: [(&[u8], &str); 3] = [(b"#usda", "usda"), (b"PXR-USDC", "usdc"), (b"PK\x03\x04", "usdz")];
-
-fn ending(bytes: &[u8]) -> Option<&'static str> {
-    FORMATS.iter().find(|(start, _)| bytes.starts_with(start)).map(|(_, ending)| *ending)
-}
+/// First bytes of text, binary and package files.
+const FORMATS: [&[u8]; 3] = [b"#usda", b"PXR-USDC", b"PK\x03\x04"];
 
 pub fn is_of(bytes: &[u8]) -> bool {
-    ending(bytes).is_some()
+    FORMATS.iter().any(|start| bytes.starts_with(start))
 }
 
 pub fn read(content: &Content<'_>) -> Result<FileCameras> {
@@ -83,10 +79,15 @@ fn too_deep() -> Error {
     Error::unsupported(format!("the USD file is nested more than {MAX_NESTING} deep"))
 }
 
-/// Fails if the text of a layer is nested too deep.
-fn check_nesting(layer: &[u8]) -> Result<()> {
-    let is_text = !layer.starts_with(b"PXR-USDC") && !layer.starts_with(b"PK");
-    if is_text && nesting(layer) > MAX_NESTING as i32 { Err(too_deep()) } else { Ok(()) }
+/// Fails for layers that the crate cannot be trusted with: it allocates what damaged binary files state, and reads nested text by
+/// recursion.
+fn check_layer(layer: &[u8]) -> Result<()> {
+    if FORMATS[1..].iter().any(|start| layer.starts_with(start)) {
+        return Err(Error::unsupported(
+            "a binary USD file or package: write it as text first, with the program usdcat (usdcat IN -o OUT.usda)",
+        ));
+    }
+    if nesting(layer) > MAX_NESTING as i32 { Err(too_deep()) } else { Ok(()) }
 }
 
 fn damaged(error: impl std::fmt::Display) -> Error {
@@ -95,23 +96,15 @@ fn damaged(error: impl std::fmt::Display) -> Error {
 
 /// Opens a file whose bytes are at hand; the layers that it names are opened relative to its path.
 fn open(content: &Content<'_>) -> Result<Stage> {
-    // The crate reads text without a byte order mark.
-    let bytes = match ending(content.bytes) {
-        Some(_) => content.bytes.to_vec(),
-        None => content.text()?.into_owned().into_bytes(),
-    };
-    check_nesting(&bytes)?;
-    let ending = ending(&bytes).unwrap_or("usda");
+    check_layer(content.bytes)?;
+    // The crate reads text without a byte order mark, and knows it by the name.
+    let bytes = content.text()?.into_owned().into_bytes();
+    check_layer(&bytes)?;
     let folder = std::path::absolute(content.path).ok().and_then(|path| Some(path.parent()?.to_path_buf()));
-    // The name decides how the crate reads a layer; it opens packages by their path.
-    let root = if ending == "usdz" {
-        PathBuf::new()
-    } else {
-        folder.unwrap_or_default().join(content.path.file_stem().unwrap_or_default()).with_extension(ending)
-    };
+    let name = content.path.file_stem().unwrap_or_default();
+    let root = folder.unwrap_or_default().join(name).with_extension("usda");
     let resolver = RootInMemory { root: root.clone(), bytes, files: ar::DefaultResolver::new() };
-    let opened = if ending == "usdz" { content.path } else { &root };
-    Stage::builder().resolver(resolver).open(&opened.to_string_lossy()).map_err(damaged)
+    Stage::builder().resolver(resolver).open(&root.to_string_lossy()).map_err(damaged)
 }
 
 /// Resolves the root layer to bytes in memory and other layers to files.
@@ -140,7 +133,7 @@ impl Resolver for RootInMemory {
             true => self.bytes.clone(),
             false => self.files.open_asset(&ar::ResolvedPath::new(path))?.read_all()?,
         };
-        check_nesting(&bytes).map_err(std::io::Error::other)?;
+        check_layer(&bytes).map_err(std::io::Error::other)?;
         Ok(Box::new(Cursor::new(bytes)))
     }
 }

@@ -3,7 +3,8 @@
 
 import { cameraNumbers, Instance } from "../decoder/instance.ts";
 import { type ColorCoding, codingNumber } from "../views/catalogue.ts";
-import { COUNTS, type Counts, type FaceArea, type Order, type PictureRequest } from "./messages.ts";
+import { COUNTS, type Counts } from "../views/counts.ts";
+import type { FaceArea, Order, PictureRequest } from "./messages.ts";
 import type { PlacedView, Rendered } from "./messages.ts";
 
 /** Functions of src/wasm/exports.rs. */

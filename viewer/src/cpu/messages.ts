@@ -3,6 +3,7 @@
 import type { Probe, Rect } from "../format/types.ts";
 import type { Camera } from "../views/camera.ts";
 import type { ColorCoding } from "../views/catalogue.ts";
+import type { Counts } from "../views/counts.ts";
 
 /** The first message. */
 export interface FieldSettings {
@@ -47,19 +48,6 @@ export type Order =
   | { kind: "color" | "material" | "overlay"; area: FaceArea; texels: Uint8Array | Uint16Array }
   /** A picture of views, the nearest to the eye first. */
   | { kind: "render"; request: PictureRequest; views: PlacedView[] };
-
-/** Counts of a picture, by the names of `lightfold render --stats`. */
-export const COUNTS = [
-  "primary_rays",
-  "march_steps",
-  "refine_steps",
-  "secondary_rays",
-  "normal_evals",
-  "material_samples",
-  "hole_rays",
-  "background_rays",
-] as const;
-export type Counts = Record<(typeof COUNTS)[number], number>;
 
 /** The answer to `render`. */
 export interface Rendered {

@@ -29,7 +29,7 @@ export function present(
   const bytes = 4 * width * height;
   for (let at = 0; at * bytes < codes.length; at += 1) {
     const one = new ImageData(codes.slice(at * bytes, (at + 1) * bytes), width, height);
-    // Of an odd width the eyes share a column.
+    // Both eyes share a column of an odd width.
     context.putImageData(one, at * (canvas.width - width), 0);
   }
 }

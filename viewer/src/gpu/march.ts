@@ -2,6 +2,8 @@
 
 import { type ActiveViews, MIN_M } from "../views/active.ts";
 import type { Camera } from "../views/camera.ts";
+import { COUNTS } from "../views/counts.ts";
+import type { Counts } from "../views/counts.ts";
 import { GREATEST_WORD } from "./depth_planes.ts";
 import { DeviceError } from "./device.ts";
 import type { Gpu, Pipeline } from "./device.ts";
@@ -9,21 +11,6 @@ import { memberOffset, rowWords } from "./layout.ts";
 import type { MarchSettings, SceneRows } from "./scene.ts";
 import { sceneRows } from "./scene.ts";
 import type { LightFieldTexels } from "./texels.ts";
-
-/** Counters in the order of shaders/march/counters.wgsl, by the names of `lightfold render --stats`. */
-const COUNTED = [
-  "primary_rays",
-  "march_steps",
-  "refine_steps",
-  "secondary_rays",
-  "normal_evals",
-  "material_samples",
-  "hole_rays",
-  "background_rays",
-] as const;
-
-/** Counts of a picture. */
-export type MarchCounters = Record<(typeof COUNTED)[number], number>;
 
 /** Rows and columns of pixels of a workgroup. */
 const TILE = 8;
@@ -38,7 +25,7 @@ const SHORT_MS = 50;
 
 /** Words of the counts of a picture: some for each workgroup. */
 function countWords([width, height]: readonly [number, number]): number {
-  return Math.ceil(width / TILE) * Math.ceil(height / TILE) * COUNTED.length;
+  return Math.ceil(width / TILE) * Math.ceil(height / TILE) * COUNTS.length;
 }
 
 /** Most secondary rays per camera ray. */
@@ -104,11 +91,11 @@ export class Picture {
   }
 
   /** The counts, once it is rendered. */
-  async readCounters(): Promise<MarchCounters> {
+  async readCounters(): Promise<Counts> {
     const counts = await this.gpu.read(this.#counts, 0, countWords(this.size));
-    const sums = new Array<number>(COUNTED.length).fill(0);
-    counts.forEach((count, at) => (sums[at % COUNTED.length] += count));
-    return Object.fromEntries(COUNTED.map((name, at) => [name, sums[at]])) as MarchCounters;
+    const sums = new Array<number>(COUNTS.length).fill(0);
+    counts.forEach((count, at) => (sums[at % COUNTS.length] += count));
+    return Object.fromEntries(COUNTS.map((name, at) => [name, sums[at]])) as Counts;
   }
 
   destroy(): void {

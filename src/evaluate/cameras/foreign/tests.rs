@@ -253,7 +253,8 @@ fn usd_cameras_that_are_not_clear_are_left_out() {
         (place("double xformOp:translate = 1"), "three numbers"),
         (place("double3 xformOp:translate.timeSamples = { -3: (1, 2, 3), 5: (2, 2, 2) }"), "from 0 on"),
         (place("double3 xformOp:translate.timeSamples = { 0: (1, 2, 3), 1e9: (2, 2, 2) }"), "more than 100000 frames"),
-        (said_of("PXR-USDC binary"), "the USD file"),
+        (said_of("PXR-USDC binary"), "usdcat"),
+        (said_of("PK\x03\x04"), "usdcat"),
         (said_of(&format!("#usda 1.0\n{}", "def \"a\" {\n".repeat(100_000))), "nested more than 64 deep"),
         (
             said_of(&format!("#usda 1.0\n(\n customLayerData = {}", "{ dictionary a = ".repeat(100_000))),
@@ -271,7 +272,7 @@ fn usd_cameras_come_through_layers_and_time_codes() {
     let shot = "#usda 1.0\n(\n subLayers = [@./anim.usda@]\n timeCodesPerSecond = 48\n metersPerUnit = 1\n upAxis = \"Y\"\n)\n\
         def Xform \"rig\" (references = @cams/hero.usda@</hero>) {\n double3 xformOp:translate = (0, 1, 0)\n \
         uniform token[] xformOpOrder = [\"xformOp:translate\"]\n}\n\
-        def \"gone\" (references = @missing.usda@) {}\n";
+        def \"gone\" (references = @missing.usda@) {}\ndef \"binary\" (references = @binary.usdc@) {}\n";
     let hero = "#usda 1.0\ndef Xform \"hero\" {\n def Camera \"eye\" {\n float focalLength = 20\n \
         double3 xformOp:translate = (5, 0, 0)\n uniform token[] xformOpOrder = [\"xformOp:translate\"]\n }\n}\n";
     let motion = "#usda 1.0\n(\n timeCodesPerSecond = 48\n)\nover \"rig\" {\n over \"eye\" {\n double3 xformOp:translate.timeSamples = { 0: (0, 0, 0), 8: (8, 0, 0) }\n }\n}\n";
@@ -279,6 +280,7 @@ fn usd_cameras_come_through_layers_and_time_codes() {
         ("shot.usda", shot.as_bytes()),
         ("anim.usda", motion.as_bytes()),
         ("cams/hero.usda", hero.as_bytes()),
+        ("binary.usdc", b"PXR-USDC"),
     ]);
     let found = files.read("shot.usda").unwrap();
     let eyes: Vec<DVec3> = found.cameras.iter().map(|of| of.timed.camera.eye()).collect();
@@ -286,7 +288,9 @@ fn usd_cameras_come_through_layers_and_time_codes() {
     let expected: Vec<DVec3> = (0..5).map(|frame| DVec3::new(2.0 * f64::from(frame), 1.0, 0.0)).collect();
     assert_eq!(eyes, expected);
     assert!((found.cameras[0].timed.camera.half()[0] - 20.955 / 2.0 / 20.0).abs() < 1e-12);
-    assert!(found.notes.iter().any(|note| note.contains("missing.usda")), "{:?}", found.notes);
+    for words in ["missing.usda", "usdcat"] {
+        assert!(found.notes.iter().any(|note| note.contains(words)), "{words}: {:?}", found.notes);
+    }
     let identity = read(&files.0.path().join("shot.usda"), ReadSettings::default()).unwrap();
     assert_eq!(identity.cameras.len(), 9);
 }

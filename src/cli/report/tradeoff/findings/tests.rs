@@ -33,7 +33,7 @@ fn what_is_so_is_found_and_what_is_not_is_not() {
     let nothing = Results { measured: vec![], ..results.clone() };
     assert!(judge(&nothing, None).iter().all(|finding| finding.verdict == NotMeasured));
 
-    // The same results with bytes and times inverted.
+    // Results with bytes and times inverted.
     let mut turned =
         with_runs(&results, |point| point.runs("decode_runs").iter().map(|seconds| 0.01 / seconds).collect());
     for point in &mut turned.measured {
