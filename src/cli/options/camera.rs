@@ -43,10 +43,8 @@ pub fn read_cameras(path: &Path, settings: ReadSettings, name: Option<&str>) -> 
     for note in &found.notes {
         output::note(format_args!("{}: {note}", path.display()));
     }
-    let frames: Vec<_> = found.cameras.iter().map(|camera| camera.timed.frames).collect();
-    let share_frames = frames.iter().enumerate().any(|(at, of)| of.is_some() && frames[..at].contains(of));
-    if share_frames {
-        let names = found.names().join(", ");
+    if found.share_frames() && found.names().len() > 1 {
+        let names = found.listed();
         output::note(format_args!("{}: its cameras are {names}; --camera-name chooses one", path.display()));
     }
     Ok(found.cameras)

@@ -1,11 +1,13 @@
 //! Types and functions that all camera formats use.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::path::Path;
 
 use glam::{DMat3, DMat4, DVec3};
 
 use codec::error::{Error, Result};
+use codec::image::FrameRange;
 use codec::image::sequence::split_number;
 use footage::text::decode;
 use render::camera_path::{MAX_PATH_FRAMES, TimedCamera};
@@ -39,13 +41,23 @@ impl FileCameras {
 
     /// Returns the names of the cameras in order, each once. Poses of one camera may have names of their own.
     pub fn names(&self) -> Vec<&str> {
-        let mut names: Vec<&str> = Vec::new();
-        for camera in &self.cameras {
-            if !names.contains(&camera.name.as_str()) {
-                names.push(&camera.name);
-            }
-        }
-        names
+        let mut known = HashSet::new();
+        self.cameras.iter().map(|camera| camera.name.as_str()).filter(|name| known.insert(*name)).collect()
+    }
+
+    /// Returns the first names, in words.
+    pub fn listed(&self) -> String {
+        const MAX_LISTED: usize = 8;
+        let names = self.names();
+        let more = if names.len() > MAX_LISTED { ", …" } else { "" };
+        names[..names.len().min(MAX_LISTED)].join(", ") + more
+    }
+
+    /// True if two cameras have frames in common: their pictures are those of several cameras.
+    pub fn share_frames(&self) -> bool {
+        let mut frames: Vec<FrameRange> = self.cameras.iter().filter_map(|camera| camera.timed.frames).collect();
+        frames.sort_unstable_by_key(|frames| frames.first);
+        frames.windows(2).any(|pair| pair[1].first <= pair[0].last)
     }
 
     /// Keeps the camera with this name: that in the file, or the name of its picture without folders and ending.
@@ -56,11 +68,7 @@ impl FileCameras {
     pub fn choose(&mut self, name: &str) -> Result<()> {
         let is_chosen = |camera: &FileCamera| camera.name == name || picture_stem(&camera.name) == name;
         if !self.cameras.iter().any(is_chosen) {
-            const MAX_LISTED: usize = 8;
-            let names = self.names();
-            let more = if names.len() > MAX_LISTED { ", …" } else { "" };
-            let listed = names[..names.len().min(MAX_LISTED)].join(", ");
-            return Err(Error::Usage(format!("there is no camera {name}, only {listed}{more}")));
+            return Err(Error::Usage(format!("there is no camera {name}, only {}", self.listed())));
         }
         self.cameras.retain(is_chosen);
         Ok(())

@@ -121,12 +121,22 @@ struct Plain {
     no_surface: usize,
 }
 
+fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}
+
+/// True if each vertex has a colour behind its position.
+fn has_colors(bytes: &[u8]) -> bool {
+    let is_number = |word: &[u8]| std::str::from_utf8(word).is_ok_and(|word| word.parse::<f32>().is_ok());
+    let has_color = |line: &[u8]| words(line).skip(1).count() == 6 && words(line).skip(1).all(is_number);
+    let mut vertices = bytes.split(|&byte| byte == b'\n').filter(|line| words(line).next() == Some(b"v")).peekable();
+    vertices.peek().is_some() && vertices.all(has_color)
+}
+
 fn plain(bytes: &[u8]) -> Result<Plain> {
     let decoded = decode_lossy(bytes);
     let bytes = decoded.as_bytes();
-    let vertices = || bytes.split(|&byte| byte == b'\n').filter(|line| line.trim_ascii_start().starts_with(b"v "));
-    let has_color = |line: &[u8]| line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).count() == 7;
-    let has_colors = vertices().next().is_some() && vertices().all(has_color);
+    let has_colors = has_colors(bytes);
     let mut text = Vec::with_capacity(bytes.len());
     let mut no_surface = 0;
     // Number of positions, texture coordinates and normals so far.
@@ -206,8 +216,13 @@ mod tests {
         let vertices = "v 0 0 0 1 0 0.5\nv 1 0 0 1 0 0.5\nv 0 1 0 1 0 0.5\nf 1 2 3\n";
         let color = read_text(vertices).mesh.colors[0];
         assert!((color - Vec4::new(1.0, 0.0, 0.21404114, 1.0)).length() < 1e-6, "{color}");
-        // A weight is no colour, and colours of some vertices count for none.
-        for text in [vertices.replace(" 1 0 0.5", " 1"), vertices.replacen(" 1 0 0.5", "", 1)] {
+        // A weight and words are no colour, and colours of some vertices count for none.
+        for text in [
+            vertices.replace(" 1 0 0.5", " 1"),
+            vertices.replace(" 1 0 0.5", " r g b"),
+            vertices.replacen(" 1 0 0.5", "", 1),
+            format!("v\t2 2 2\n{vertices}"),
+        ] {
             assert!(read_text(&text).mesh.colors.is_empty(), "{text}");
         }
     }

@@ -309,6 +309,9 @@ fn one_camera_of_several_is_chosen_by_name() {
     let files = Files::new(&[("file", text.as_bytes())]);
     let mut all = files.read("file").unwrap();
     assert_eq!((all.names(), all.notes.len()), (vec!["hero", "lamp"], 1));
+    assert!(!all.share_frames());
+    let twice = FileCameras { cameras: [&all.cameras[..], &all.cameras[..]].concat(), notes: Vec::new() };
+    assert!(twice.share_frames());
     let mut chosen = all.clone();
     chosen.choose("lamp").unwrap();
     assert_eq!((chosen.names(), chosen.cameras.len()), (vec!["lamp"], 1));
