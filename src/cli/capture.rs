@@ -34,7 +34,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         return refuse(format!("{path}: the camera file would be overwritten: specify another folder"));
     }
     let (cameras, viewers) = args.read_cameras()?;
-    let play = args.animation.as_deref().map_or(Play::First, Play::Named);
+    let play = args.animation.as_deref().map_or(Play::All, Play::Named);
     let (scene, notes) = Scene::open(&args.scene, play)?;
     notes.iter().for_each(|note| global.note(note));
     let plan = args.plan(&scene, cameras, viewers)?;
@@ -88,7 +88,7 @@ impl Work<'_> {
         let mut fields = Fingerprint::of_program(&[codec::SOURCES, footage::SOURCES, scene::SOURCES]);
         fields.extend(self.plan.options());
         fields.push(("the content of the scene", self.scene.contents().to_owned()));
-        fields.push(("`animation`", self.args.animation.clone().unwrap_or_else(|| "the first".to_owned())));
+        fields.push(("`animation`", self.args.animation.clone().unwrap_or_else(|| "all".to_owned())));
         // Sines and square roots are rounded by the system's library.
         fields.push(("the kind of machine", format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
         Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())

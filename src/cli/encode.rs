@@ -114,12 +114,13 @@ impl Encodes for Args {
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let (start, begun) = (Instant::now(), SystemTime::now());
     let stages = Progress::start(global, "opening", 0)?;
-    let (options, settings) = args.settings()?;
+    let (options, mut settings) = args.settings()?;
     let inputs = [manifest::manifest_path(&args.input)].into_iter().chain(args.shards.scan.clone());
     if is_one_of(&args.output.container.path, inputs) {
         return refuse(format!("{}: an input file would be overwritten", args.output.container.path.display()));
     }
     let mut source = args.open(&options)?;
+    settings.keep_colors_of(&source);
     encode::keep_few_planar_depths(&mut source, &settings);
     let part = args.shards.part(&source, &settings)?;
     drop(stages);
@@ -143,8 +144,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
 pub fn run_on(command: &dyn Encodes, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     let stages = Progress::start(global, "opening", 0)?;
-    let (options, settings) = command.settings()?;
+    let (options, mut settings) = command.settings()?;
     let mut source = command.open(&options)?;
+    settings.keep_colors_of(&source);
     encode::keep_few_planar_depths(&mut source, &settings);
     drop(stages);
     let (smaller, target) = (Some(command.smaller()), command.target());

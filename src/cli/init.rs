@@ -10,16 +10,16 @@ use crate::{ExitStatus, GlobalArgs, output, refuse};
 use codec::error::{Error, Result};
 use codec::image::StreamKind;
 use footage::convention::{self, Verdict};
-use footage::dataset::discover::{self, Proposal};
-use footage::dataset::manifest::{MANIFEST_NAME, Manifest};
-use footage::dataset::{DepthKind, Projection, Source, SourceOptions};
+use footage::dataset::discover::{self, Numbers, Proposal};
+use footage::dataset::manifest::{FileDepth, MANIFEST_NAME, Manifest};
+use footage::dataset::{Projection, Source, SourceOptions};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  lightfold init my-renders\n  lightfold encode my-renders -o film.lfold\n\n\
     Detects image sequences by the frame numbers in file names; probes and faces by folder or file names; panoramas \
     (mono or stereo), crosses and strips by image shape; colour, depth and alpha by channels; and the colour space by \
-    chromaticities. Cameras are read from the EXR attributes worldToCamera and worldToNDC, or from a file in DIR: \
-    transforms.json, images.txt of COLMAP, or USD text. The manifest is then checked as by inspect --check. Values \
+    chromaticities. Colour above 1 is kept as half floats by encode (\"keep\": \"hdr\"). Cameras are read from the EXR attributes worldToCamera and worldToNDC, or from a file in DIR: \
+    transforms.json, images.txt or images.bin of COLMAP, or USD text. The manifest is then checked as by inspect --check. Values \
     that images do not define are printed, one per line: correct them in the manifest.")]
 pub struct Args {
     /// Folder of images
@@ -28,6 +28,9 @@ pub struct Args {
     /// Output manifest, - for standard output [default: lightfield.json in DIR]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
+    /// Numbers in file names name views of one moment, not frames
+    #[arg(long)]
+    pub views: bool,
     /// Overwrite an existing manifest
     #[arg(long)]
     pub force: bool,
@@ -46,7 +49,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if !args.folder.is_dir() {
         return refuse(format!("{}: a folder of images was expected", args.folder.display()));
     }
-    let mut proposal = discover::propose(&args.folder)?;
+    let mut proposal = discover::propose(&args.folder, if args.views { Numbers::Views } else { Numbers::Frames })?;
     // Cameras stated in the images take precedence over camera files in the folder.
     if !proposal.unsure_of_cameras.is_empty() {
         cameras::place(&args.folder, &mut proposal);
@@ -101,12 +104,13 @@ fn checked(manifest: &Manifest, file: &Path, global: &GlobalArgs) -> Result<(Man
     if let Some(depth) = manifest.depth.as_ref().filter(|_| !is_settled && manifest.projection != Projection::Equirect)
     {
         doubts.push(match depth.kind {
-            DepthKind::Planar => {
+            FileDepth::Planar => {
                 "depth was assumed to be Z along the camera axis; if it is distance along rays, set \"kind\": \
                 \"distance\""
                     .into()
             }
-            DepthKind::Distance => "depth was assumed to be distance along rays; if it is Z, set \"kind\": \
+            FileDepth::Disparity => "depth was assumed to be disparity".into(),
+            FileDepth::Distance => "depth was assumed to be distance along rays; if it is Z, set \"kind\": \
                 \"planar\""
                 .into(),
         });

@@ -48,7 +48,7 @@ pub struct Args {
     /// Only views with these numbers, such as 0-47
     #[arg(long, value_name = "A-B")]
     pub views: Option<FrameRange>,
-    /// Aspect ratio of a displayed view for the file name, such as 16/9 [default: width / height in pixels]
+    /// Aspect ratio of a displayed view for the file name, such as 16/9 [default: that of the device, else width / height in pixels]
     #[arg(long, value_name = "W/H", value_parser = parse_aspect)]
     pub aspect: Option<f64>,
     /// Report as JSON
@@ -83,7 +83,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         None => QuiltLayout::choose(views.count(), view_size)?,
     };
     let notes = layout.notes(views.count(), view_size)?;
-    let aspect = args.aspect.unwrap_or(f64::from(view_size[0]) / f64::from(view_size[1]));
+    let aspect = args.aspect.unwrap_or_else(|| layout.aspect(view_size));
     let path = match args.output == Path::new("-") {
         true => args.output.clone(),
         false => quilt_path(&args.output, layout, aspect)?,

@@ -95,8 +95,9 @@ fn scan(args: &Args, global: &GlobalArgs) -> Result<u64> {
     let [input] = args.inputs.as_slice() else {
         return refuse("one dataset was expected: use --merge to join scans of shards");
     };
-    let (options, settings) = args.coding.settings(&args.store)?;
+    let (options, mut settings) = args.coding.settings(&args.store)?;
     let mut source = args.coding.dataset.open(input, &options)?;
+    settings.keep_colors_of(&source);
     encode::keep_few_planar_depths(&mut source, &settings);
     let mut scan = ScanFile::new(&source);
     if is_one_of(&args.output, source.files().chain([manifest::manifest_path(input)])) {

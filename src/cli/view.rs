@@ -16,6 +16,7 @@ use codec::decode::{Decoder, StreamInfo};
 use codec::error::{Error, Result};
 use codec::memory::Budget;
 use footage::inspect::{self, Check, FrameRows, InspectSettings};
+use simplify::read_glb::check_glb;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold view film.lfold --open\n  lightfold view room.glb --port 8000\n  \
@@ -79,8 +80,15 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.input == Path::new("-") {
         return refuse("view cannot read standard input, because the page reads parts of the file: specify a file");
     }
-    let Some(folder) = &args.export else { return serve(Film::open(&args.input)?, args, global) };
-    let film = match Film::open(&args.input) {
+    let open = || {
+        let film = Film::open(&args.input)?;
+        if film.is_glb() {
+            check_glb(&args.input)?;
+        }
+        Ok(film)
+    };
+    let Some(folder) = &args.export else { return serve(open()?, args, global) };
+    let film = match open() {
         Err(damage @ Error::Invalid { .. }) => return Ok(damaged(&damage, args)),
         opened => opened?,
     };

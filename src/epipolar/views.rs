@@ -128,6 +128,11 @@ impl OutputViews {
         self.focal_pixels() * (self.focus_m.recip() - depth_m.recip())
     }
 
+    /// Returns width / height of a view as displayed.
+    pub fn aspect(&self) -> f64 {
+        self.camera.aspect()
+    }
+
     /// Returns the camera `offset_m` metres to the right of the middle.
     pub fn camera(&self, offset_m: f64) -> Result<Camera> {
         let [middle, down] = self.window_middle();

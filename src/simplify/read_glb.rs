@@ -30,16 +30,29 @@ pub fn read_glb(path: &Path) -> Result<QuadScene> {
     read(&bytes, Folder::of(path)).map_err(|error| error.in_file(path))
 }
 
+/// Checks that a binary glTF file was written by simplification, without reading its geometry.
+pub fn check_glb(path: &Path) -> Result<()> {
+    let bytes = folder::read(path)?;
+    let parsed = document::parse(&bytes).and_then(|parsed| own_extras(&parsed).map(drop));
+    parsed.map_err(|error| error.in_file(path))
+}
+
+/// Returns what simplification wrote into the extras of a document.
+fn own_extras(Parsed { document, .. }: &Parsed) -> Result<Value> {
+    let stored = document.as_json().extras.as_ref();
+    let extras: Option<Value> = stored.and_then(|extras| serde_json::from_str(extras.get()).ok());
+    let own = extras.as_ref().and_then(|extras| extras.get("lightfold")).filter(|own| own.is_object());
+    own.cloned().ok_or_else(|| foreign("its extras were not written by lightfold"))
+}
+
 fn read(bytes: &[u8], folder: Folder) -> Result<QuadScene> {
     if !document::is_glb(bytes) {
         return Err(foreign("it is not a binary glTF file (.glb)"));
     }
-    let Parsed { document, blob } = document::parse(bytes)?;
+    let parsed = document::parse(bytes)?;
+    let own = own_extras(&parsed)?;
+    let Parsed { document, blob, .. } = parsed;
     let root = document.as_json();
-    let extras: Option<Value> = root.extras.as_ref().and_then(|extras| serde_json::from_str(extras.get()).ok());
-    let Some(own) = extras.as_ref().and_then(|extras| extras.get("lightfold")).filter(|own| own.is_object()) else {
-        return Err(foreign("its extras were not written by lightfold"));
-    };
     let frame = own.get("frame").map_or(Some(0), |frame| frame.as_u64().and_then(|frame| u32::try_from(frame).ok()));
     let frame = frame.ok_or_else(|| Error::invalid("extras.lightfold.frame: the number of a frame was expected"))?;
     let runs = own.get(RUNS).map_or(Some(Vec::new()), |runs| serde_json::from_value::<Vec<u32>>(runs.clone()).ok());

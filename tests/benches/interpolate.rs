@@ -49,7 +49,7 @@ fn main() -> Result<()> {
     }
     println!("{:<18}  {:>5}  {:>9}  {:>9}  {:>8}  {:>8}", "", "views", "seconds", "ray cast", "x faster", "PSNR dB");
     for name in scenes {
-        let scene = Scene::open(&name, Play::First)?.0.at(0.0);
+        let scene = Scene::open(&name, Play::All)?.0.at(0.0);
         measure(&name, &scene, gpu.as_ref())?;
         if let Some(gpu) = &gpu {
             stages(&scene, gpu)?;

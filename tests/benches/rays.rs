@@ -37,7 +37,7 @@ fn main() {
     let scene = SceneAtTime::with_meshes(vec![], vec![tree.into()], Light::default());
     measure("landscape", &scene, seconds);
     let folder = std::env::var_os("LIGHTFOLD_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
-    match Scene::open(&folder.join("meshes/sponza.glb").to_string_lossy(), Play::First) {
+    match Scene::open(&folder.join("meshes/sponza.glb").to_string_lossy(), Play::All) {
         Ok((scene, _)) => {
             let moment = scene.at(0.0);
             let start = Instant::now();

@@ -57,7 +57,7 @@ impl Setup {
     }
 
     fn sources(&self, views: &OutputViews) -> Result<Vec<SourceView>, Error> {
-        let scene = Scene::open(self.scene, Play::First)?.0.at(0.0);
+        let scene = Scene::open(self.scene, Play::All)?.0.at(0.0);
         let settings =
             AcquireSettings { acquisition: self.acquisition, ..AcquireSettings::new(SamplePattern::new(1)?) };
         Ok(acquire(&scene, views, &settings, (&Cpu, &Silent))?.0)
@@ -198,7 +198,7 @@ pub fn erosion() -> Result<(), Failed> {
             hierarchy,
             ..AcquireSettings::new(SamplePattern::new(1).map_err(said)?)
         };
-        let scene = Scene::open(seen.scene, Play::First).map_err(said)?.0.at(0.0);
+        let scene = Scene::open(seen.scene, Play::All).map_err(said)?.0.at(0.0);
         let views = Setup { spread: Spread::Baseline(1.5), ..seen }.views().map_err(said)?;
         let places = |backend: &dyn Backend| -> Result<Vec<f64>, Failed> {
             let (sources, _) = acquire(&scene, &views, &settings, (backend, &Silent)).map_err(said)?;

@@ -73,7 +73,7 @@ fn captures_are_datasets_of_which_nothing_is_suspect() {
     for (name, kind) in [("distance", DepthKind::Planar), ("planar", DepthKind::Distance)] {
         let folder = place.path().join(name);
         let mut manifest = Manifest::read(&folder).unwrap();
-        manifest.depth.as_mut().unwrap().kind = kind;
+        manifest.depth.as_mut().unwrap().kind = kind.into();
         fs::write(folder.join("lightfield.json"), manifest.to_json().unwrap()).unwrap();
         let report = checked(&folder);
         assert!(report.findings.iter().any(|finding| finding.verdict == Verdict::Suspect), "{name}: {report:#?}");
@@ -82,7 +82,7 @@ fn captures_are_datasets_of_which_nothing_is_suspect() {
     for (name, kind) in [("distance", DepthKind::Distance), ("planar", DepthKind::Planar)] {
         let folder = place.path().join(name);
         let mut manifest = Manifest::read(&folder).unwrap();
-        manifest.depth.as_mut().unwrap().kind = kind;
+        manifest.depth.as_mut().unwrap().kind = kind.into();
         fs::write(folder.join("lightfield.json"), manifest.to_json().unwrap()).unwrap();
     }
     fine("diff distance planar --stream depth --max-error 1", place.path());

@@ -6,8 +6,8 @@ use codec::image::{DepthPlane, Face, ImageProjection, Plane};
 use codec::monitor::Silent;
 use footage::convention::{Choice, Finding, MAX_PROBES, Report, Verdict, check};
 use footage::dataset::cameras::{CameraSet, PlacedCamera};
-use footage::dataset::manifest::Background;
-use footage::dataset::{DepthKind, Manifest, Source, SourceOptions};
+use footage::dataset::manifest::{Background, FileDepth};
+use footage::dataset::{Manifest, Source, SourceOptions};
 use footage::image_files::exr;
 use scene::{DemoKind, DemoScene, FootagePlan, Scene};
 use tempfile::TempDir;
@@ -122,7 +122,7 @@ fn data_labelled_right_is_fine() {
     assert_eq!((report.probes, report.all_probes, report.images), (4, 4, 48));
     // Planar depth that is labelled as planar.
     set.rewrite(0..4, planar);
-    let report = set.check_as(|manifest| depth(manifest).kind = DepthKind::Planar);
+    let report = set.check_as(|manifest| depth(manifest).kind = FileDepth::Planar);
     assert_clean(&report);
     for name in ["depth.kind.flatness", "depth.kind"] {
         assert_eq!(finding(&report, name).verdict, Verdict::Fine, "{report:#?}");
@@ -140,14 +140,14 @@ fn depth(manifest: &mut Manifest) -> &mut footage::dataset::manifest::DepthInfo 
 #[test]
 fn planar_depth_and_distance_are_told_apart() {
     let set = Set::new();
-    let report = set.check_as(|manifest| depth(manifest).kind = DepthKind::Planar);
+    let report = set.check_as(|manifest| depth(manifest).kind = FileDepth::Planar);
     assert_suspects(&report, "depth.kind", "depth as distance");
     assert_suspects(&report, "depth.kind.flatness", "looks like distance");
     // Seams do not distinguish planar depth from distance.
     assert_eq!(finding(&report, "seams.depth").verdict, Verdict::Fine);
     // A single probe.
     let report = set.check_as(|manifest| {
-        depth(manifest).kind = DepthKind::Planar;
+        depth(manifest).kind = FileDepth::Planar;
         manifest.probes.truncate(1);
     });
     assert_suspects(&report, "depth.kind.flatness", "looks like distance");
@@ -172,7 +172,7 @@ fn scales_are_found() {
     let report = set.check_as(|manifest| {
         depth(manifest).unit = None;
         depth(manifest).scale = Some(100.0);
-        depth(manifest).kind = DepthKind::Planar;
+        depth(manifest).kind = FileDepth::Planar;
     });
     assert_suspects(&report, "depth.kind.flatness", "distance");
     assert!(suspected(&report).len() >= 2, "{report:#?}");
@@ -410,7 +410,7 @@ fn threads_do_not_matter() {
     let set = Set::new();
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| set.check_as(|manifest| depth(manifest).kind = DepthKind::Planar))
+        pool.install(|| set.check_as(|manifest| depth(manifest).kind = FileDepth::Planar))
     };
     assert_eq!(with(1), with(3));
 }

@@ -5,8 +5,8 @@ use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
 use footage::convention::{Report, Verdict};
-use footage::dataset::manifest::{Background, Probe};
-use footage::dataset::{DepthKind, Manifest};
+use footage::dataset::Manifest;
+use footage::dataset::manifest::{Background, FileDepth, Probe};
 use glam::{DMat3, DQuat, DVec3};
 use tempfile::TempDir;
 
@@ -85,7 +85,7 @@ fn measured_footage_raises_no_doubt() {
 fn measured_footage_with_a_wrong_manifest_is_suspected() {
     for set in ["sponza", "sponza9", "glass", "object"] {
         let wrong = |change: &dyn Fn(&mut Manifest)| mislabelled(set, change);
-        let report = wrong(&|manifest| depth(manifest).kind = DepthKind::Planar);
+        let report = wrong(&|manifest| depth(manifest).kind = FileDepth::Planar);
         assert_suspects(&report, set, &["depth.kind"]);
         for scale in [0.001, 0.1, 0.3048, 1.1, 10.0] {
             let report = wrong(&|manifest| scaled(manifest, scale));
@@ -109,7 +109,7 @@ fn measured_footage_with_a_wrong_manifest_is_suspected() {
         let report = wrong(&|manifest| (depth(manifest).near, depth(manifest).far) = (Some(1000.0), Some(30_000.0)));
         assert_suspects(&report, set, &["depth.near_far"]);
     }
-    let report = mislabelled("sponza1k", |manifest| depth(manifest).kind = DepthKind::Planar);
+    let report = mislabelled("sponza1k", |manifest| depth(manifest).kind = FileDepth::Planar);
     assert_suspects(&report, "sponza1k", &["depth.kind.flatness"]);
     let report = mislabelled("equirect", |manifest| depth(manifest).far = Some(5.0));
     assert_suspects(&report, "equirect", &["depth.near_far"]);
@@ -183,7 +183,7 @@ fn a_depth_camera_is_checked() {
     assert_suspects(&turned(|_| DQuat::IDENTITY), "not turned", &["orientations", "probes"]);
     assert_suspects(&turned(|turn| turn.conjugate()), "inverse", &["orientations"]);
     assert_suspects(&turned(|turn| turn * DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0)), "+Z", &["orientations"]);
-    let report = kinect(|manifest| depth(manifest).kind = DepthKind::Distance);
+    let report = kinect(|manifest| depth(manifest).kind = FileDepth::Distance);
     assert_suspects(&report, "distance", &["depth.kind", "depth.kind.flatness"]);
     let report = kinect(|manifest| scaled(manifest, 1000.0));
     assert_suspects(&report, "millimetres for metres", &["depth.scale", "depth.near_far"]);

@@ -8,8 +8,8 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
     WritableImage,
 };
-use footage::dataset::manifest::{Background, FaceFiles, Unit};
-use footage::dataset::{DepthKind, Manifest, Projection};
+use footage::dataset::manifest::{Background, FaceFiles, FileDepth, Unit};
+use footage::dataset::{Manifest, Projection};
 use footage::image_files::{ColorSpace, exr as ours, png};
 use half::f16;
 use scene::{DemoKind, FootagePlan};
@@ -84,7 +84,7 @@ fn the_checks_tell_planar_depth_of_a_cube() {
         ours::write_depth(&path, &planar).unwrap();
     }
     let said = init(folder.path());
-    assert_eq!(manifest(&set).depth.unwrap().kind, DepthKind::Planar, "{said}");
+    assert_eq!(manifest(&set).depth.unwrap().kind, FileDepth::Planar, "{said}");
     encodes(folder.path());
 }
 
@@ -133,7 +133,7 @@ fn a_houdini_camera_that_moves_by_its_attributes() {
         (Some("shot.%04d.exr"), Some("shot.%04d.exr"))
     );
     let depth = found.depth.unwrap();
-    assert_eq!((depth.kind, depth.scale, depth.background), (DepthKind::Planar, Some(-1.0), Background::Value(0.0)));
+    assert_eq!((depth.kind, depth.scale, depth.background), (FileDepth::Planar, Some(-1.0), Background::Value(0.0)));
     let places: Vec<_> = found.probes[0].poses.iter().map(|pose| (pose.frame, pose.position)).collect();
     assert_eq!(places, [(1, [1.0, 1.5, 0.0]), (2, [2.0, 1.5, 0.0]), (3, [3.0, 1.5, 0.0])]);
     assert_says(&said, &["negative depth", "background", "fov_y_deg"]);
@@ -186,7 +186,7 @@ fn panoramas_crosses_and_sensors_by_their_shape() {
     assert_eq!(found.files.depth.as_deref(), Some("frame-%06d.depth.png"));
     assert_eq!(found.files.color.as_deref(), Some("frame-%06d.color.png"));
     let depth = found.depth.unwrap();
-    assert_eq!((depth.unit, depth.background, depth.kind), (Some(Unit::Mm), Background::Value(0.0), DepthKind::Planar));
+    assert_eq!((depth.unit, depth.background, depth.kind), (Some(Unit::Mm), Background::Value(0.0), FileDepth::Planar));
     assert_says(&said, &["millimetres", "sRGB", "depth 0.0 was assumed"]);
     encodes(folder.path());
 }

@@ -98,7 +98,7 @@ fn dataset(kinds: &[StreamKind]) -> TempDir {
         face_names: None,
         stereo: None,
         depth: None,
-        color: Some(ColorInfo { space: Some(ColorSpace::LinearRec709), layer: None }),
+        color: Some(ColorInfo { space: Some(ColorSpace::LinearRec709), ..Default::default() }),
         material: files.material.is_some().then(|| MaterialInfo { channels: MaterialChannels::default() }),
         alpha: None,
         missing: None,

@@ -32,7 +32,7 @@ use crate::commands::{fine, refused};
 const VIEWS: u32 = 7;
 
 fn scene(name: &str) -> SceneAtTime {
-    Scene::open(name, Play::First).unwrap().0.at(0.0)
+    Scene::open(name, Play::All).unwrap().0.at(0.0)
 }
 
 fn views(count: u32, spread: Spread, focus_m: f64) -> OutputViews {

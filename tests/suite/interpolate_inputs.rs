@@ -263,7 +263,7 @@ fn courtyard() -> (SceneAtTime, OutputViews) {
         Camera::look_at([-1.5, 1.4, -1.5].into(), [-1.3, 1.2, 4.0].into(), [0.0, 1.0, 0.0].into(), Lens::new(60.0));
     let camera = camera.unwrap().with_aspect(1.4);
     let views = OutputViews::new(camera, [112, 80], 9, Spread::Baseline(1.5), f64::INFINITY).unwrap();
-    (Scene::open("courtyard", Play::First).unwrap().0.at(0.0), views)
+    (Scene::open("courtyard", Play::All).unwrap().0.at(0.0), views)
 }
 
 #[test]

@@ -44,7 +44,7 @@ const WAYS: [Way; 4] = [
 ];
 
 fn row(kind: DemoKind, (name, acquisition, layers, holes): Way) -> Row {
-    let scene = Scene::open(kind.name(), Play::First).unwrap().0.at(0.0);
+    let scene = Scene::open(kind.name(), Play::All).unwrap().0.at(0.0);
     // The camera of the other scenes would see nothing of the courtyard; its camera looks at the fence.
     let [eye, target] = match kind {
         DemoKind::Courtyard => [[-1.5, 1.4, -1.5], [-1.3, 1.2, 4.0]],

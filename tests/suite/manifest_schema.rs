@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use codec::image::{Eye, StereoLayout};
 use footage::dataset::manifest::{
-    AlphaInfo, Background, ColorInfo, DepthInfo, FaceFiles, Files, MaterialChannels, MaterialInfo, Pose, Probe, Unit,
+    AlphaInfo, Background, ColorInfo, DepthInfo, FaceFiles, FileDepth, Files, Keep, MaterialChannels, MaterialInfo,
+    Pose, Probe, Unit,
 };
-use footage::dataset::{DepthKind, Manifest, Missing, Projection};
+use footage::dataset::{Manifest, Missing, Projection};
 use footage::image_files::ColorSpace;
 use jsonschema::Validator;
 use serde_json::{Value, json};
@@ -230,7 +231,7 @@ fn whole() -> Manifest {
         face_names: Some(BTreeMap::from([("px".into(), "right".into())])),
         stereo: Some(StereoLayout::OverUnder),
         depth: Some(DepthInfo {
-            kind: DepthKind::Planar,
+            kind: FileDepth::Planar,
             channel: text("Z"),
             unit: Some(Unit::Cm),
             scale: Some(1.0),
@@ -238,7 +239,7 @@ fn whole() -> Manifest {
             near: Some(1.0),
             far: Some(2.0),
         }),
-        color: Some(ColorInfo { space: Some(ColorSpace::Srgb), layer: text("rgba") }),
+        color: Some(ColorInfo { space: Some(ColorSpace::Srgb), layer: text("rgba"), keep: Some(Keep::Hdr) }),
         material: Some(MaterialInfo { channels: MaterialChannels::default() }),
         alpha: Some(AlphaInfo { channel: text("A") }),
         missing: Some(Missing::Hold),

@@ -9,7 +9,7 @@ fn open(name: &str, bytes: &[u8]) -> Result<(), String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
-    Model::open(&path, Play::First).map(|_| ()).map_err(|error| error.to_string())
+    Model::open(&path, Play::All).map(|_| ()).map_err(|error| error.to_string())
 }
 
 /// Opens the rich document after a change of its JSON.

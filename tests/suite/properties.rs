@@ -10,11 +10,13 @@ use codec::depth::domain::DomainKind;
 use codec::depth::node_encoder::NodeSettings;
 use codec::depth::quantise::Quantiser;
 use codec::depth::{DepthRange, TemporalSettings};
-use codec::image::{DepthKind, FrameRange, Pattern, Projection};
+use codec::image::{FrameRange, Pattern, Projection};
 use codec::streams::ColorBlocks;
 use evaluate::camera_file::{CameraEntry, CameraFile};
 use footage::dataset::Manifest;
-use footage::dataset::manifest::{Background, DepthInfo, Files, MaterialChannels, MaterialInfo, Probe, Unit};
+use footage::dataset::manifest::{
+    Background, DepthInfo, FileDepth, Files, MaterialChannels, MaterialInfo, Probe, Unit,
+};
 use half::f16;
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -137,7 +139,7 @@ fn manifest() -> impl Strategy<Value = Manifest> {
     let depth =
         (any::<bool>(), proptest::option::of(0usize..3), proptest::option::of(-1e30..1e30), 0.01..1.0, 1.0..1e4);
     let depth = depth.prop_map(|(planar, unit, background, near, far)| DepthInfo {
-        kind: if planar { DepthKind::Planar } else { DepthKind::Distance },
+        kind: if planar { FileDepth::Planar } else { FileDepth::Distance },
         channel: None,
         unit: unit.map(|unit| [Unit::M, Unit::Cm, Unit::Mm][unit]),
         scale: None,

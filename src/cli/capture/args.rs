@@ -59,7 +59,7 @@ pub struct Args {
     /// Capture a perspective image from each --position towards this point in metres, with +Y up; see --fov
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "position")]
     pub look_at: Option<DVec3>,
-    /// Name of the animation to play [default: the first]
+    /// Name of the animation to play, or all that do not move the same nodes [default: all]
     #[arg(long, value_name = "NAME")]
     pub animation: Option<String>,
     #[command(flatten)]

@@ -25,7 +25,11 @@ pub fn place(folder: &Path, proposal: &mut Proposal) {
         Ok((Some(probes), notes)) => {
             proposal.manifest.probes = probes;
             let read = format!("cameras were read from {name}; the lens is that of the first frame");
-            proposal.unsure_of_cameras = [read].into_iter().chain(notes).collect();
+            let moves = proposal.manifest.probes.iter().any(|probe| !probe.poses.is_empty());
+            let still =
+                "the images were taken for frames of a moving camera; if they are views of one moment, use --views";
+            let still = moves.then(|| still.to_owned());
+            proposal.unsure_of_cameras = [read].into_iter().chain(still).chain(notes).collect();
         }
         Ok((None, _)) => proposal.unsure_of_cameras.push(format!(
             "{name} was ignored: its cameras neither have the names of the probes, nor are they one for each frame of \

@@ -21,7 +21,7 @@ struct Document<'a> {
 
 pub fn run(args: &Args, name: &str, global: &GlobalArgs) -> Result<ExitStatus> {
     args.refuse_all_but_json(&format!("{name}: a scene"))?;
-    let (scene, notes) = Scene::open(name, Play::First)?;
+    let (scene, notes) = Scene::open(name, Play::All)?;
     let document = Document { scene: name, summary: scene.summary(), notes };
     if !args.json {
         document.notes.iter().for_each(|note| global.note(note));

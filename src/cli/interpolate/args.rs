@@ -8,7 +8,8 @@ use glam::DVec3;
 use crate::capture::parse_size;
 use crate::device::{DEVICES, GpuIndex};
 use crate::options::{
-    Choices, FrameArgs, MemoryArgs, one_of, parse_face, parse_not_negative, parse_point, parse_positive, word_of,
+    Choices, FrameArgs, MemoryArgs, one_of, parse_aspect, parse_face, parse_not_negative, parse_point, parse_positive,
+    word_of,
 };
 use crate::refuse;
 use codec::error::Result;
@@ -115,6 +116,10 @@ pub struct Args {
     /// 512]
     #[arg(long, value_name = "N|WxH", value_parser = parse_size, conflicts_with = "probe")]
     pub size: Option<(u32, Option<u32>)>,
+    /// Aspect ratio of a view as displayed, such as 16/9; its pixels are stretched where --size has another one [default:
+    /// that of the quilt's device, else width / height of --size]
+    #[arg(long, value_name = "W/H", value_parser = parse_aspect, conflicts_with = "probe")]
+    pub aspect: Option<f64>,
     /// Columns and rows of a quilt such as 8x6, or a device: portrait, go, 16, 16-portrait, 16-gen2, 32, 32-portrait,
     /// 32-gen2, 65 [default: the device that matches the views, else a nearly square picture]
     #[arg(long, value_name = "DEVICE|CxR")]
@@ -313,6 +318,7 @@ impl Args {
             ("`baseline_y`", words(self.baseline_y)),
             ("`focus`", words(self.focus)),
             ("`size`", words(self.size.map(pixels))),
+            ("`aspect`", words(self.aspect)),
             ("`quilt`", words(self.quilt)),
             ("`samples`", self.samples.to_string()),
             ("`frames`", words(self.frames.frames)),
@@ -405,7 +411,9 @@ impl Args {
                 size[0], size[1]
             ));
         }
-        let camera = camera.with_aspect(f64::from(size[0]) / f64::from(size[1]));
+        let of_pixels = f64::from(size[0]) / f64::from(size[1]);
+        let of_device = || self.quilt.map_or(of_pixels, |layout| layout.aspect(size));
+        let camera = camera.with_aspect(self.aspect.unwrap_or_else(of_device));
         OutputViews::new(camera, size, self.views, spread, self.focus.unwrap_or(f64::INFINITY))
     }
 

@@ -68,7 +68,7 @@ impl Input {
             |bytes: u64| Need { what: "reading the scene", fixed: bytes, each: 0, instead: "a smaller scene" };
         // The whole file is read.
         budget.at_once(&reading(path.metadata().map_or(0, |of| of.len())), 1)?;
-        let (scene, of_scene) = Scene::open(&args.input, Play::First)?;
+        let (scene, of_scene) = Scene::open(&args.input, Play::All)?;
         notes.extend(of_scene);
         let scene = scene.subdivided(args.subdivide)?;
         budget.at_once(&reading(machine::peak_memory_bytes().unwrap_or(0)), 1)?;

@@ -91,7 +91,7 @@ impl Outputs {
             None => QuiltLayout::choose(all, views.size)?,
         };
         notes.extend(layout.notes(all, views.size)?);
-        let path = quilt_path(path, layout, f64::from(views.size[0]) / f64::from(views.size[1]))?;
+        let path = quilt_path(path, layout, views.aspect())?;
         let kind = Kind::Quilts { layout, views: count, tiles: None };
         let files = files(&path, format, args)?;
         Ok(Outputs { files, coding, kind, by_frame: true })

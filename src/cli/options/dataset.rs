@@ -14,7 +14,7 @@ use footage::image_files::ColorSpace;
 
 #[derive(Debug, Clone, Args)]
 pub struct DatasetArgs {
-    /// Size of cube faces resampled from equirectangular images [default: a quarter of the image width]
+    /// Size of cube faces resampled from equirectangular images [default: image width / 3.14, rounded up to 32]
     #[arg(long, value_name = "PIXELS")]
     pub face_size: Option<u32>,
     #[command(flatten)]

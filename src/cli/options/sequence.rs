@@ -66,7 +66,7 @@ pub struct ImageArgs {
     /// Intrinsics fx,fy,cx,cy of perspective images in pixels, to convert planar depth to distance
     #[arg(long, value_name = "FX,FY,CX,CY", value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
     pub intrinsics: Option<Vec<f64>>,
-    /// Size of cube faces resampled from equirectangular images [default: a quarter of the image width]
+    /// Size of cube faces resampled from equirectangular images [default: image width / 3.14, rounded up to 32]
     #[arg(long, value_name = "PIXELS")]
     pub face_size: Option<u32>,
     #[command(flatten)]

@@ -74,7 +74,7 @@ pub struct Args {
     /// Additional values of K to compare in a chart of --plot and rows of --csv
     #[arg(long, value_name = "K,K,..", value_delimiter = ',', value_parser = parse_not_negative)]
     pub compare_k: Vec<f64>,
-    /// Name of the animation to play [default: the first]
+    /// Name of the animation to play, or all that do not move the same nodes [default: all]
     #[arg(long, value_name = "NAME")]
     pub animation: Option<String>,
     /// Frames to cover, such as 0-95 [default: the whole animation]

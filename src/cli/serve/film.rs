@@ -102,6 +102,10 @@ impl Film {
         Ok(Film { path: path.to_path_buf(), kind })
     }
 
+    pub fn is_glb(&self) -> bool {
+        self.kind == Kind::Glb
+    }
+
     pub fn is_container(&self) -> bool {
         self.kind == Kind::Container
     }

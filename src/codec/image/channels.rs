@@ -115,7 +115,7 @@ pub struct DepthChannels {
 
 impl ChannelName {
     /// Returns `layer.name`, or the name alone if the layer has no name or the name already starts with it.
-    fn full(&self) -> String {
+    pub fn full(&self) -> String {
         let repeats = self.name.strip_prefix(&self.layer).is_some_and(|rest| rest.starts_with('.'));
         if self.layer.is_empty() || repeats { self.name.clone() } else { format!("{}.{}", self.layer, self.name) }
     }

@@ -17,8 +17,18 @@ const SUPERSAMPLES: u32 = 4;
 /// Maximum side of a face in pixels; the filters of six faces then take at most 30 GiB.
 pub const MAX_FACE_SIDE: u32 = 8192;
 
-/// Checks the side of a cube face: at most [`MAX_FACE_SIDE`], and at most half the width of the equirectangular image. A quarter
-/// of the width keeps the resolution of the equator.
+/// Multiple of which [`full_face_size`] is, in pixels.
+const FACE_ALIGN: u32 = 32;
+
+/// Returns the side of cube faces that keep the resolution of an equirectangular image: the centre of a face then has as many
+/// pixels per radian as the equator, width / π across the face, rounded up to a multiple of 32. At most half the width and
+/// [`MAX_FACE_SIDE`].
+pub fn full_face_size(width: u32) -> u32 {
+    let side = (f64::from(width) / std::f64::consts::PI).ceil() as u32;
+    side.next_multiple_of(FACE_ALIGN).min(width / 2).clamp(1, MAX_FACE_SIDE)
+}
+
+/// Checks the side of a cube face: at most [`MAX_FACE_SIDE`], and at most half the width of the equirectangular image.
 pub fn check_face_size(size: u32, width: u32) -> Result<()> {
     if size > MAX_FACE_SIDE {
         return Err(Error::unsupported(format!(
@@ -33,7 +43,7 @@ pub fn check_face_size(size: u32, width: u32) -> Result<()> {
     Err(Error::invalid(format!(
         "faces of {size} pixels are too large for a panorama {width} pixels wide: {} keep its resolution, at most \
         {most} are supported",
-        (width / 4).max(1)
+        full_face_size(width)
     )))
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -74,8 +75,9 @@ impl FromStr for FrameRange {
 /// A file name pattern with a field for the frame number.
 ///
 /// Fields are `%d` and `%04d`; n `#` for n digits (a single `#` for four); n `@` for n digits; `$F`, `$F4` and `${F4}` as in
-/// Houdini; `<frame>`, `<frame04>`, `<f>` and `<f4>`. Without a width, the number is not padded. A pattern has at most one field,
-/// in the file name. `%%` is a percent sign. Numbers longer than the width are written in full.
+/// Houdini; `<frame>`, `<frame04>`, `<f>` and `<f4>`. Without a width, the number is not padded. The field is in the file
+/// name. Beside a field with a percent sign all other marks are part of the name; else the last mark is the field. `%%` is a
+/// percent sign. Numbers longer than the width are written in full.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
     directory: PathBuf,
@@ -124,43 +126,24 @@ impl Pattern {
             return Err(Error::Usage(format!("\"{text}\" is not a file name")));
         };
         let directory = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        let mut pattern = Pattern { directory, before: String::new(), field: None, after: String::new() };
-        let mut rest = name;
-        while let Some(first) = rest.chars().next() {
-            let (digits, used) = match first {
-                '#' | '@' => {
-                    let run = rest.len() - rest.trim_start_matches(first).len();
-                    (Some(if first == '#' && run == 1 { 4 } else { run }), run)
-                }
-                '%' if rest.starts_with("%%") => (None, 2),
-                '%' => {
-                    let (digits, used) = percent_field(rest).ok_or_else(|| {
-                        Error::Usage(format!("\"{text}\": a frame number is written %d or %04d, a percent sign %%"))
-                    })?;
-                    (Some(digits), used)
-                }
-                '$' | '<' => match named_field(rest) {
-                    Some((digits, used)) => (Some(digits), used),
-                    None => (None, 1),
-                },
-                _ => (None, first.len_utf8()),
-            };
-            match digits {
-                Some(_) if pattern.field.is_some() => {
-                    return Err(Error::Usage(format!("\"{text}\" has more than one place for the frame number")));
-                }
-                Some(digits) if digits > 20 => {
-                    return Err(Error::Usage(format!("\"{text}\" asks for a frame number of {digits} digits")));
-                }
-                Some(digits) => pattern.field = Some(Field { digits, text: rest[..used].into() }),
-                None => {
-                    let side = if pattern.field.is_some() { &mut pattern.after } else { &mut pattern.before };
-                    side.push(first);
-                }
-            }
-            rest = &rest[used..];
+        let fields = fields(name).map_err(|message| Error::Usage(format!("\"{text}\"{message}")))?;
+        // Fields with a percent sign are the only ones that can be escaped, so other marks beside one are part of the name.
+        let of_percent = |field: &&Range<usize>| name[field.start..].starts_with('%');
+        let field = match fields.iter().filter(of_percent).collect::<Vec<_>>()[..] {
+            [] => fields.last(),
+            [one] => Some(one),
+            _ => return Err(Error::Usage(format!("\"{text}\" has more than one place for the frame number"))),
+        };
+        let plain = |text: &str| text.replace("%%", "%");
+        let Some(field) = field.cloned() else {
+            return Ok(Pattern { directory, before: plain(name), field: None, after: String::new() });
+        };
+        let digits = digits_of(&name[field.clone()]);
+        if digits > 20 {
+            return Err(Error::Usage(format!("\"{text}\" asks for a frame number of {digits} digits")));
         }
-        Ok(pattern)
+        let (before, after) = (plain(&name[..field.start]), plain(&name[field.end..]));
+        Ok(Pattern { directory, before, field: Some(Field { digits, text: name[field].into() }), after })
     }
 
     fn folder(&self) -> &Path {
@@ -233,6 +216,40 @@ impl fmt::Display for Pattern {
             None => escape(&self.before),
         };
         write!(f, "{}", self.directory.join(name).display())
+    }
+}
+
+/// Returns the places of all fields for a frame number in a file name.
+fn fields(name: &str) -> Result<Vec<Range<usize>>, &'static str> {
+    let mut found = Vec::new();
+    let mut at = 0;
+    while let Some(first) = name[at..].chars().next() {
+        let rest = &name[at..];
+        let (is_field, used) = match first {
+            '#' | '@' => (true, rest.len() - rest.trim_start_matches(first).len()),
+            '%' if rest.starts_with("%%") => (false, 2),
+            '%' => match percent_field(rest) {
+                Some((_, used)) => (true, used),
+                None => return Err(": a frame number is written %d or %04d, a percent sign %%"),
+            },
+            '$' | '<' => named_field(rest).map_or((false, 1), |(_, used)| (true, used)),
+            _ => (false, first.len_utf8()),
+        };
+        if is_field {
+            found.push(at..at + used);
+        }
+        at += used;
+    }
+    Ok(found)
+}
+
+/// Returns the number of digits that a field asks for.
+fn digits_of(field: &str) -> usize {
+    match field.as_bytes() {
+        [b'#'] => 4,
+        [b'#' | b'@', ..] => field.len(),
+        [b'%', ..] => percent_field(field).map_or(1, |(digits, _)| digits),
+        _ => named_field(field).map_or(1, |(digits, _)| digits),
     }
 }
 

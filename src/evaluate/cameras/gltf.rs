@@ -31,7 +31,7 @@ const DEFAULT_NEAR_M: f64 = 0.01;
 const DEFAULT_FPS: f64 = 24.0;
 
 pub fn read(content: &Content<'_>) -> Result<FileCameras> {
-    let Parsed { document, blob } = document::parse(content.bytes)?;
+    let Parsed { document, blob, .. } = document::parse(content.bytes)?;
     let root = document.as_json();
     let budget = Budget::new(content.bytes.len() as u64);
     let mut buffers = Buffers::new(root, blob, Folder::of(content.path), budget);

@@ -89,7 +89,7 @@ fn stated(source: &Source) -> values::Stated {
     let depth = source.manifest.as_ref().and_then(|manifest| manifest.depth.as_ref());
     let near = depth.and_then(|depth| depth.near).unwrap_or(0.0);
     let far = depth.and_then(|depth| depth.far).unwrap_or(f64::INFINITY);
-    values::Stated { rules: source.rules, range_m: [near, far] }
+    values::Stated { rules: source.depth_rules(), range_m: [near, far] }
 }
 
 fn check_light(source: &Source, values: &light::ColorValues) -> Finding {

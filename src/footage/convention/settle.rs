@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::{Choice, MAX_PROBES, Report, check};
-use crate::dataset::manifest::Manifest;
-use crate::dataset::{DepthKind, Projection, Source, SourceOptions};
+use crate::dataset::manifest::{FileDepth, Manifest};
+use crate::dataset::{Projection, Source, SourceOptions};
 use codec::error::Result;
 use codec::monitor::Monitor;
 
@@ -23,8 +23,9 @@ pub fn settle(manifest: Manifest, file: &Path, monitor: &dyn Monitor) -> Result<
         return Ok((manifest, report));
     };
     depth.kind = match depth.kind {
-        DepthKind::Distance => DepthKind::Planar,
-        DepthKind::Planar => DepthKind::Distance,
+        FileDepth::Distance => FileDepth::Planar,
+        FileDepth::Planar => FileDepth::Distance,
+        FileDepth::Disparity => return Ok((manifest, report)),
     };
     let other_report = checked(&other)?;
     Ok(if doubts(&other_report) < doubts(&report) { (other, other_report) } else { (manifest, report) })

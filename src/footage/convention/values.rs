@@ -244,8 +244,7 @@ mod tests {
     use codec::image::Plane;
 
     fn stated() -> Stated {
-        let rules =
-            DepthRules { background: f32::INFINITY, scale: 1.0, farthest_m: 1e10, invalid: InvalidDepth::Refuse };
+        let rules = DepthRules::default();
         Stated { rules, range_m: [0.0, f64::INFINITY] }
     }
 

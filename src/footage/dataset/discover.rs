@@ -19,15 +19,18 @@ use std::path::Path;
 use names::Named;
 use sequences::{EYES, Found};
 
+pub use sequences::Numbers;
+
 use super::manifest::{
-    Background, ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, NORMAL_CHANNELS, Probe, Unit,
+    Background, ColorInfo, DepthInfo, FaceFiles, FileDepth, Files, Keep, MANIFEST_VERSION, Manifest, NORMAL_CHANNELS,
+    Probe, Unit,
 };
 use crate::image_files::{ColorSpace, exr, png};
 use codec::error::{Error, Result};
 use codec::image::channels::find_named;
 use codec::image::layout::face_size;
 use codec::image::{
-    ColorPlane, DepthKind, DepthPlane, Eye, Face, FaceLayout, Plane, Projection, ReadLimits, StereoLayout, StreamKind,
+    ColorPlane, DepthPlane, Eye, Face, FaceLayout, Plane, Projection, ReadLimits, StereoLayout, StreamKind,
 };
 
 /// Frames per second if no file states a rate.
@@ -65,14 +68,20 @@ impl Proposal {
 }
 
 /// Proposes a manifest for the images in a folder and the folders below it.
-pub fn propose(folder: &Path) -> Result<Proposal> {
+pub fn propose(folder: &Path, numbers: Numbers) -> Result<Proposal> {
     let limits = ReadLimits::default();
     let mut unsure = Vec::new();
-    let found = sequences::find(folder, &limits, &mut unsure)?;
+    let mut found = sequences::find(folder, numbers, &limits, &mut unsure)?;
     if found.is_empty() {
-        let message = "it has no .exr or .png files with frame numbers, such as beauty.0001.exr";
+        let left_out = if unsure.is_empty() { String::new() } else { format!(": {}", unsure.join("; ")) };
+        let message = format!("it has no .exr, .png or .jpg files that can be used, such as beauty.0001.exr{left_out}");
         return Err(Error::invalid(message).in_file(folder));
     }
+    leave_out_previews(&mut found, &mut unsure);
+    let nothing = found.iter().filter(|of| of.kinds.is_empty() && of.header.is_none());
+    unsure.extend(
+        nothing.map(|of| format!("{} was left out: its name says depth, but it is no gray PNG or EXR", of.text)),
+    );
     let mut kinds = BTreeMap::new();
     for kind in StreamKind::ALL {
         let chosen = choose(&found, kind);
@@ -94,6 +103,23 @@ pub fn propose(folder: &Path) -> Result<Proposal> {
         return Err(Error::invalid(message).in_file(folder));
     }
     Draft { folder, found: &found, kinds, limits, unsure }.manifest()
+}
+
+/// Leaves out colour of another size, if some colour has the size of most depth images, or else of most images.
+fn leave_out_previews(found: &mut [Found], unsure: &mut Vec<String>) {
+    let sizes = |kind: StreamKind| found.iter().filter(move |of| of.kinds.contains(&kind)).map(|of| of.size);
+    let depth: BTreeSet<(u32, u32)> = sizes(StreamKind::Depth).collect();
+    let mut counts: BTreeMap<(u32, u32), usize> = BTreeMap::new();
+    sizes(StreamKind::Color).for_each(|size| *counts.entry(size).or_default() += 1);
+    let usable = counts.iter().filter(|(size, _)| depth.is_empty() || depth.contains(size));
+    let Some((&chosen, _)) = usable.max_by_key(|(size, count)| (**count, **size)) else { return };
+    for of in found.iter_mut().filter(|of| of.kinds.len() == 1 && of.kinds.contains(&StreamKind::Color)) {
+        if of.size != chosen {
+            of.kinds.clear();
+            let ([width, height], (other, high)) = ([of.size.0, of.size.1], chosen);
+            unsure.push(format!("{} was left out: it is {width}x{height} pixels, others are {other}x{high}", of.text));
+        }
+    }
 }
 
 /// Returns the sequences of a kind. Files with only depth take precedence over files with depth and colour.
@@ -151,13 +177,17 @@ impl Draft<'_> {
         let unsure_of_cameras = unsure_of_cameras(&probes, projection);
         let fps = self.fps();
         let channel = stereo_parts.then(|| "{probe}".to_owned());
-        let color = self.color_space().map(|space| ColorInfo { space: Some(space), layer: None });
+        let color = self.color_space().map(|space| ColorInfo { space: Some(space), ..ColorInfo::default() });
         let color = match channel {
             Some(layer) => Some(ColorInfo { layer: Some(layer), ..color.unwrap_or_default() }),
             None => color,
         };
         let file = |kind| self.kinds.get(&kind).map(|(_, named): &OfKind<'_>| named.text.clone());
         let color = color.filter(|_| self.kinds.contains_key(&StreamKind::Color));
+        let color = match self.exceeds_8_bits()? {
+            true => Some(ColorInfo { keep: Some(Keep::Hdr), ..color.unwrap_or_default() }),
+            false => color,
+        };
         let manifest = Manifest {
             schema: None,
             lightfield: MANIFEST_VERSION,
@@ -299,6 +329,14 @@ impl Draft<'_> {
                 let words: Vec<String> = faces.iter().map(|(face, word)| format!("{word} = {}", face.name())).collect();
                 self.unsure.push(format!("the faces were assumed to be {}", words.join(", ")));
             }
+            if self.kinds.values().any(|(_, named)| named.are_cameras) {
+                self.unsure.push(
+                    "the faces were taken for pictures of six cameras, not mirrored; for OpenGL cube maps leave \
+                     \"faces\" out and exchange pz and nz in \"face_names\""
+                        .into(),
+                );
+                return Ok((Projection::Cubemap, Some(FaceFiles::Cameras), None));
+            }
             return Ok((Projection::Cubemap, Some(FaceFiles::Six), None));
         }
         let (width, height) = size;
@@ -363,14 +401,14 @@ impl Draft<'_> {
     }
 
     fn read_color(&self, files: &Found) -> Result<ColorPlane> {
-        match png::is_png(&files.first) {
+        match png::has_codes(&files.first) {
             true => png::read_color(&files.first, ColorSpace::Srgb, &self.limits),
             false => exr::read_color(&files.first, &files.select(), &self.limits),
         }
     }
 
     fn read_depth(&self, files: &Found) -> Result<DepthPlane> {
-        match png::is_png(&files.first) {
+        match png::has_codes(&files.first) {
             true => png::read_depth(&files.first, 1.0, &self.limits),
             false => exr::read_depth(&files.first, &files.select(), &self.limits),
         }
@@ -383,9 +421,21 @@ impl Draft<'_> {
         let mut info =
             DepthInfo { unit: None, channel: is_stereo.then(|| "{probe}".to_owned()), ..DepthInfo::default() };
         if projection == Projection::Perspective {
-            info.kind = DepthKind::Planar;
+            info.kind = FileDepth::Planar;
         }
-        if png::is_png(&first.first) {
+        if let Some(channel) = first.depth_channel.as_ref().filter(|_| !is_stereo) {
+            info.channel = Some(channel.clone());
+        }
+        if first.is_disparity() {
+            (info.kind, info.near, info.far) = (FileDepth::Disparity, Some(0.5), Some(100.0));
+            self.unsure.push(format!(
+                "{} was taken for disparity, of 100 m at 0 and 0.5 m at its largest value: set \"near\" and \"far\", or \
+                 \"scale\" to baseline times focal length instead",
+                first.text
+            ));
+            return Ok(Some(info));
+        }
+        if png::has_codes(&first.first) {
             info.unit = Some(Unit::Mm);
             self.unsure.push(format!("{} has integer depth, which was assumed to be in millimetres", first.text));
         }
@@ -421,8 +471,8 @@ impl Draft<'_> {
     /// Returns the colour space, if it differs from the default of the file format.
     fn color_space(&mut self) -> Option<ColorSpace> {
         let (files, _) = self.kinds.get(&StreamKind::Color)?;
-        if png::is_png(&files[0].first) {
-            self.unsure.push("PNG colour was assumed to be sRGB".into());
+        if png::has_codes(&files[0].first) {
+            self.unsure.push("colour of PNG and JPEG files was assumed to be sRGB".into());
             return Some(ColorSpace::Srgb);
         }
         let Some(primaries) = exr::read_stated_primaries(&files[0].first).ok()? else {
@@ -437,6 +487,18 @@ impl Draft<'_> {
             ));
         }
         space.filter(|space| *space != ColorSpace::LinearRec709)
+    }
+
+    /// True if a first file of colour has values above 1. Unreadable files are found by the checks.
+    fn exceeds_8_bits(&self) -> Result<bool> {
+        let Some((files, _)) = self.kinds.get(&StreamKind::Color) else { return Ok(false) };
+        for files in files.iter().filter(|files| !png::has_codes(&files.first)) {
+            let plane = self.read_color(files)?;
+            if plane.data().iter().flatten().any(|value| value.to_f32() > 1.0) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Returns the pattern of normal maps that cover the same probes and faces.

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::dataset::missing::Missing;
+use crate::dataset::pixels::Disparity;
 use crate::image_files::ColorSpace;
 use crate::{json, text};
 use codec::error::{Error, Result};
@@ -82,6 +83,42 @@ pub enum FaceFiles {
     /// One file with a strip of aspect 6:1 or 1:6 ([`codec::image::layout`]).
     #[serde(rename = "opengl-cube-strip")]
     Strip,
+    /// Six files per frame, as six cameras see them (formats/manifest.md 1): not mirrored, unlike the faces of OpenGL.
+    #[serde(rename = "camera-cube")]
+    Cameras,
+}
+
+/// Quantity that depth files store.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FileDepth {
+    /// Euclidean distance from the probe centre.
+    #[default]
+    Distance,
+    /// Distance along the viewing axis (Z buffer).
+    Planar,
+    /// Inverse of the distance along the viewing axis; for panoramas, of the distance from the centre.
+    Disparity,
+}
+
+impl From<DepthKind> for FileDepth {
+    fn from(kind: DepthKind) -> FileDepth {
+        match kind {
+            DepthKind::Distance => FileDepth::Distance,
+            DepthKind::Planar => FileDepth::Planar,
+        }
+    }
+}
+
+impl FileDepth {
+    /// Returns the kind of the metres that these files stand for.
+    pub fn metric(self, projection: Projection) -> DepthKind {
+        match self {
+            FileDepth::Distance => DepthKind::Distance,
+            FileDepth::Disparity if projection == Projection::Equirect => DepthKind::Distance,
+            FileDepth::Planar | FileDepth::Disparity => DepthKind::Planar,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -107,14 +144,15 @@ impl Unit {
 #[serde(deny_unknown_fields)]
 pub struct DepthInfo {
     #[serde(default)]
-    pub kind: DepthKind,
+    pub kind: FileDepth,
     /// Channel, layer, part or stereo view of EXR files; if absent, found by common names. May contain `{probe}` and `{face}`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
     /// Unit of the values. Metres if both this and `scale` are absent, except for integer files, which need one of them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unit: Option<Unit>,
-    /// Metres per unit, instead of `unit`; not 0. Negative if values in front of the camera are negative.
+    /// Metres per unit, instead of `unit`; not 0. Negative if values in front of the camera are negative. For disparity, metres
+    /// times its unit: baseline in metres times focal length in pixels, for disparity in pixels.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
     /// Background value of the files, before unit and scale. +inf is always background.
@@ -131,7 +169,7 @@ pub struct DepthInfo {
 impl Default for DepthInfo {
     fn default() -> Self {
         DepthInfo {
-            kind: DepthKind::Distance,
+            kind: FileDepth::Distance,
             channel: None,
             unit: Some(Unit::M),
             scale: None,
@@ -146,6 +184,15 @@ impl DepthInfo {
     /// Returns the metres per unit of the files, if stated.
     pub fn stated_scale(&self) -> Option<f64> {
         self.scale.or(self.unit.map(Unit::metres))
+    }
+
+    /// Returns the range of normalised disparity, if the files store it: `near` is 1, the largest code, and `far` is 0.
+    pub fn disparity(&self) -> Option<Disparity> {
+        match (self.kind, self.scale, self.near, self.far) {
+            (FileDepth::Disparity, Some(scale), ..) => Some(Disparity::Scale(scale)),
+            (FileDepth::Disparity, None, Some(near), Some(far)) => Some(Disparity::Range([near, far])),
+            _ => None,
+        }
     }
 }
 
@@ -184,6 +231,19 @@ pub struct ColorInfo {
     /// `{face}`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layer: Option<String>,
+    /// How encoders store values above 1; if absent, footage with such values is refused.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub keep: Option<Keep>,
+}
+
+/// How encoders store colour values above 1, unless an option selects it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Keep {
+    /// As half floats.
+    Hdr,
+    /// Clipped to 8 bits.
+    Clip,
 }
 
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -422,8 +482,13 @@ impl Manifest {
         Face::CUBE.into_iter().filter(named).collect()
     }
 
+    /// True if each image holds one face or view.
+    pub fn has_one_face_per_file(&self) -> bool {
+        self.projection == Projection::Perspective || self.has_face_files()
+    }
+
     pub fn has_face_files(&self) -> bool {
-        self.projection == Projection::Cubemap && self.face_files() == FaceFiles::Six
+        self.projection == Projection::Cubemap && matches!(self.face_files(), FaceFiles::Six | FaceFiles::Cameras)
     }
 
     /// Returns the text substituted for `{face}`.

@@ -39,7 +39,7 @@ impl NormalFiles {
 
 /// Reads normals from an EXR file. Fails if a normal is not finite.
 pub fn read(path: &Path, limits: &ReadLimits) -> Result<NormalPlane> {
-    if png::is_png(path) {
+    if png::has_codes(path) {
         return Err(Error::unsupported("normals must be EXR files"));
     }
     let plane = exr::read_channels(path, NORMAL_CHANNELS, limits)?;

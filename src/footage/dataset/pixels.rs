@@ -68,16 +68,55 @@ impl InvalidColor {
 /// manifest replaces it.
 pub(super) const FARTHEST_M: f64 = 1e10;
 
+/// Conversion of disparity to metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Disparity {
+    /// Metres times the unit of the files; 0 is the background.
+    Scale(f64),
+    /// Nearest and farthest distance in metres, stored as 1 (the largest code) and 0; values between are linear in 1/m.
+    Range([f64; 2]),
+}
+
+impl Disparity {
+    /// Returns the distance in metres of a stored value, where `largest` is the largest code, 1 for floats. +inf for a value of 0
+    /// that is infinitely far, NaN for values below 0.
+    fn metres(self, stored: f32, largest: f64) -> f64 {
+        let inverse = match self {
+            Disparity::Scale(scale) => f64::from(stored) / scale,
+            Disparity::Range([near, far]) => far.recip() + f64::from(stored) / largest * (near.recip() - far.recip()),
+        };
+        if inverse >= 0.0 { inverse.recip() } else { f64::NAN }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthRules {
     /// Background value of the file, in addition to +inf.
     pub background: f32,
     /// Metres per unit; negative if values in front of the camera are negative.
     pub scale: f64,
+    /// Conversion of files with disparity; `scale` is then 1.
+    pub disparity: Option<Disparity>,
+    /// Largest code of integer files, 1 for floats.
+    pub largest: f64,
     /// Distance in metres from which a value is too far for a surface. If only +inf is declared as background, the largest finite
     /// value of an image is also background if it is at least this far.
     pub farthest_m: f64,
     pub invalid: InvalidDepth,
+}
+
+impl Default for DepthRules {
+    /// Rules of float files in metres.
+    fn default() -> Self {
+        DepthRules {
+            background: f32::INFINITY,
+            scale: 1.0,
+            disparity: None,
+            largest: 1.0,
+            farthest_m: FARTHEST_M,
+            invalid: InvalidDepth::default(),
+        }
+    }
 }
 
 impl DepthRules {
@@ -86,13 +125,20 @@ impl DepthRules {
         if stored == f32::INFINITY || stored == self.background {
             return f32::INFINITY;
         }
-        if self.scale < 0.0 { -stored } else { stored }
+        match self.disparity {
+            None if self.scale < 0.0 => -stored,
+            None => stored,
+            Some(disparity) => match disparity.metres(stored, self.largest) {
+                metres if metres >= self.farthest_m => f32::INFINITY,
+                metres => metres as f32,
+            },
+        }
     }
 
     /// Returns the undeclared background value of an image, in units of the file: its largest finite value, if only +inf is
     /// declared and no surface can be that far. Returns +inf if there is none.
     pub fn farthest(&self, plane: &DepthPlane) -> f32 {
-        if self.background.is_finite() {
+        if self.background.is_finite() || self.disparity.is_some() {
             return f32::INFINITY;
         }
         let finite = plane.data().iter().map(|&stored| self.units(stored)).filter(|units| *units < f32::INFINITY);
@@ -143,7 +189,9 @@ pub(super) fn check_depth(plane: &mut DepthPlane, rules: &DepthRules) -> Result<
 /// Describes why a stored depth is invalid, and how to fix it.
 fn invalid_words(stored: f32, units: f32, background: f32) -> String {
     let say = "set `invalid_depth` to far or near";
-    if units.is_nan() {
+    if units.is_nan() && stored < 0.0 {
+        format!("a disparity below 0 ({stored}); {say}, or `background` to the value that means no surface")
+    } else if units.is_nan() {
         format!("not a number; {say}, as `background` cannot match it")
     } else if units == 0.0 {
         format!("zero; {say}, or `background` to 0 if it means no surface")
@@ -253,9 +301,6 @@ pub(super) fn keep_faces<T>(all: Vec<Plane<T>>, wanted: &[Face]) -> Vec<Plane<T>
 mod tests {
     use super::*;
 
-    const RULES: DepthRules =
-        DepthRules { background: f32::INFINITY, scale: 1.0, farthest_m: FARTHEST_M, invalid: InvalidDepth::Refuse };
-
     fn checked(values: &[f32], rules: DepthRules) -> Result<Vec<f32>> {
         let mut plane = Plane::new(values.len() as u32, 1, values.to_vec())?;
         check_depth(&mut plane, &rules).map(|()| plane.into_data())
@@ -264,27 +309,46 @@ mod tests {
     #[test]
     fn the_one_value_that_no_surface_has_is_background() {
         let inf = f32::INFINITY;
-        assert_eq!(checked(&[2.0, 1e30, 1e30, inf], RULES).unwrap(), [2.0, inf, inf, inf]);
-        assert_eq!(checked(&[1e30, 1e30], RULES).unwrap(), [inf, inf]);
-        assert_eq!(checked(&[200.0, 1e30], DepthRules { scale: 0.01, ..RULES }).unwrap(), [2.0, inf]);
-        assert_eq!(checked(&[2.0, 9e9], RULES).unwrap(), [2.0, 9e9]);
-        assert_eq!(checked(&[2.0, 1e12], DepthRules { farthest_m: 1e13, ..RULES }).unwrap(), [2.0, 1e12]);
-        let said = checked(&[2.0, 3e29, 1e30], RULES).unwrap_err().to_string();
+        assert_eq!(checked(&[2.0, 1e30, 1e30, inf], DepthRules::default()).unwrap(), [2.0, inf, inf, inf]);
+        assert_eq!(checked(&[1e30, 1e30], DepthRules::default()).unwrap(), [inf, inf]);
+        assert_eq!(checked(&[200.0, 1e30], DepthRules { scale: 0.01, ..DepthRules::default() }).unwrap(), [2.0, inf]);
+        assert_eq!(checked(&[2.0, 9e9], DepthRules::default()).unwrap(), [2.0, 9e9]);
+        assert_eq!(
+            checked(&[2.0, 1e12], DepthRules { farthest_m: 1e13, ..DepthRules::default() }).unwrap(),
+            [2.0, 1e12]
+        );
+        let said = checked(&[2.0, 3e29, 1e30], DepthRules::default()).unwrap_err().to_string();
         assert!(said.contains("pixel (1, 0) is 3e29") && said.contains("1e30") && said.contains("depth.far"), "{said}");
-        let far = DepthRules { invalid: InvalidDepth::Far, ..RULES };
+        let far = DepthRules { invalid: InvalidDepth::Far, ..DepthRules::default() };
         assert_eq!(checked(&[2.0, 3e29, 1e30], far).unwrap(), [2.0, inf, inf]);
+    }
+
+    #[test]
+    fn disparity_becomes_metres() {
+        let inf = f32::INFINITY;
+        let stereo = DepthRules { disparity: Some(Disparity::Scale(60.0)), ..DepthRules::default() };
+        assert_eq!(checked(&[30.0, 120.0, 0.0, 1e-12, inf], stereo).unwrap(), [2.0, 0.5, inf, inf, inf]);
+        let said = checked(&[30.0, -1.0], stereo).unwrap_err().to_string();
+        assert!(said.contains("pixel (1, 0) is a disparity below 0 (-1)"), "{said}");
+        assert_eq!(checked(&[-1.0], DepthRules { background: -1.0, ..stereo }).unwrap(), [inf]);
+        let codes =
+            DepthRules { disparity: Some(Disparity::Range([0.5, 10.0])), largest: 65535.0, ..DepthRules::default() };
+        let found = checked(&[0.0, 65535.0, 32767.5], codes).unwrap();
+        assert_eq!((found[0], found[1]), (10.0, 0.5));
+        // The middle code has the mean of both inverses.
+        assert!((found[2].recip() - 1.05).abs() < 1e-6, "{found:?}");
     }
 
     #[test]
     fn a_scale_below_zero_turns_the_sign() {
         let inf = f32::INFINITY;
-        let houdini = DepthRules { scale: -1.0, background: 0.0, ..RULES };
+        let houdini = DepthRules { scale: -1.0, background: 0.0, ..DepthRules::default() };
         assert_eq!(checked(&[-2.0, 0.0, inf, -inf], houdini).unwrap(), [2.0, inf, inf, inf]);
-        assert_eq!(checked(&[-2.0, -1e30], DepthRules { scale: -1.0, ..RULES }).unwrap(), [2.0, inf]);
-        assert_eq!(checked(&[-200.0], DepthRules { scale: -0.01, ..RULES }).unwrap(), [2.0]);
+        assert_eq!(checked(&[-2.0, -1e30], DepthRules { scale: -1.0, ..DepthRules::default() }).unwrap(), [2.0, inf]);
+        assert_eq!(checked(&[-200.0], DepthRules { scale: -0.01, ..DepthRules::default() }).unwrap(), [2.0]);
         let said = checked(&[-2.0, 3.0], houdini).unwrap_err().to_string();
         assert!(said.contains("pixel (1, 0) is positive (3)") && said.contains("negative"), "{said}");
-        let said = checked(&[-2.0], RULES).unwrap_err().to_string();
+        let said = checked(&[-2.0], DepthRules::default()).unwrap_err().to_string();
         assert!(said.contains("Pz") && said.contains("depth.scale to -1"), "{said}");
     }
 }

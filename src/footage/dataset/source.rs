@@ -51,8 +51,8 @@ pub struct SourceOptions {
     /// Treatment of frames whose file is missing. Default an error.
     pub missing: Option<Missing>,
     pub frames: Option<FrameRange>,
-    /// Side in pixels of cube faces resampled from equirectangular images, at most half their width. Default a quarter of the
-    /// width.
+    /// Side in pixels of cube faces resampled from equirectangular images, at most half their width. Default the size that
+    /// keeps their resolution ([`codec::image::equirect::full_face_size`]).
     pub face_size: Option<u32>,
     pub limits: ReadLimits,
 }
@@ -138,6 +138,8 @@ pub struct SourceGroup {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Content {
     Face,
+    /// A face as a camera sees it ([`FaceFiles::Cameras`]).
+    Camera,
     Faces(FaceLayout),
     Equirect,
 }
@@ -146,6 +148,7 @@ impl Content {
     fn words(self) -> &'static str {
         match self {
             Content::Face => "one face",
+            Content::Camera => "one face as a camera sees it",
             Content::Faces(FaceLayout::Cross) => "a cross of six faces",
             Content::Faces(FaceLayout::Strip) => "a strip of six faces",
             Content::Equirect => "an equirectangular image",
@@ -224,7 +227,7 @@ impl Source {
             StreamKind::Material => 12,
         };
         let path = self.path(group.kind, group, group.frames.first).ok().flatten();
-        let is_png = path.as_deref().is_some_and(png::is_png);
+        let is_png = path.as_deref().is_some_and(png::has_codes);
         let decoding = match (is_png, group.kind) {
             (false, _) => path.as_deref().map_or(0, |path| exr::reading_bytes(path, 0, &self.limits).unwrap_or(0)),
             // The codes of the file, and 16 bits for each requested channel.
@@ -251,7 +254,7 @@ impl Source {
 
     /// Reads the colour of a file: linear, or for an EXR file declared as sRGB, sRGB values.
     fn color_file(&self, path: &Path, group: &SourceGroup) -> Result<ColorPlane> {
-        if png::is_png(path) {
+        if png::has_codes(path) {
             let plane = png::read_color(path, self.color_space.unwrap_or(ColorSpace::Srgb), &self.limits)?;
             return self.check_primaries(Primaries::REC709).map(|()| plane);
         }
@@ -296,10 +299,10 @@ impl Source {
             let mut plane = self.color_file(path, group)?;
             self.check_size(&plane)?;
             check_color(&mut plane, self.invalid_color)?;
-            if !png::is_png(path) && self.color_space == Some(ColorSpace::Srgb) {
+            if !png::has_codes(path) && self.color_space == Some(ColorSpace::Srgb) {
                 linear_from_srgb(&mut plane);
             }
-            if png::is_png(path)
+            if png::has_codes(path)
                 && let Some(alpha) = self.alpha_beside(group, frame)?
             {
                 plane = plane.zip(&alpha, |light, alpha| light.map(|value| f16::from_f32(value.to_f32() * alpha)))?;
@@ -340,7 +343,7 @@ impl Source {
         let color = self.groups.iter().find(|group| group.kind == StreamKind::Color)?;
         let path = self.path(StreamKind::Color, color, color.frames.first).ok()??;
         // A gray file holds colour, not an alpha matte.
-        if png::is_png(&path) && !png::has_alpha(&path, &self.limits).ok()? {
+        if png::has_codes(&path) && !png::has_alpha(&path, &self.limits).ok()? {
             return None;
         }
         let alpha = self.alpha_file(&path, color).ok()?;
@@ -356,7 +359,7 @@ impl Source {
     }
 
     fn alpha_file(&self, path: &Path, group: &SourceGroup) -> Result<AlphaPlane> {
-        let mut plane = if png::is_png(path) {
+        let mut plane = if png::has_codes(path) {
             png::read_alpha(path, &self.limits)?
         } else {
             let [own, color] = [&self.alpha_channel, &self.color_channel].map(|channel| self.select(channel, group));
@@ -372,15 +375,16 @@ impl Source {
     pub fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
         self.read(StreamKind::Depth, group, frame, f32::INFINITY, |path| {
             let mut plane = self.depth_file(path, group)?;
+            let rules = self.rules_for(path)?;
             let mut planes = if let Content::Faces(_) = self.content {
                 // Pixels outside the faces may have any value, so only the faces are checked.
                 let mut planes = self.faces_of(plane, group, resample_nearest)?;
                 for (face, plane) in group.faces.iter().zip(&mut planes) {
-                    check_depth(plane, &self.rules).map_err(|error| error.context(format!("face {}", face.name())))?;
+                    check_depth(plane, &rules).map_err(|error| error.context(format!("face {}", face.name())))?;
                 }
                 planes
             } else {
-                check_depth(&mut plane, &self.rules)?;
+                check_depth(&mut plane, &rules)?;
                 self.faces_of(plane, group, resample_nearest)?
             };
             if self.depth_in_files != self.depth_stored {
@@ -417,7 +421,7 @@ impl Source {
     /// Reads the material of a frame, one plane per face of the group, with finite values.
     pub fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>> {
         self.read(StreamKind::Material, group, frame, [0.0, 0.0, 1.0], |path| {
-            if png::is_png(path) {
+            if png::has_codes(path) {
                 return Err(Error::unsupported("material must be EXR files"));
             }
             let (probe, face) = self.names(group);
@@ -471,7 +475,7 @@ impl Source {
     /// is multiplied by, which may be the same file.
     pub fn files_of(&self, group: &SourceGroup, frame: u32) -> Result<Vec<PathBuf>> {
         let own = self.file(group, frame)?;
-        let is_multiplied = group.kind == StreamKind::Color && own.as_deref().is_some_and(png::is_png);
+        let is_multiplied = group.kind == StreamKind::Color && own.as_deref().is_some_and(png::has_codes);
         let alpha = self.group_beside(group).filter(|alpha| is_multiplied && alpha.frames.contains(frame));
         let beside = match alpha {
             Some(alpha) => self.file(alpha, frame)?,
@@ -508,7 +512,7 @@ impl Source {
     }
 
     fn depth_file(&self, path: &Path, group: &SourceGroup) -> Result<DepthPlane> {
-        let plane = if png::is_png(path) {
+        let plane = if png::has_codes(path) {
             if !self.scale_stated {
                 return Err(Error::invalid(
                     "this file has integer depth: set metres per unit with `depth_scale` (0.001 for millimetres) or \
@@ -523,6 +527,21 @@ impl Source {
         };
         self.check_size(&plane)?;
         Ok(plane)
+    }
+
+    /// Returns the depth rules of the first depth file; for footage without depth, or a file that cannot be opened, those of
+    /// floats.
+    pub fn depth_rules(&self) -> DepthRules {
+        let first = self.groups.iter().find(|group| group.kind == StreamKind::Depth);
+        let file = first.and_then(|group| self.file(group, group.frames.first).ok()?);
+        file.and_then(|file| self.rules_for(&file).ok()).unwrap_or(self.rules)
+    }
+
+    /// Returns the depth rules for the codes of a file.
+    fn rules_for(&self, path: &Path) -> Result<DepthRules> {
+        let has_codes = self.rules.disparity.is_some() && png::has_codes(path);
+        let largest = if has_codes { png::largest_code(path, &self.limits)? } else { 1.0 };
+        Ok(DepthRules { largest, ..self.rules })
     }
 
     fn check_size<T>(&self, plane: &Plane<T>) -> Result<()> {
@@ -544,6 +563,7 @@ impl Source {
             ("the size of the faces", format!("{}x{}", self.delivered_size.0, self.delivered_size.1)),
             ("`background`", self.rules.background.to_string()),
             ("`depth_scale`", self.rules.scale.to_string()),
+            ("the disparity", format!("{:?}", self.rules.disparity)),
             ("`invalid_depth`", self.rules.invalid.name().to_owned()),
             ("`invalid_color`", self.invalid_color.name().to_owned()),
             ("`missing`", self.missing.name().to_owned()),
@@ -574,6 +594,7 @@ impl Source {
         };
         match self.content {
             Content::Face => Ok(vec![plane]),
+            Content::Camera => Ok(group.faces.iter().map(|face| from_camera(&plane, *face)).collect()),
             Content::Faces(layout) => Ok(keep_faces(cut_faces(&plane, layout)?, &group.faces)),
             Content::Equirect => {
                 let none = |face: &Face| Error::Usage(format!("an equirectangular image has no face {}", face.name()));
@@ -582,4 +603,17 @@ impl Source {
             }
         }
     }
+}
+
+/// Returns the face of an OpenGL cube map that a camera saw: a side left to right, top and bottom upside down.
+fn from_camera<T: Copy>(seen: &Plane<T>, face: Face) -> Plane<T> {
+    let (right, bottom) = (seen.width().saturating_sub(1), seen.height().saturating_sub(1));
+    let is_side = !matches!(face, Face::Py | Face::Ny);
+    Plane::from_fn(
+        seen.width(),
+        seen.height(),
+        |x, y| {
+            if is_side { seen.get(right - x, y) } else { seen.get(x, bottom - y) }
+        },
+    )
 }

@@ -1,6 +1,7 @@
 //! Settings of an encode.
 
-use crate::dataset::InvalidDepth;
+use crate::dataset::manifest::Keep;
+use crate::dataset::{InvalidDepth, Source};
 use codec::block::SIDE;
 use codec::color::quality::MAX_QUALITY;
 use codec::color::transform::Tables;
@@ -24,6 +25,7 @@ use codec::error::{Error, Result};
 use codec::image::StreamKind;
 use codec::image::transfer::ToneMap;
 use codec::memory::Budget;
+use codec::metrics::DEFAULT_WHITE_CD_M2;
 use codec::streams::{
     AlphaHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader, DepthCoding, MaterialHeader, NodeHeader,
 };
@@ -270,6 +272,17 @@ impl Default for EncodeSettings {
 }
 
 impl EncodeSettings {
+    /// Selects half floats or clipping as a manifest states (`color.keep`), if nothing else selects one of them.
+    pub fn keep_colors_of(&mut self, source: &Source) {
+        let color = source.manifest.as_ref().and_then(|manifest| manifest.color.as_ref());
+        let is_open = self.clipping == Clipping::Refuse && matches!(self.color, ColorFormat::EightBit(_));
+        match color.and_then(|color| color.keep).filter(|_| is_open) {
+            Some(Keep::Hdr) => self.color = ColorFormat::Half { white_cd_m2: DEFAULT_WHITE_CD_M2 },
+            Some(Keep::Clip) => self.clipping = Clipping::Allow,
+            None => {}
+        }
+    }
+
     pub(super) fn check(&self) -> Result<()> {
         self.temporal.check()?;
         self.nodes(0).check()?;

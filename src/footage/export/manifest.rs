@@ -106,7 +106,7 @@ pub(super) fn manifest_of(
                     f32::INFINITY => manifest::Background::default(),
                     value => manifest::Background::Value(f64::from(value)),
                 };
-                depth = Some(manifest::DepthInfo { kind: header.kind, background, ..Default::default() });
+                depth = Some(manifest::DepthInfo { kind: header.kind.into(), background, ..Default::default() });
             }
             CodecHeader::Color(_) => {
                 let space = match format {
@@ -115,7 +115,7 @@ pub(super) fn manifest_of(
                     FileFormat::Png => Some(ColorSpace::Srgb),
                 };
                 files.color = pattern;
-                color = space.map(|space| manifest::ColorInfo { space: Some(space), layer: None });
+                color = space.map(|space| manifest::ColorInfo { space: Some(space), ..Default::default() });
             }
             CodecHeader::Material(_) => {
                 files.material = pattern;

@@ -151,6 +151,8 @@ pub struct FileHeader {
     pub(crate) channels: Vec<ChannelName>,
     /// Frames per second, above 0.
     pub fps: Option<f64>,
+    /// Width of a pixel over its height, if the file states another than 1.
+    pub pixel_aspect: Option<f64>,
     /// `worldToCamera`, row-major, for row vectors; the camera's x axis points right and y up.
     pub world_to_camera: Option<[f32; 16]>,
     /// `worldToNDC`, row-major, for row vectors; it maps the image to −1 to 1, or to 0 to 1.
@@ -161,7 +163,8 @@ pub fn read_header(path: &Path, limits: &ReadLimits) -> Result<FileHeader> {
     let opened = open(path)?;
     let headers = opened.headers();
     guard::check(&opened, 1, limits).map_err(|error| error.in_file(path))?;
-    let window = headers[0].shared_attributes.display_window.size;
+    let shared = &headers[0].shared_attributes;
+    let (window, aspect) = (shared.display_window.size, f64::from(shared.pixel_aspect));
     let rate = headers.iter().find_map(|header| header.own_attributes.frames_per_second);
     Ok(FileHeader {
         size: (window.width() as u32, window.height() as u32),
@@ -169,6 +172,7 @@ pub fn read_header(path: &Path, limits: &ReadLimits) -> Result<FileHeader> {
         fps: rate
             .map(|(frames, seconds)| f64::from(frames) / f64::from(seconds))
             .filter(|fps| *fps > 0.0 && fps.is_finite()),
+        pixel_aspect: Some(aspect).filter(|aspect| (aspect - 1.0).abs() > 1e-3 && *aspect > 0.0 && aspect.is_finite()),
         world_to_camera: headers.iter().find_map(|header| header.own_attributes.world_to_camera),
         world_to_ndc: headers.iter().find_map(|header| header.own_attributes.world_to_normalized_device),
     })

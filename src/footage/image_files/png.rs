@@ -1,10 +1,11 @@
-//! PNG files: 8- and 16-bit colour, integer depth.
+//! Images of integer codes: PNG files of 8- and 16-bit colour and integer depth, and JPEG files, which are only read.
 
-use std::fs::File;
 use std::io::{BufReader, BufWriter, Write};
 use std::path::Path;
 
+use ::image::codecs::jpeg::JpegDecoder;
 use ::image::codecs::png::{PngDecoder, PngEncoder};
+use ::image::metadata::Orientation;
 use ::image::{ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
 use half::f16;
 
@@ -64,6 +65,16 @@ pub fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
 }
 
+/// Returns true for the file extensions of images with integer codes: `png`, `jpg` and `jpeg`, ignoring case.
+pub fn has_codes(path: &Path) -> bool {
+    is_png(path) || is_jpeg(path)
+}
+
+/// Returns true if the file extension is `jpg` or `jpeg`, ignoring case.
+pub fn is_jpeg(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| ["jpg", "jpeg"].iter().any(|jpeg| extension.eq_ignore_ascii_case(jpeg)))
+}
+
 /// Reads red, green, blue and alpha as 16-bit codes; 8-bit codes are multiplied by 257. Gray is repeated in all three components;
 /// alpha is 65535 for files without alpha.
 pub fn read_rgba16(path: &Path, limits: &ReadLimits) -> Result<Plane<[u16; 4]>> {
@@ -80,25 +91,45 @@ pub fn read_rgba8(path: &Path, limits: &ReadLimits) -> Result<Plane<[u8; 4]>> {
     Plane::new(width, height, image.into_rgba8().pixels().map(|pixel| pixel.0).collect())
 }
 
-/// Reads depth from a gray image of 8 or 16 bits: code × `scale`, where `scale` is metres per code. Code 0 becomes 0.0; the
-/// caller decides whether that is background.
+/// Reads depth from an image of 8 or 16 bits, in gray or with three equal channels: code × `scale`, where `scale` is metres per
+/// code. Code 0 becomes 0.0; the caller decides whether that is background.
+///
+/// # Errors
+/// Fails if the three channels differ, and for JPEG files, whose compression invents depth between surfaces.
 pub fn read_depth(path: &Path, scale: f64, limits: &ReadLimits) -> Result<DepthPlane> {
+    if is_jpeg(path) {
+        return Err(Error::unsupported("JPEG changes depth: use PNG or EXR files").in_file(path));
+    }
     let image = decode(path, limits)?;
     let (width, height) = (image.width(), image.height());
     let metres = |code: u16| (f64::from(code) * scale) as f32;
-    let data = match image {
-        DynamicImage::ImageLuma8(codes) => codes.into_raw().into_iter().map(|code| metres(u16::from(code))).collect(),
-        DynamicImage::ImageLuma16(codes) => codes.into_raw().into_iter().map(metres).collect(),
+    let wide = |codes: Vec<u8>| codes.into_iter().map(u16::from).collect::<Vec<u16>>();
+    let (codes, channels): (Vec<u16>, usize) = match image {
+        DynamicImage::ImageLuma8(codes) => (wide(codes.into_raw()), 1),
+        DynamicImage::ImageLuma16(codes) => (codes.into_raw(), 1),
+        DynamicImage::ImageRgb8(codes) => (wide(codes.into_raw()), 3),
+        DynamicImage::ImageRgb16(codes) => (codes.into_raw(), 3),
         other => {
             let message = format!("depth must be one gray channel of 8 or 16 bits, this image is {:?}", other.color());
             return Err(Error::unsupported(message).in_file(path));
         }
     };
-    Plane::new(width, height, data)
+    if let Some(at) = codes.chunks_exact(channels).position(|pixel| pixel.iter().any(|code| *code != pixel[0])) {
+        let (x, y) = (at % width as usize, at / width as usize);
+        let message = format!("depth must be gray, the channels of this image differ at pixel ({x}, {y})");
+        return Err(Error::unsupported(message).in_file(path));
+    }
+    Plane::new(width, height, codes.into_iter().step_by(channels).map(metres).collect())
 }
 
 pub fn read_size(path: &Path, limits: &ReadLimits) -> Result<(u32, u32)> {
     Ok(open(path, limits)?.dimensions())
+}
+
+/// Returns the largest code of a channel: 255 or 65535.
+pub fn largest_code(path: &Path, limits: &ReadLimits) -> Result<f64> {
+    let color = open(path, limits)?.color_type();
+    Ok(if color.bytes_per_pixel() > color.channel_count() { 65535.0 } else { 255.0 })
 }
 
 /// Returns true if the file has one 16-bit gray channel.
@@ -192,17 +223,28 @@ impl Write for Watched<'_> {
     }
 }
 
-fn open(path: &Path, limits: &ReadLimits) -> Result<PngDecoder<BufReader<File>>> {
+fn open(path: &Path, limits: &ReadLimits) -> Result<Box<dyn ImageDecoder>> {
     let file = crate::files::open_regular(path)?;
     let meta = file.metadata().map_err(|error| Error::io(path, error))?;
     if meta.len() == 0 {
-        return Err(Error::invalid("this file is empty, where a PNG file was expected").in_file(path));
+        return Err(Error::invalid("this file is empty, where an image was expected").in_file(path));
     }
     let cap = limits.believable(meta.len(), PIXEL_FLOOR);
     let mut decoder_limits = Limits::default();
     decoder_limits.max_alloc = Some(cap);
-    let decoder =
-        PngDecoder::with_limits(BufReader::new(file), decoder_limits).map_err(|error| translate(error, path))?;
+    let file = BufReader::new(file);
+    let mut decoder: Box<dyn ImageDecoder> = if is_jpeg(path) {
+        let mut decoder = JpegDecoder::new(file).map_err(|error| translate(error, path))?;
+        decoder.set_limits(decoder_limits).map_err(|error| translate(error, path))?;
+        Box::new(decoder)
+    } else {
+        Box::new(PngDecoder::with_limits(file, decoder_limits).map_err(|error| translate(error, path))?)
+    };
+    if is_jpeg(path) && !matches!(decoder.orientation(), Ok(Orientation::NoTransforms)) {
+        let message = "the image is turned by its EXIF orientation: turn its pixels, as with \
+                       `mogrify -auto-orient FILE`";
+        return Err(Error::unsupported(message).in_file(path));
+    }
     if decoder.total_bytes() > cap {
         let message = format!(
             "the header claims {} bytes of pixels, more than a file of {} bytes may ({cap} bytes)",
@@ -221,10 +263,8 @@ fn decode(path: &Path, limits: &ReadLimits) -> Result<DynamicImage> {
 fn translate(error: ImageError, path: &Path) -> Error {
     match error {
         ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => Error::io(path, source),
-        ImageError::Unsupported(what) => {
-            Error::unsupported(format!("the PNG file cannot be read: {what}")).in_file(path)
-        }
-        other => Error::invalid(format!("the PNG file is damaged: {other}")).in_file(path),
+        ImageError::Unsupported(what) => Error::unsupported(format!("the image cannot be read: {what}")).in_file(path),
+        other => Error::invalid(format!("the image is damaged: {other}")).in_file(path),
     }
 }
 

@@ -19,24 +19,30 @@ struct Device {
     columns: u32,
     rows: u32,
     size: [u32; 2],
+    /// Width and height of the display.
+    aspect: [u32; 2],
 }
 
-const fn device(name: &'static str, [columns, rows]: [u32; 2], size: [u32; 2]) -> Device {
-    Device { name, columns, rows, size }
+const fn device(name: &'static str, [columns, rows]: [u32; 2], size: [u32; 2], aspect: [u32; 2]) -> Device {
+    Device { name, columns, rows, size, aspect }
 }
+
+/// Landscape and portrait displays.
+const WIDE: [u32; 2] = [16, 9];
+const HIGH: [u32; 2] = [9, 16];
 
 /// Source: "Quilt Settings by Device", docs.lookingglassfactory.com/keyconcepts/quilts, as of 2026. Displays of the second
 /// generation, `-gen2`, are listed in earlier editions of that page and in lookingglassfactory.com/tutorial/what-is-a-quilt.
 const DEVICES: [Device; 9] = [
-    device("portrait", [8, 6], [3360, 3360]),
-    device("go", [11, 6], [4092, 4092]),
-    device("16", [7, 7], [5999, 5999]),
-    device("16-portrait", [11, 6], [5995, 6000]),
-    device("16-gen2", [5, 9], [4096, 4096]),
-    device("32", [7, 7], [8190, 8190]),
-    device("32-portrait", [11, 6], [8184, 8184]),
-    device("32-gen2", [5, 9], [8192, 8192]),
-    device("65", [8, 9], [8192, 8192]),
+    device("portrait", [8, 6], [3360, 3360], [3, 4]),
+    device("go", [11, 6], [4092, 4092], HIGH),
+    device("16", [7, 7], [5999, 5999], WIDE),
+    device("16-portrait", [11, 6], [5995, 6000], HIGH),
+    device("16-gen2", [5, 9], [4096, 4096], WIDE),
+    device("32", [7, 7], [8190, 8190], WIDE),
+    device("32-portrait", [11, 6], [8184, 8184], HIGH),
+    device("32-gen2", [5, 9], [8192, 8192], WIDE),
+    device("65", [8, 9], [8192, 8192], WIDE),
 ];
 
 /// Maximum number of columns, and of rows.
@@ -108,6 +114,14 @@ impl QuiltLayout {
     /// Returns the name of the device that the layout belongs to.
     pub fn device(self) -> Option<&'static str> {
         DEVICES.iter().find(|device| device.layout() == self).map(|device| device.name)
+    }
+
+    /// Returns width / height of a view as displayed: that of the device, whose tiles need not have it, since their pixels are
+    /// stretched; else that of `view_size` in pixels.
+    pub fn aspect(self, view_size: [u32; 2]) -> f64 {
+        let device = DEVICES.iter().find(|device| device.layout() == self);
+        let [width, height] = device.map_or(view_size, |device| device.aspect).map(f64::from);
+        width / height
     }
 
     /// Returns the width and height in pixels of the views that the device expects, rounded down.
@@ -203,22 +217,23 @@ pub struct QuiltName {
     pub aspect: Option<f64>,
 }
 
-/// Parses the layout of a file name such as `name_qs8x6a0.75.png` or `name_qs8x6.png`; `None` if the stem does not end with a
-/// layout.
+/// Parses the layout of a file name such as `name_qs8x6a0.75.png`, `name_QS8x6.png` or `name_qs8x6a0.75_0001.png`; `None` if the
+/// stem has no layout. Of several, the last counts.
 pub fn parse_quilt_name(path: &Path) -> Option<QuiltName> {
-    let stem = path.file_stem()?.to_str()?;
+    let stem = path.file_stem()?.to_str()?.to_ascii_lowercase();
     let (_, suffix) = stem.rsplit_once(SUFFIX)?;
     let (columns, rest) = whole_number(suffix)?;
     let (rows, rest) = whole_number(rest.strip_prefix('x')?)?;
-    let aspect = match rest.strip_prefix('a') {
+    let (aspect, rest) = match rest.strip_prefix('a') {
         Some(text) if text.starts_with(|c: char| c.is_ascii_digit()) => {
-            Some(text.parse::<f64>().ok().filter(|aspect| *aspect > 0.0 && aspect.is_finite())?)
+            let end = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
+            let aspect = text[..end].parse::<f64>().ok().filter(|aspect| *aspect > 0.0 && aspect.is_finite())?;
+            (Some(aspect), &text[end..])
         }
-        None if rest.is_empty() => None,
-        _ => return None,
+        _ => (None, rest),
     };
-    let is_decimal = rest.trim_start_matches('a').bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
-    (is_decimal && columns > 0 && rows > 0).then_some(QuiltName { columns, rows, aspect })
+    let ends = !rest.starts_with(|c: char| c.is_alphanumeric());
+    (ends && columns > 0 && rows > 0).then_some(QuiltName { columns, rows, aspect })
 }
 
 /// Splits a text into the number at its start and the remaining text.
@@ -331,6 +346,7 @@ mod tests {
             let view_size = layout.view_size().unwrap();
             assert_eq!(chosen(device.columns * device.rows, view_size), (layout.to_string(), Some(device.name)));
             assert_eq!(layout, device.name.parse().unwrap());
+            assert!([0.75, 0.5625, 16.0 / 9.0].contains(&layout.aspect(view_size)), "{}", device.name);
             let whole = layout.picture_size(view_size).unwrap() == device.size;
             assert_eq!(whole, !["16-gen2", "32-gen2", "65"].contains(&device.name), "{}", device.name);
         }
@@ -338,6 +354,7 @@ mod tests {
         assert_eq!(chosen(66, [372, 682]), ("11x6".to_owned(), Some("go")));
         assert_eq!(chosen(48, [421, 560]).1, None);
         assert_eq!(chosen(47, [420, 560]).1, None);
+        assert_eq!(QuiltLayout::new(8, 6).unwrap().aspect([420, 210]), 2.0);
     }
 
     #[test]
@@ -398,11 +415,13 @@ mod tests {
         assert_eq!(name("_qs5x9a1.7778.exr"), Some((5, 9, Some(1.7778))));
         assert_eq!(name("q_qs2x2a1_qs11x6a2.png"), Some((11, 6, Some(2.0))));
         assert_eq!(name("q_qs8x6.webp"), Some((8, 6, None)));
+        assert_eq!(name("q_QS8X6A0.75.PNG"), Some((8, 6, Some(0.75))));
+        assert_eq!(name("q_qs8x6a0.75_0001.png"), Some((8, 6, Some(0.75))));
+        assert_eq!(name("q_qs8x6-left.png"), Some((8, 6, None)));
         let others = [
             "q.png",
             "q_qs.png",
             "my_qsort.png",
-            "q_qs8x6_b.png",
             "q_qs8x6a.png",
             "q_qs0x6a1.png",
             "q_qs8x6a0.png",

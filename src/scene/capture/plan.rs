@@ -87,8 +87,9 @@ impl CapturePlan {
             faces_present: None,
             face_names: None,
             stereo: None,
-            depth: wants(Pass::Depth).then(|| DepthInfo { kind: self.depth, ..DepthInfo::default() }),
-            color: wants(Pass::Color).then_some(ColorInfo { space: Some(ColorSpace::LinearRec709), layer: None }),
+            depth: wants(Pass::Depth).then(|| DepthInfo { kind: self.depth.into(), ..DepthInfo::default() }),
+            color: wants(Pass::Color)
+                .then_some(ColorInfo { space: Some(ColorSpace::LinearRec709), ..ColorInfo::default() }),
             material: wants(Pass::Material).then(|| MaterialInfo { channels: Default::default() }),
             alpha: None,
             missing: None,

@@ -1,7 +1,11 @@
 //! Reads a glTF file as a [`Stage`].
 
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
+
+use glam::{DQuat, DVec3};
 
 use super::animation::Animation;
 use super::deform::Skin;
@@ -12,9 +16,9 @@ use super::stage::{Instance, Stage};
 use crate::mesh::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
 use crate::mesh::folder::Folder;
 use crate::mesh::gltf::buffers::Buffers;
-use crate::mesh::gltf::document::{self, Parsed};
+use crate::mesh::gltf::document::{self, Parsed, Transforms};
 use crate::mesh::gltf::materials::{self, Paint};
-use crate::mesh::gltf::nodes::Nodes;
+use crate::mesh::gltf::nodes::{Nodes, Pose, quaternion};
 use crate::mesh::gltf::primitives::{self, Geometry};
 use codec::error::{Error, Result};
 
@@ -28,10 +32,12 @@ pub struct Read {
 }
 
 pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> Result<Read> {
-    let Parsed { document, blob } = document::parse(bytes)?;
+    let Parsed { document, blob, hidden, instanced, ignored } = document::parse(bytes)?;
+    notes.extend(ignored.iter().map(|name| format!("the extension {name} is ignored")));
     let root = document.as_json();
     let mut buffers = Buffers::new(root, blob, Folder::of(path), Budget::new(bytes.len() as u64));
-    let nodes = Nodes::read(&document)?;
+    let mut nodes = Nodes::read(&document)?;
+    nodes.hide(&hidden);
     let paints = materials::read_all(&document, &mut buffers, notes);
     let lights = lights::read(&document, &nodes.shown)?;
     let mut skins = Vec::new();
@@ -41,20 +47,34 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
     }
     let mut meshes = Meshes { known: vec![None; document.meshes().len()], paints: &paints, skipped: 0 };
     let mut instances = Vec::new();
+    let mut copies = BTreeMap::new();
+    for (node, transforms) in &instanced {
+        let poses = instance_poses(transforms, &mut buffers).map_err(|error| error.context(format!("node {node}")))?;
+        copies.insert(*node, poses.into_iter().map(|pose| nodes.add_child(*node, pose)).collect::<Vec<_>>());
+    }
     for node in document.nodes().filter(|node| nodes.shown[node.index()]) {
         let Some(mesh) = node.mesh() else { continue };
         let number = node.index();
+        let places = copies.remove(&number).unwrap_or_else(|| vec![number]);
         let weights = node.weights().or(mesh.weights()).unwrap_or_default();
         for geometry in meshes.get(&mesh, &mut buffers)? {
             let context = |error: Error| error.context(format!("node {number}"));
             let skin = node.skin().map(|skin| skin.index()).filter(|_| !geometry.influences.is_empty());
-            buffers.budget.take(geometry.triangles.len() as u64, TRIANGLE_BYTES, "triangles").map_err(context)?;
-            buffers.budget.take(geometry.positions.len() as u64, CORNER_BYTES, "corners").map_err(context)?;
+            let count = places.len() as u64;
+            let (triangles, corners) = (geometry.triangles.len() as u64, geometry.positions.len() as u64);
+            buffers.budget.take(count * triangles, TRIANGLE_BYTES, "triangles").map_err(context)?;
+            buffers.budget.take(count * corners, CORNER_BYTES, "corners").map_err(context)?;
             if let Some(skin) = skin {
                 skins[skin].check(geometry).map_err(context)?;
             }
-            let weights = weights.iter().map(|&weight| f64::from(weight)).collect();
-            instances.push(Instance { node: number, skin, weights, geometry: geometry.clone(), is_moving: false });
+            let weights: Vec<f64> = weights.iter().map(|&weight| f64::from(weight)).collect();
+            instances.extend(places.iter().map(|&node| Instance {
+                node,
+                skin,
+                weights: weights.clone(),
+                geometry: geometry.clone(),
+                is_moving: false,
+            }));
         }
     }
     if meshes.skipped > 0 {
@@ -63,23 +83,27 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
 
     let name = |number: usize| root.animations[number].name.clone().unwrap_or_else(|| format!("animation {number}"));
     let animations: Vec<String> = (0..root.animations.len()).map(name).collect();
+    let of_name = |name: &str| animations.iter().position(|other| other == name);
     let chosen = match play {
-        Play::First => (!animations.is_empty()).then_some(0),
-        Play::Named(name) => Some(animations.iter().position(|other| other == name).ok_or_else(|| {
-            let all = animations[..animations.len().min(20)].join(", ");
-            let all = if animations.is_empty() { "none".to_string() } else { all };
-            let all = printable(&format!("it has {all}"));
-            Error::Usage(format!("{}: there is no animation “{name}”; {all}", path.display()))
-        })?),
+        Play::All => 0..animations.len(),
+        Play::Named(name) => match of_name(name) {
+            Some(at) => at..at + 1,
+            None if name == "all" => 0..animations.len(),
+            None => {
+                let all = animations[..animations.len().min(20)].join(", ");
+                let all = if animations.is_empty() { "none".to_string() } else { all };
+                let all = printable(&format!("it has {all}"));
+                return Err(Error::Usage(format!("{}: there is no animation “{name}”; {all}", path.display())));
+            }
+        },
     };
-    let animation = match chosen {
-        None => Animation::default(),
-        Some(number) => Animation::read(&root.animations[number], root.nodes.len(), &mut buffers)
-            .map_err(|error| error.context(format!("animation {number}")))?,
-    };
-    if let (Play::First, [first, _, ..]) = (play, animations.as_slice()) {
-        let shown: String = first.chars().take(80).collect();
-        notes.push(format!("only the first of {} animations is used, “{shown}”", animations.len()));
+    let (animation, left_out) = together(chosen, &mut buffers)?;
+    if let [first, others @ ..] = left_out.as_slice() {
+        let shown: String = animations[*first].chars().take(80).collect();
+        let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
+        notes.push(format!(
+            "the animation “{shown}”{more} left out: others move the same nodes; choose one by its name"
+        ));
     }
     let materials = paints.into_iter().map(shaded).collect();
     let durations_s = root.animations.iter().map(|animation| stated_duration_s(root, animation)).collect();
@@ -88,6 +112,48 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
     let mut stage = Stage { nodes, instances, skins, materials, lights, animation, is_moving: false };
     stage.find_moving();
     Ok(Read { stage, animations, durations_s, contents })
+}
+
+/// Joins animations that move different nodes or properties. Returns the numbers of those that are left out because an earlier
+/// one moves the same property of a node.
+fn together(chosen: Range<usize>, buffers: &mut Buffers) -> Result<(Animation, Vec<usize>)> {
+    let root = buffers.root;
+    let (mut all, mut left_out, mut taken) = (Animation::default(), Vec::new(), BTreeSet::new());
+    for number in chosen {
+        let context = |error: Error| error.context(format!("animation {number}"));
+        let animation = Animation::read(&root.animations[number], root.nodes.len(), buffers).map_err(context)?;
+        let targets: Vec<(usize, u8)> =
+            animation.channels.iter().map(|channel| (channel.node, channel.property as u8)).collect();
+        if targets.iter().any(|target| taken.contains(target)) {
+            left_out.push(number);
+            continue;
+        }
+        taken.extend(targets);
+        all.duration_s = all.duration_s.max(animation.duration_s);
+        all.channels.extend(animation.channels);
+    }
+    Ok((all, left_out))
+}
+
+/// Returns the transforms of the instances of a mesh, relative to its node (EXT_mesh_gpu_instancing).
+fn instance_poses(transforms: &Transforms, buffers: &mut Buffers) -> Result<Vec<Pose>> {
+    let translations = transforms.translation.map(|at| buffers.floats::<3>(at)).transpose()?;
+    let rotations = transforms.rotation.map(|at| buffers.floats::<4>(at)).transpose()?;
+    let scales = transforms.scale.map(|at| buffers.floats::<3>(at)).transpose()?;
+    let counts = [translations.as_ref().map(Vec::len), rotations.as_ref().map(Vec::len), scales.as_ref().map(Vec::len)];
+    let count = counts.into_iter().flatten().max().unwrap_or(0);
+    if counts.into_iter().flatten().any(|other| other != count) {
+        return Err(Error::invalid("its instances have lists of different lengths"));
+    }
+    let vector = |list: &Option<Vec<[f32; 3]>>, at: usize, usual: DVec3| {
+        list.as_ref().map_or(usual, |list| DVec3::from_array(list[at].map(f64::from)))
+    };
+    let pose = |at: usize| Pose {
+        translation: vector(&translations, at, DVec3::ZERO),
+        rotation: rotations.as_ref().map_or(DQuat::IDENTITY, |list| quaternion(list[at].map(f64::from))),
+        scale: vector(&scales, at, DVec3::ONE),
+    };
+    Ok((0..count).map(pose).collect())
 }
 
 /// Returns the maximum of the key times that the file states (glTF 2.0, section 3.6.2.5).

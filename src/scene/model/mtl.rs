@@ -1,18 +1,21 @@
 //! Materials of OBJ files (MTL).
 //!
 //! Ks and Ns define an unnormalised Phong highlight with peak Ks; the weight computed here keeps the peak. Ns is the exponent
-//! about the mirror direction. Illumination models 3 and 5 are mirrors; 4, 6, 7 and 9 are glass.
+//! about the mirror direction. Pm and Pr (the PBR extension) select a metallic-roughness material, with Kd as its base colour.
+//! Exporters write illumination models for materials that are neither mirrors nor glass, so models 3 and 5 are mirrors only where
+//! Ks exceeds Kd, and 4, 6, 7 and 9 are glass only where the file states no opacity, or one below a half.
 
 use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec2};
 
+use super::materials::shaded;
 use crate::mesh::budget::Budget;
 use crate::mesh::folder::Folder;
-use crate::mesh::gltf::materials::unit;
+use crate::mesh::gltf::materials::{Paint, unit};
 use crate::mesh::{ImageTexture, Material, Wrap};
 use crate::mesh_scene::{MeshMaterial, Optics, Phong};
 use codec::error::Result;
@@ -27,6 +30,26 @@ pub struct Library<'a> {
     pub notes: &'a mut Vec<String>,
     /// Textures by statement; `None` if a texture cannot be read.
     pub textures: BTreeMap<String, Option<Arc<ImageTexture>>>,
+}
+
+/// Scale and offset of texture coordinates, with v upwards.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placement {
+    scale: Vec2,
+    offset: Vec2,
+}
+
+impl Default for Placement {
+    fn default() -> Self {
+        Placement { scale: Vec2::ONE, offset: Vec2::ZERO }
+    }
+}
+
+impl Placement {
+    /// Returns the coordinates in the texture.
+    pub fn place(self, uv: Vec2) -> Vec2 {
+        uv * self.scale + self.offset
+    }
 }
 
 impl Library<'_> {
@@ -48,6 +71,21 @@ impl Library<'_> {
         loaded
     }
 
+    /// Returns the placement of the texture of a material; that of its first map, as all maps share their coordinates.
+    pub fn placement(&mut self, material: &tobj::Material) -> Placement {
+        let maps = [
+            material.diffuse_texture.as_deref(),
+            material.dissolve_texture.as_deref(),
+            material.unknown_param.get("map_Ke").map(String::as_str),
+        ];
+        let placements: Vec<Placement> = maps.into_iter().flatten().map(|map| Map::parse(map).placement).collect();
+        if placements.iter().any(|placement| *placement != placements[0]) {
+            let name: String = material.name.chars().take(80).collect();
+            self.notes.push(format!("the maps of “{name}” have several -o or -s: those of the first are used for all"));
+        }
+        placements.first().copied().unwrap_or_default()
+    }
+
     pub fn convert(&mut self, material: &tobj::Material) -> MeshMaterial {
         let color = |value: Option<[f32; 3]>| value.map(|value| DVec3::from_array(value.map(unit)));
         let other = |name: &str| material.unknown_param.get(name).map(String::as_str);
@@ -63,9 +101,16 @@ impl Library<'_> {
         let alpha = material.dissolve.or(transparency).map_or(1.0, unit);
         let specular = color(material.specular).unwrap_or(DVec3::ZERO);
         let ior = material.optical_density.map_or(1.0, f64::from);
+        let number = |name: &str| other(name).and_then(|text| text.trim().parse::<f32>().ok()).map(unit);
+        let metal_rough = [number("Pm"), number("Pr")];
+        let is_metal_rough = metal_rough != [None; 2];
+        let states_opacity = material.dissolve.or(transparency).is_some();
+        let reflects = specular.max_element() >= color(material.diffuse).map_or(0.0, DVec3::max_element);
         let optics = match material.illumination_model {
-            Some(3 | 5) => Optics::Mirror { tint: if specular == DVec3::ZERO { DVec3::ONE } else { specular } },
-            Some(4 | 6 | 7 | 9) => Optics::Glass {
+            Some(3 | 5) if reflects && !is_metal_rough => {
+                Optics::Mirror { tint: if specular == DVec3::ZERO { DVec3::ONE } else { specular } }
+            }
+            Some(4 | 6 | 7 | 9) if !states_opacity || alpha < CUTOFF => Optics::Glass {
                 ior: if ior > 1.0 && ior < 100.0 { ior } else { 1.5 },
                 tint: other("Tf").and_then(three).unwrap_or(DVec3::ONE),
             },
@@ -103,6 +148,14 @@ impl Library<'_> {
             emissive_texture,
             ..Material::default()
         };
+        if is_metal_rough && is_opaque {
+            let [metallic, roughness] = metal_rough;
+            let mean_color = base_color * plain.base_texture.as_deref().map_or(DVec3::ONE, |map| map.means()[0]);
+            let ior = if (1.0..100.0).contains(&ior) && material.optical_density.is_some() { ior } else { 1.5 };
+            let (metallic, roughness) = (metallic.unwrap_or(0.0), roughness.unwrap_or(1.0));
+            let material = Material { metallic, roughness, ior, ..plain };
+            return shaded(Paint { material, mean_color, coordinates: None });
+        }
         MeshMaterial { plain, phong: Phong { weight, exponent }, metal: DVec3::ZERO, optics }
     }
 
@@ -110,7 +163,7 @@ impl Library<'_> {
         if let Some(known) = self.textures.get(statement) {
             return known.clone();
         }
-        let (name, wrap) = file_of(statement);
+        let Map { name, wrap, .. } = Map::parse(statement);
         let read = |library: &mut Self| -> Result<ImageTexture> {
             let bytes = library.folder.fetch(name, library.budget)?;
             ImageTexture::decode(&bytes, [wrap; 2], library.budget).map_err(|error| error.context(name))
@@ -150,40 +203,57 @@ fn plain(text: &str) -> String {
     plain
 }
 
-/// Returns the file name of a map statement, after its options, and the wrap mode that they select.
-fn file_of(statement: &str) -> (&str, Wrap) {
-    let mut rest = statement.trim();
-    let mut wrap = Wrap::Repeat;
-    while rest.starts_with('-') {
-        let cut = |text: &mut &str| -> String {
-            let end = text.find(char::is_whitespace).unwrap_or(text.len());
-            let word = text[..end].to_string();
-            *text = text[end..].trim_start();
-            word
-        };
-        let option = cut(&mut rest);
-        match option.as_str() {
-            "-o" | "-s" | "-t" => {
-                for _ in 0..3 {
-                    let next = rest.split_whitespace().next().unwrap_or("");
-                    if next.parse::<f32>().is_err() {
-                        break;
+/// A map statement: options, then the name of a file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Map<'a> {
+    name: &'a str,
+    wrap: Wrap,
+    placement: Placement,
+}
+
+impl<'a> Map<'a> {
+    fn parse(statement: &'a str) -> Map<'a> {
+        let mut rest = statement.trim();
+        let (mut wrap, mut placement) = (Wrap::Repeat, Placement::default());
+        while rest.starts_with('-') {
+            let cut = |text: &mut &'a str| -> &'a str {
+                let end = text.find(char::is_whitespace).unwrap_or(text.len());
+                let word = &text[..end];
+                *text = text[end..].trim_start();
+                word
+            };
+            let option = cut(&mut rest);
+            match option {
+                "-o" | "-s" | "-t" => {
+                    let mut numbers = Vec::new();
+                    while let Some(Ok(number)) = rest.split_whitespace().next().map(str::parse::<f32>)
+                        && numbers.len() < 3
+                    {
+                        numbers.push(number);
+                        cut(&mut rest);
                     }
+                    let is_finite = numbers.iter().all(|number| number.is_finite());
+                    let given =
+                        |usual: f32| Vec2::from_array([0, 1].map(|at| numbers.get(at).copied().unwrap_or(usual)));
+                    match option {
+                        "-o" if is_finite => placement.offset = given(0.0),
+                        "-s" if is_finite => placement.scale = given(1.0),
+                        _ => {}
+                    }
+                }
+                "-mm" => {
+                    cut(&mut rest);
                     cut(&mut rest);
                 }
+                "-clamp" => wrap = if cut(&mut rest) == "on" { Wrap::Clamp } else { wrap },
+                "-blendu" | "-blendv" | "-cc" | "-bm" | "-boost" | "-texres" | "-imfchan" | "-type" => {
+                    cut(&mut rest);
+                }
+                _ => {}
             }
-            "-mm" => {
-                cut(&mut rest);
-                cut(&mut rest);
-            }
-            "-clamp" => wrap = if cut(&mut rest) == "on" { Wrap::Clamp } else { wrap },
-            "-blendu" | "-blendv" | "-cc" | "-bm" | "-boost" | "-texres" | "-imfchan" | "-type" => {
-                cut(&mut rest);
-            }
-            _ => {}
         }
+        Map { name: rest, wrap, placement }
     }
-    (rest, wrap)
 }
 
 /// Parses three numbers, or one for all, and clamps them to at least 0.
@@ -233,10 +303,23 @@ mod tests {
 
     #[test]
     fn names_of_maps_stand_behind_their_options() {
-        assert_eq!(file_of(" a b.png "), ("a b.png", Wrap::Repeat));
-        assert_eq!(file_of("-s 1 2 -clamp on -o 0.5 a.png"), ("a.png", Wrap::Clamp));
-        assert_eq!(file_of("-mm 0 1 -bm 2 -clamp off x y.png"), ("x y.png", Wrap::Repeat));
-        assert_eq!(file_of("-s"), ("", Wrap::Repeat));
-        assert_eq!(file_of("-"), ("", Wrap::Repeat));
+        let name_and_wrap = |statement: &'static str| {
+            let map = Map::parse(statement);
+            (map.name, map.wrap)
+        };
+        assert_eq!(name_and_wrap(" a b.png "), ("a b.png", Wrap::Repeat));
+        assert_eq!(name_and_wrap("-s 1 2 -clamp on -o 0.5 a.png"), ("a.png", Wrap::Clamp));
+        assert_eq!(name_and_wrap("-mm 0 1 -bm 2 -clamp off x y.png"), ("x y.png", Wrap::Repeat));
+        assert_eq!(name_and_wrap("-s"), ("", Wrap::Repeat));
+        assert_eq!(name_and_wrap("-"), ("", Wrap::Repeat));
+    }
+
+    #[test]
+    fn options_of_maps_place_the_texture() {
+        let placed = |statement: &str| Map::parse(statement).placement.place(Vec2::new(1.0, 0.5)).to_array();
+        assert_eq!(placed("-o 0.5 0.25 -s 0.5 2 a.png"), [1.0, 1.25]);
+        assert_eq!(placed("-s 3 a.png"), [3.0, 0.5]);
+        assert_eq!(placed("-s 2 2 1 -o 0.25 0 0 a.png"), [2.25, 1.0]);
+        assert_eq!(placed("-t 1 1 1 -s nan 1 a.png"), [1.0, 0.5]);
     }
 }

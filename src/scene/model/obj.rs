@@ -41,7 +41,11 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Scene
     let (models, materials) = loaded.map_err(|error| Error::invalid(format!("the OBJ file is damaged: {error}")))?;
     let mut library = library.into_inner();
     let mut paints = vec![MeshMaterial::default()];
-    paints.extend(materials.unwrap_or_default().iter().map(|material| library.convert(material)));
+    let mut placements = vec![mtl::Placement::default()];
+    for material in materials.unwrap_or_default() {
+        placements.push(library.placement(&material));
+        paints.push(library.convert(&material));
+    }
     drop(text);
 
     let count = |numbers: &[f32], size: usize| numbers.len() / size;
@@ -65,7 +69,8 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Scene
         };
         let material = mesh.material_id.map_or(0, |id| id + 1).min(paints.len() - 1);
         // In OBJ, v increases upwards.
-        let uvs: Vec<Vec2> = uvs.as_chunks::<2>().0.iter().map(|&[u, v]| Vec2::new(u, 1.0 - v)).collect();
+        let place = |&uv: &[f32; 2]| placements[material].place(uv.into());
+        let uvs: Vec<Vec2> = uvs.as_chunks::<2>().0.iter().map(place).map(|uv| Vec2::new(uv.x, 1.0 - uv.y)).collect();
         let colors = if aligned(mesh, &mesh.vertex_color, 3) { mesh.vertex_color.as_slice() } else { &[] };
         let colors: Vec<Vec4> = colors.as_chunks::<3>().0.iter().map(|&srgb| linear(srgb)).collect();
         let positions = vectors(&mesh.positions);

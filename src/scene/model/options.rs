@@ -5,10 +5,10 @@ const MAX_NOTE: usize = 400;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Play<'a> {
-    /// The first animation, if there is any.
+    /// All animations that do not move what an earlier one moves.
     #[default]
-    First,
-    /// The first animation of this name, as listed in `Model::animations`.
+    All,
+    /// The first animation of this name, as listed in `Model::animations`; `all` for all, unless one has that name.
     Named(&'a str),
 }
 

@@ -29,7 +29,7 @@ pub struct ClosedMesh {
 
 impl ClosedMesh {
     pub fn open(path: &Path) -> Result<ClosedMesh> {
-        let (model, _) = Model::open(path, Play::First)?;
+        let (model, _) = Model::open(path, Play::All)?;
         let meshes = model.at(0.0).meshes.iter().map(|part| part.mesh.clone()).collect();
         Self::new(meshes).map_err(|error| error.in_file(path))
     }

@@ -40,7 +40,7 @@ fn run(file: &NamedTempFile, bytes: &[u8]) -> Judged {
 }
 
 fn look(path: &Path) -> Judged {
-    let model = Model::open(path, Play::First);
+    let model = Model::open(path, Play::All);
     if let Ok((model, notes)) = &model {
         if notes.iter().any(|note| note.trim().is_empty()) {
             return Err("a note without words".into());
@@ -114,7 +114,7 @@ pub fn run_obj(bytes: &[u8]) -> Judged {
 pub fn run_mtl(bytes: &[u8]) -> Judged {
     MTL.with(|(mtl, obj)| {
         std::fs::write(mtl.path(), bytes).expect("the temporary file is written");
-        let refused = Model::open(obj.path(), Play::First)
+        let refused = Model::open(obj.path(), Play::All)
             .is_ok_and(|(_, notes)| notes.iter().any(|note| note.starts_with("materials")));
         let judged = look(obj.path())?;
         Ok(if refused { Verdict::Refused } else { judged })

@@ -9,11 +9,12 @@ use codec::image::Face;
 /// Name of the probe if there is only one.
 const ONLY_PROBE: &str = "00";
 
-/// Words for faces. Words of the first two sets are unambiguous.
+/// Words for faces, in the order of [`Face::CUBE`]. Words of the first two sets are unambiguous; those of the last name cameras,
+/// whose front looks along −Z.
 const FACE_WORDS: [[&[&str]; 6]; 3] = [
     [&["px"], &["nx"], &["py"], &["ny"], &["pz"], &["nz"]],
     [&["posx", "xpos"], &["negx", "xneg"], &["posy", "ypos"], &["negy", "yneg"], &["posz", "zpos"], &["negz", "zneg"]],
-    [&["right", "rt"], &["left", "lf"], &["top", "up"], &["bottom", "down", "dn"], &["front", "fr"], &["back", "bk"]],
+    [&["right", "rt"], &["left", "lf"], &["top", "up"], &["bottom", "down", "dn"], &["back", "bk"], &["front", "fr"]],
 ];
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,6 +25,8 @@ pub struct Named {
     pub members: BTreeMap<(String, Face), usize>,
     /// Words for the faces in the names.
     pub faces: BTreeMap<Face, String>,
+    /// True if these words name cameras, such as front and back.
+    pub are_cameras: bool,
     /// Indices of sequences whose names have another form.
     pub left_out: Vec<usize>,
 }
@@ -53,9 +56,10 @@ pub fn name(texts: &[&str]) -> Result<Named> {
             return Err(Error::invalid(format!("two sequences have the same probe and face, as {}", texts[*at])));
         }
     }
-    let faces = faces.into_iter().flatten().collect();
+    let faces: BTreeMap<Face, String> = faces.into_iter().flatten().collect();
+    let are_cameras = faces.values().any(|word| face_of(word, &FACE_WORDS[2]).is_some());
     let text = rows.first().map(|row| row.concat()).unwrap_or_default();
-    Ok(Named { text, members, faces, left_out })
+    Ok(Named { text, members, faces, are_cameras, left_out })
 }
 
 /// Splits a text into runs of letters and digits, and single other characters.

@@ -19,6 +19,8 @@ const MAX_FOLDERS: usize = 8;
 const MAX_FILES: usize = 2_000_000;
 /// Words that mark depth files by name.
 const DEPTH_WORDS: [&str; 6] = ["depth", "zdepth", "z", "dist", "distance", "range"];
+/// Words that mark files of disparity or inverse depth by name.
+const DISPARITY_WORDS: [&str; 6] = ["disparity", "disp", "invdepth", "inversedepth", "idepth", "inverse"];
 /// Words in the names of files that look like colour but hold another render pass.
 const OTHER_WORDS: [&str; 22] = [
     "albedo",
@@ -57,7 +59,9 @@ pub struct Found {
     pub kinds: BTreeSet<StreamKind>,
     /// True if colour has to be selected by the name of an eye.
     pub has_eyes: bool,
-    /// EXR header of the first file; `None` for PNG files.
+    /// Channel that holds depth by the name of the file, where the names of channels are those of colour.
+    pub depth_channel: Option<String>,
+    /// EXR header of the first file; `None` for files of integer codes.
     pub header: Option<FileHeader>,
 }
 
@@ -66,12 +70,21 @@ impl Found {
     pub fn channels(&self) -> String {
         let names = self.header.iter().flat_map(|header| &header.channels).map(|channel| channel.name.clone());
         let names: Vec<String> = names.take(12).collect();
-        if names.is_empty() { "of a PNG file".into() } else { names.join(", ") }
+        if names.is_empty() { "of integer codes".into() } else { names.join(", ") }
     }
 
     /// Channels to read for inspection; the left of two eyes.
     pub fn select(&self) -> ChannelSelect {
-        if self.has_eyes { ChannelSelect::Named(EYES[0].into()) } else { ChannelSelect::Auto }
+        match &self.depth_channel {
+            Some(channel) => ChannelSelect::Named(channel.clone()),
+            None if self.has_eyes => ChannelSelect::Named(EYES[0].into()),
+            None => ChannelSelect::Auto,
+        }
+    }
+
+    /// True if the name says that the files hold disparity or inverse depth.
+    pub fn is_disparity(&self) -> bool {
+        words(&self.text).iter().any(|word| DISPARITY_WORDS.contains(&word.as_str()))
     }
 
     /// Returns the file of a frame.
@@ -82,13 +95,32 @@ impl Found {
     }
 }
 
-/// Finds all sequences, sorted by name. Files that cannot be part of a sequence are noted in `unsure`.
-pub fn find(folder: &Path, limits: &ReadLimits, unsure: &mut Vec<String>) -> Result<Vec<Found>> {
+/// How file names are read.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Numbers {
+    /// As frames of a film, if any name has a number.
+    #[default]
+    Frames,
+    /// As names of views that were taken at one moment.
+    Views,
+}
+
+/// Finds all sequences, sorted by name. Files that cannot be part of a sequence are noted in `unsure`. Files are stills, each a
+/// sequence of frame 0, if no name has a number or numbers are names of views.
+pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits, unsure: &mut Vec<String>) -> Result<Vec<Found>> {
     let mut groups: BTreeMap<[String; 3], BTreeMap<u32, String>> = BTreeMap::new();
     let mut unnumbered = Vec::new();
+    let mut times = Vec::new();
     for file in images_below(folder)? {
         let (place, name) = file.rsplit_once('/').unwrap_or(("", file.as_str()));
-        let numbered = split_number(name).and_then(|(before, number, after)| {
+        let split = split_number(name).filter(|_| numbers == Numbers::Frames);
+        if let Some((before, number, _)) = split
+            && is_time(before, number)
+        {
+            times.push(file);
+            continue;
+        }
+        let numbered = split.and_then(|(before, number, after)| {
             Some(([place.to_owned(), before.to_owned(), after.to_owned()], number.parse::<u32>().ok()?, number))
         });
         match numbered {
@@ -96,11 +128,31 @@ pub fn find(folder: &Path, limits: &ReadLimits, unsure: &mut Vec<String>) -> Res
             None => unnumbered.push(file),
         }
     }
+    if let [first, others @ ..] = times.as_slice() {
+        let message = format!(
+            "{first} and {} more are named by times, not by frames: pair colour and depth by the nearest time, as \
+             associate.py of TUM RGB-D does, and give the files numbers from 0",
+            others.len()
+        );
+        return Err(Error::unsupported(message).in_file(folder));
+    }
+    let mut found = Vec::new();
+    if groups.is_empty() {
+        for file in std::mem::take(&mut unnumbered) {
+            let text = file.replace('%', "%%");
+            match is_pattern(&text) && Pattern::parse(&text).is_ok_and(|pattern| !pattern.has_field()) {
+                true => found.push(look(text, folder.join(&file), BTreeSet::from([0]), limits)?),
+                false => unsure.push(format!("{file} was left out: {NO_PATTERN}")),
+            }
+        }
+        if !found.is_empty() && numbers == Numbers::Frames {
+            unsure.push("no file name has a frame number: each file was taken for a still of one frame".into());
+        }
+    }
     if let [first, others @ ..] = unnumbered.as_slice() {
         let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
         unsure.push(format!("{first}{more} left out: the name has no frame number"));
     }
-    let mut found = Vec::new();
     for ([place, before, after], numbers) in groups {
         let digits = numbers.values().map(String::len).min().unwrap_or(1);
         let [before, after] = [before, after].map(|text| text.replace('%', "%%"));
@@ -109,12 +161,12 @@ pub fn find(folder: &Path, limits: &ReadLimits, unsure: &mut Vec<String>) -> Res
         let text = if place.is_empty() { name.clone() } else { format!("{place}/{name}") };
         let frames: BTreeSet<u32> = numbers.keys().copied().collect();
         let (Some(frame), Ok(pattern)) = (frames.first().copied(), Pattern::parse(&name)) else {
-            unsure.push(format!("{text} was left out: its name cannot be written as a pattern"));
+            unsure.push(format!("{text} was left out: {NO_PATTERN}"));
             continue;
         };
         let first = pattern.below(&folder.join(&place)).path(frame);
-        if !first.is_file() || text.contains(['{', '}']) {
-            unsure.push(format!("{text} was left out: its name cannot be written as a pattern"));
+        if !first.is_file() || !is_pattern(&text) {
+            unsure.push(format!("{text} was left out: {NO_PATTERN}"));
             continue;
         }
         found.push(look(text, first, frames, limits)?);
@@ -128,6 +180,20 @@ pub fn find(folder: &Path, limits: &ReadLimits, unsure: &mut Vec<String>) -> Res
         }
     }
     Ok(found)
+}
+
+/// Reason for leaving files out.
+const NO_PATTERN: &str = "its name cannot be written as a pattern";
+
+/// True if nothing in a text would be replaced by the name of a probe or face.
+fn is_pattern(text: &str) -> bool {
+    !["{probe}", "{face}"].iter().any(|mark| text.contains(mark))
+}
+
+/// True if the number in a name is a time: seconds with a fraction, or nano- or microseconds.
+fn is_time(before: &str, number: &str) -> bool {
+    let seconds = before.strip_suffix('.').filter(|seconds| seconds.len() >= 9);
+    number.len() >= 15 || seconds.is_some_and(|seconds| seconds.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
 /// Returns the image files below a folder, sorted, as paths relative to it with `/` between folders.
@@ -148,7 +214,7 @@ fn images_below(folder: &Path) -> Result<Vec<String>> {
                 if depth < MAX_FOLDERS {
                     folders.push((relative, depth + 1));
                 }
-            } else if lower.ends_with(".exr") || lower.ends_with(".png") {
+            } else if [".exr", ".png", ".jpg", ".jpeg"].iter().any(|ending| lower.ends_with(ending)) {
                 files.push(relative);
             }
         }
@@ -169,30 +235,51 @@ fn words(text: &str) -> Vec<String> {
 }
 
 fn look(text: String, first: PathBuf, frames: BTreeSet<u32>, limits: &ReadLimits) -> Result<Found> {
-    let is_named_depth = words(&text).iter().any(|word| DEPTH_WORDS.contains(&word.as_str()));
-    if png::is_png(&first) {
-        let is_depth = is_named_depth || png::is_gray16(&first, limits)?;
-        let kind = if is_depth { StreamKind::Depth } else { StreamKind::Color };
+    let is_named = |names: &[&str]| words(&text).iter().any(|word| names.contains(&word.as_str()));
+    let is_named_depth = is_named(&DEPTH_WORDS) || is_named(&DISPARITY_WORDS);
+    if png::has_codes(&first) {
         let size = png::read_size(&first, limits)?;
-        return Ok(Found { text, first, frames, size, kinds: BTreeSet::from([kind]), has_eyes: false, header: None });
+        let is_depth = match is_named_depth {
+            true => png::read_depth(&first, 1.0, limits).is_ok(),
+            false => png::is_gray16(&first, limits)?,
+        };
+        // A picture of depth in false colours, or in JPEG, is neither depth nor colour.
+        let kind = match is_depth {
+            true => Some(StreamKind::Depth),
+            false => (!is_named_depth).then_some(StreamKind::Color),
+        };
+        let kinds = kind.into_iter().collect();
+        return Ok(Found { text, first, frames, size, kinds, has_eyes: false, depth_channel: None, header: None });
     }
     let header = exr::read_header(&first, limits)?;
     let names = &header.channels;
     let eyes = EYES.map(|eye| find_color(names, &ChannelSelect::Named(eye.into())).is_ok());
-    let color = find_color(names, &ChannelSelect::Auto);
+    let color = find_color(names, &ChannelSelect::Auto).ok();
     let has_eyes = eyes == [true; 2];
-    let is_gray = color.as_ref().is_ok_and(|[r, g, _]| r == g);
+    let gray = color.filter(|[r, g, _]| r == g).map(|[gray, ..]| gray);
     let of_eye = ChannelSelect::Named(EYES[0].into());
     let select = if has_eyes { &of_eye } else { &ChannelSelect::Auto };
+    let depth = find_depth(names, select).ok().filter(|depth| is_named_depth || Some(depth.channel) != gray);
+    let red = color.filter(|_| is_named_depth && depth.is_none() && gray.is_none()).map(|[red, ..]| red);
+    let depth_channel = match red {
+        Some(red) if is_equal_in_all(&first, limits)? => Some(names[red].full()),
+        _ => None,
+    };
     let mut kinds = BTreeSet::new();
-    if has_eyes || color.is_ok() && !(is_gray && is_named_depth) {
+    if has_eyes || color.is_some() && depth_channel.is_none() && !(gray.is_some() && is_named_depth) {
         kinds.insert(StreamKind::Color);
     }
-    if find_depth(names, select).is_ok() && (!is_gray || is_named_depth) {
+    if depth.is_some() || depth_channel.is_some() {
         kinds.insert(StreamKind::Depth);
     }
     if MaterialChannels::default().names().iter().all(|name| find_named(names, name).is_ok()) {
         kinds.insert(StreamKind::Material);
     }
-    Ok(Found { text, first, frames, size: header.size, kinds, has_eyes, header: Some(header) })
+    Ok(Found { text, first, frames, size: header.size, kinds, has_eyes, depth_channel, header: Some(header) })
+}
+
+/// True if red, green and blue of an EXR file are equal in every pixel.
+fn is_equal_in_all(path: &Path, limits: &ReadLimits) -> Result<bool> {
+    let plane = exr::read_color(path, &ChannelSelect::Auto, limits)?;
+    Ok(plane.data().iter().all(|pixel| pixel.iter().all(|value| value.to_bits() == pixel[0].to_bits())))
 }

@@ -3,11 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{
-    Background, MANIFEST_VERSION, MAX_SIDE, Manifest, Probe, Unit, check_intrinsics, file_pattern, pose_fault,
+    Background, FileDepth, MANIFEST_VERSION, MAX_SIDE, Manifest, Probe, Unit, check_intrinsics, file_pattern,
+    pose_fault,
 };
 use codec::error::{Error, Result};
 use codec::image::layout::eye_size;
-use codec::image::{DepthKind, Face, Projection, StreamKind};
+use codec::image::{Face, Projection, StreamKind};
 
 impl Manifest {
     pub fn validate(&self) -> Result<()> {
@@ -112,7 +113,21 @@ impl Manifest {
         {
             return wrong(format!("depth \"near\" is {near}, it must be below \"far\", {far}"));
         }
-        if depth.kind == DepthKind::Planar && self.projection == Projection::Equirect {
+        if depth.kind == FileDepth::Disparity {
+            if depth.unit.is_some() {
+                return wrong(
+                    "depth of \"kind\" \"disparity\" has a \"scale\", or \"near\" and \"far\", but no \"unit\"".into(),
+                );
+            }
+            if depth.disparity().is_none() {
+                return wrong(
+                    "depth of \"kind\" \"disparity\" needs a \"scale\" (baseline in metres times focal length in \
+                     pixels), or \"near\" and \"far\" in metres for the largest value and 0"
+                        .into(),
+                );
+            }
+        }
+        if depth.kind == FileDepth::Planar && self.projection == Projection::Equirect {
             return wrong(
                 "depth \"kind\" is \"planar\", but equirectangular images have no plane: use \"distance\"".into(),
             );
@@ -140,7 +155,7 @@ impl Manifest {
                 return wrong(format!("\"{text}\" has {{face}}, but one image holds them all"));
             }
             let pattern = file_pattern(text, "0", "px").map_err(|error| Error::invalid(error.to_string()))?;
-            if !pattern.has_field() {
+            if !pattern.has_field() && self.frames[0] != self.frames[1] {
                 return wrong(format!("\"{text}\" has no place for the frame number, such as %04d"));
             }
         }

@@ -136,7 +136,7 @@ impl SeuratView {
             return Ok(Layers { constants, pixels: None });
         };
         let read = || {
-            let is_png = png::is_png(path);
+            let is_png = png::has_codes(path);
             let size = if is_png { png::read_size(path, limits) } else { exr::read_size(path, limits) }?;
             self.check_size(size)?;
             let pixels = if is_png {

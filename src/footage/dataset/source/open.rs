@@ -5,14 +5,15 @@ use std::path::Path;
 
 use super::{Arrangement, Content, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions};
 use crate::dataset::manifest::{
-    DepthInfo, FaceFiles, MAX_SIDE, Manifest, MaterialChannels, Pose, check_intrinsics, is_probe_name, manifest_path,
+    DepthInfo, FaceFiles, MAX_SIDE, Manifest, MaterialChannels, Pose, check_intrinsics, intrinsics_of, is_probe_name,
+    manifest_path,
 };
 use crate::dataset::missing::FrameFiles;
 use crate::dataset::normals::NormalFiles;
 use crate::dataset::pixels::{DepthRules, FARTHEST_M};
 use crate::image_files::{exr, png};
 use codec::error::{Error, Result};
-use codec::image::equirect::{FaceMap, check_face_size};
+use codec::image::equirect::{FaceMap, check_face_size, full_face_size};
 use codec::image::layout::face_size;
 use codec::image::{DepthKind, Face, FaceLayout, FolderNames, FrameRange, Primaries, Projection, StreamKind};
 
@@ -46,13 +47,18 @@ impl Source {
         let content = match (manifest.projection, manifest.face_files()) {
             (Projection::Equirect, _) => Content::Equirect,
             (Projection::Perspective, _) | (_, FaceFiles::Six) => Content::Face,
+            (_, FaceFiles::Cameras) => Content::Camera,
             (_, FaceFiles::Cross) => Content::Faces(FaceLayout::Cross),
             (_, FaceFiles::Strip) => Content::Faces(FaceLayout::Strip),
         };
         let depth = manifest.depth.clone().unwrap_or_default();
-        let kind = options.depth_kind.unwrap_or(depth.kind);
+        let kind = options.depth_kind.unwrap_or(depth.kind.metric(manifest.projection));
+        let disparity = depth.disparity().filter(|_| options.depth_kind.is_none());
         let stated = manifest.depth.as_ref().and_then(DepthInfo::stated_scale);
         let scale = options.depth_scale.or(stated);
+        if disparity.is_some() && options.depth_scale.is_some() {
+            return Err(Error::Usage("`depth_scale`: the manifest says that depth files store disparity".into()));
+        }
         let space = options.color_space.or(manifest.color.as_ref().and_then(|color| color.space));
         let names = manifest.material.clone().map_or_else(MaterialChannels::default, |material| material.channels);
         let [width, height] = manifest.picture_size();
@@ -61,8 +67,9 @@ impl Source {
         source.file_size = manifest.size.into();
         source.name.clone_from(&manifest.name);
         source.fps = manifest.fps;
-        source.rules.scale = scale.unwrap_or(1.0);
-        source.scale_stated = scale.is_some();
+        source.rules.scale = scale.filter(|_| disparity.is_none()).unwrap_or(1.0);
+        source.rules.disparity = disparity;
+        source.scale_stated = scale.is_some() || disparity.is_some();
         source.rules.background = options.background.unwrap_or(depth.background.value());
         source.color_space = space;
         source.rules.farthest_m = depth.far.map_or(FARTHEST_M, |far| far.max(FARTHEST_M));
@@ -110,7 +117,7 @@ impl Source {
         }
         let faces = manifest.faces();
         let together: Vec<&[Face]> =
-            if content == Content::Face { faces.chunks(1).collect() } else { vec![faces.as_slice()] };
+            if manifest.has_one_face_per_file() { faces.chunks(1).collect() } else { vec![faces.as_slice()] };
         let mut folders = FolderNames::default();
         for kind in StreamKind::ALL {
             for probe in 0..source.probes.len() {
@@ -133,9 +140,37 @@ impl Source {
             return Err(Error::invalid("no probe has any of the requested frames").in_file(file));
         }
         source.check_channels(options).map_err(|error| error.in_file(file))?;
+        source.apply_pixel_aspect(&manifest)?;
         source.manifest = Some(manifest);
         source.find_primaries();
         Ok(source)
+    }
+
+    /// Divides focal lengths from `fov_y_deg` by the pixel aspect that the first file of each probe states.
+    ///
+    /// # Errors
+    /// Fails for cube maps and panoramas, whose pixels are square.
+    fn apply_pixel_aspect(&mut self, manifest: &Manifest) -> Result<()> {
+        for group in &self.groups {
+            let file = self.file(group, group.frames.first)?.filter(|file| !png::has_codes(file));
+            let Some(file) = file.filter(|_| group.faces.first() == manifest.faces().first()) else { continue };
+            // Reading reports errors of the file.
+            let header = exr::read_header(&file, &self.limits).ok();
+            let Some(aspect) = header.and_then(|header| header.pixel_aspect) else { continue };
+            if manifest.projection != Projection::Perspective {
+                let message = format!(
+                    "its pixelAspectRatio is {aspect}, but pixels of {} are square: render it so, or set the attribute to 1",
+                    manifest.projection.name()
+                );
+                return Err(Error::unsupported(message).in_file(&file));
+            }
+            let probe = &mut self.probes[group.probe];
+            if let Some(fov_y_deg) = manifest.probes[group.probe].fov_y_deg {
+                let [fx, fy, cx, cy] = intrinsics_of(fov_y_deg, manifest.picture_size());
+                probe.intrinsics = Some([fx / aspect, fy, cx, cy]);
+            }
+        }
+        Ok(())
     }
 
     /// Fails if a channel is given for a kind of which there are no images.
@@ -174,7 +209,7 @@ impl Source {
         let files = FrameFiles::find(spec, options.frames, options.missing.unwrap_or_default())?;
         let none = || Error::invalid("none of its frames exists").in_file(spec);
         let first = files.files().next().ok_or_else(none)?;
-        let size = if png::is_png(&first) {
+        let size = if png::has_codes(&first) {
             png::read_size(&first, &options.limits)
         } else {
             exr::read_size(&first, &options.limits)
@@ -234,14 +269,13 @@ impl Source {
             )));
         }
         let delivered_size = match (content, options.face_size) {
-            (Content::Face, None) => file_size,
+            (Content::Face | Content::Camera, None) => file_size,
             (Content::Faces(layout), None) => {
                 let side = face_size(layout, width, height)?;
                 (side, side)
             }
             (Content::Equirect, side) => {
-                // A quarter of the width preserves the resolution at the equator.
-                let side = side.unwrap_or((width / 4).max(1));
+                let side = side.unwrap_or(full_face_size(width));
                 if side == 0 || side > MAX_SIDE {
                     return Err(Error::Usage(format!("a face size is 1 to {MAX_SIDE} pixels, not {side}")));
                 }
@@ -274,8 +308,8 @@ impl Source {
             rules: DepthRules {
                 background: options.background.unwrap_or(f32::INFINITY),
                 scale: options.depth_scale.unwrap_or(1.0),
-                farthest_m: FARTHEST_M,
                 invalid: options.invalid_depth,
+                ..DepthRules::default()
             },
             scale_stated: options.depth_scale.is_some(),
             depth_stored: DepthKind::Distance,
@@ -298,7 +332,7 @@ impl Source {
     fn find_primaries(&mut self) {
         let first = self.groups.iter().find(|group| group.kind == StreamKind::Color);
         let files = first.and_then(|group| self.sequences.get(&(group.kind, group.probe, *group.faces.first()?)));
-        let file = files.and_then(|files| files.files().next()).filter(|file| !png::is_png(file));
+        let file = files.and_then(|files| files.files().next()).filter(|file| !png::has_codes(file));
         self.primaries = match self.color_space {
             Some(space) => space.primaries(),
             None => file.and_then(|file| exr::read_primaries(&file).ok()).unwrap_or(Primaries::REC709),

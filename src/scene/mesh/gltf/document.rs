@@ -9,8 +9,10 @@ use serde::de::IgnoredAny;
 use codec::error::{Error, Result};
 use footage::text::decode;
 
-/// Extensions that a file may require.
+/// Extensions that are read. A file may require no other ones.
 const KNOWN: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -20,8 +22,12 @@ const KNOWN: &[&str] = &[
     "KHR_materials_unlit",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 ];
+
+/// Extensions that a file may require although the textures that they describe are left out, each with a note.
+const LEFT_OUT: &[&str] = &["KHR_texture_basisu"];
 
 /// Maximum number of elements of a list: an element `{}` takes a few hundred bytes of memory.
 const MAX_COUNT: usize = 1 << 18;
@@ -33,16 +39,71 @@ struct Preview {
     asset: Option<Version>,
     #[serde(rename = "extensionsRequired")]
     required: Vec<String>,
-    nodes: Vec<IgnoredAny>,
+    #[serde(rename = "extensionsUsed")]
+    used: Vec<String>,
+    nodes: Vec<Extended<NodeExtensions>>,
     meshes: Vec<IgnoredAny>,
     materials: Vec<IgnoredAny>,
-    textures: Vec<IgnoredAny>,
+    textures: Vec<Extended<TextureExtensions>>,
     images: Vec<IgnoredAny>,
     samplers: Vec<IgnoredAny>,
     buffers: Vec<IgnoredAny>,
     scenes: Vec<IgnoredAny>,
     skins: Vec<IgnoredAny>,
     animations: Vec<IgnoredAny>,
+}
+
+/// Extensions of an element that the crate does not read.
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct Extended<T> {
+    extensions: Option<T>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct NodeExtensions {
+    #[serde(rename = "KHR_node_visibility")]
+    visibility: Option<Visibility>,
+    #[serde(rename = "EXT_mesh_gpu_instancing")]
+    instances: Option<Instances>,
+}
+
+#[derive(Deserialize)]
+struct Visibility {
+    #[serde(default = "yes")]
+    visible: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// Accessors of the transforms of instances (EXT_mesh_gpu_instancing).
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(default)]
+struct Instances {
+    attributes: Transforms,
+}
+
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(default, rename_all = "UPPERCASE")]
+pub struct Transforms {
+    pub translation: Option<usize>,
+    pub rotation: Option<usize>,
+    pub scale: Option<usize>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct TextureExtensions {
+    #[serde(rename = "EXT_texture_webp")]
+    webp: Option<Source>,
+}
+
+#[derive(Deserialize)]
+struct Source {
+    source: u32,
 }
 
 #[derive(Deserialize)]
@@ -55,6 +116,12 @@ pub struct Parsed {
     pub document: Document,
     /// Binary chunk: the bytes of buffer 0, if that has no URI.
     pub blob: Option<Vec<u8>>,
+    /// Nodes that are hidden with all their descendants (KHR_node_visibility).
+    pub hidden: Vec<usize>,
+    /// Nodes whose mesh is shown once for each of several transforms (EXT_mesh_gpu_instancing).
+    pub instanced: Vec<(usize, Transforms)>,
+    /// Extensions that the file uses and that are ignored, in order.
+    pub ignored: Vec<String>,
 }
 
 pub fn is_glb(bytes: &[u8]) -> bool {
@@ -72,8 +139,29 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed> {
     let mut root: json::Root = json::deserialize::from_slice(text).map_err(damaged)?;
     // Checked above against `KNOWN`, instead of the extensions that the crate knows.
     root.extensions_required.clear();
+    let Preview { textures, nodes, used, .. } = preview;
+    for (texture, extended) in root.textures.iter_mut().zip(textures) {
+        if let (true, Some(webp)) = (is_without_image(texture), extended.extensions.and_then(|of| of.webp)) {
+            texture.source = json::Index::new(webp.source);
+        }
+    }
     check(&root)?;
-    Ok(Parsed { document: Document::from_json_without_validation(root), blob: blob.map(<[u8]>::to_vec) })
+    let (mut hidden, mut instanced) = (Vec::new(), Vec::new());
+    for (number, extensions) in nodes.into_iter().enumerate().filter_map(|(at, node)| Some((at, node.extensions?))) {
+        if extensions.visibility.is_some_and(|of| !of.visible) {
+            hidden.push(number);
+        }
+        instanced.extend(extensions.instances.map(|of| (number, of.attributes)));
+    }
+    let is_ignored = |name: &String| !KNOWN.contains(&name.as_str()) && !LEFT_OUT.contains(&name.as_str());
+    let ignored = used.into_iter().filter(is_ignored).collect();
+    let document = Document::from_json_without_validation(root);
+    Ok(Parsed { document, blob: blob.map(<[u8]>::to_vec), hidden, instanced, ignored })
+}
+
+/// True for a texture without an image (glTF 2.0, section 5.29).
+pub fn is_without_image(texture: &json::Texture) -> bool {
+    texture.source.value() == u32::MAX as usize
 }
 
 /// Returns the JSON and the binary chunk of a `.glb` file (glTF 2.0, section 4.4); other chunks are skipped.
@@ -113,28 +201,27 @@ fn check_preview(preview: &Preview) -> Result<()> {
         let version: String = version.chars().take(20).collect();
         return Err(Error::unsupported(format!("glTF version “{version}”; save it as version 2.0")));
     }
-    if let Some(unknown) = preview.required.iter().find(|name| !KNOWN.contains(&name.as_str())) {
+    let may = |name: &str| KNOWN.contains(&name) || LEFT_OUT.contains(&name);
+    if let Some(unknown) = preview.required.iter().find(|name| !may(name)) {
         let name: String = unknown.chars().take(80).collect();
         let compressed = matches!(unknown.as_str(), "KHR_draco_mesh_compression" | "EXT_meshopt_compression");
         let advice = if compressed { "save it without compression of meshes" } else { "save it without that" };
         return Err(Error::unsupported(format!("the file requires the extension {name}; {advice}")));
     }
     let counts = [
-        ("nodes", &preview.nodes),
-        ("meshes", &preview.meshes),
-        ("materials", &preview.materials),
-        ("textures", &preview.textures),
-        ("images", &preview.images),
-        ("samplers", &preview.samplers),
-        ("buffers", &preview.buffers),
-        ("scenes", &preview.scenes),
-        ("skins", &preview.skins),
-        ("animations", &preview.animations),
+        ("nodes", preview.nodes.len()),
+        ("meshes", preview.meshes.len()),
+        ("materials", preview.materials.len()),
+        ("textures", preview.textures.len()),
+        ("images", preview.images.len()),
+        ("samplers", preview.samplers.len()),
+        ("buffers", preview.buffers.len()),
+        ("scenes", preview.scenes.len()),
+        ("skins", preview.skins.len()),
+        ("animations", preview.animations.len()),
     ];
-    match counts.iter().find(|(_, list)| list.len() > MAX_COUNT) {
-        Some((name, list)) => {
-            Err(Error::unsupported(format!("{} {name}, at most {MAX_COUNT} are supported", list.len())))
-        }
+    match counts.iter().find(|(_, count)| *count > MAX_COUNT) {
+        Some((name, count)) => Err(Error::unsupported(format!("{count} {name}, at most {MAX_COUNT} are supported"))),
         None => Ok(()),
     }
 }
@@ -160,7 +247,9 @@ fn check(root: &json::Root) -> Result<()> {
             let bounds = path.ends_with("POSITION\"].min") || path.ends_with("POSITION\"].max");
             // An accessor without a view is all zeros (glTF 2.0, section 5.1).
             let zeros = path.starts_with("accessors[") && path.ends_with("].bufferView") && fault == Fault::Missing;
-            if !bounds && !zeros {
+            // A texture without an image is left out, with a note.
+            let empty = path.starts_with("textures[") && path.ends_with("].source") && fault == Fault::Missing;
+            if !bounds && !zeros && !empty {
                 first = Some((path, fault));
             }
         }

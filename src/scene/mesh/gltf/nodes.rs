@@ -98,6 +98,23 @@ impl Nodes {
         Ok(Nodes { parents, order, locals, shown })
     }
 
+    /// Hides nodes and all their descendants.
+    pub fn hide(&mut self, hidden: &[usize]) {
+        let mut marked = flags(hidden, self.shown.len());
+        self.spread(&mut marked);
+        self.shown.iter_mut().zip(marked).for_each(|(shown, hidden)| *shown &= !hidden);
+    }
+
+    /// Adds a child of a node, and returns its index.
+    pub fn add_child(&mut self, parent: usize, pose: Pose) -> usize {
+        let node = self.locals.len();
+        self.parents.push(Some(parent));
+        self.order.push(node);
+        self.locals.push(Local::Pose(pose));
+        self.shown.push(self.shown[parent]);
+        node
+    }
+
     /// Returns the transforms to the world, given those to the parents.
     pub fn to_world(&self, locals: &[DMat4]) -> Vec<DMat4> {
         let mut world = locals.to_vec();

@@ -7,6 +7,7 @@ use glam::{Affine2, DVec3, Vec2};
 use gltf::texture::{Info, Texture, WrappingMode};
 
 use super::buffers::Buffers;
+use super::document::is_without_image;
 use super::primitives::Coordinates;
 use crate::mesh::texture::{ImageTexture, Wrap};
 use codec::error::{Error, Result};
@@ -23,7 +24,15 @@ pub struct Textures {
 
 impl Textures {
     pub fn get(&mut self, texture: &Texture, buffers: &mut Buffers) -> Option<Arc<ImageTexture>> {
-        let image = texture.source().index();
+        let Some(image) = source(texture, buffers) else {
+            let number = texture.index();
+            let note =
+                format!("texture {number} is ignored: it has no PNG, JPEG or WebP image; save KTX2 images as PNG");
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+            return None;
+        };
         let sampler = texture.sampler();
         let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
             WrappingMode::ClampToEdge => Wrap::Clamp,
@@ -42,7 +51,7 @@ impl Textures {
                 let taken = buffers.budget.take(size, 4, format_args!("image {image}"));
                 self.noted(image, taken.map(|()| Arc::new(ImageTexture { wrap, ..(*known).clone() })))
             }
-            None => self.noted(image, read(texture, wrap, buffers).map(Arc::new)),
+            None => self.noted(image, read(image, wrap, buffers).map(Arc::new)),
         };
         self.images.insert((image, wrap), read.clone());
         read
@@ -52,7 +61,8 @@ impl Textures {
     pub fn means(&mut self, info: Option<&Info>, buffers: &mut Buffers) -> [DVec3; 2] {
         let Some(texture) = info.map(Info::texture) else { return [DVec3::ONE; 2] };
         let Some(image) = self.get(&texture, buffers) else { return [DVec3::ONE; 2] };
-        *self.means.entry(texture.source().index()).or_insert_with(|| image.means())
+        let Some(source) = source(&texture, buffers) else { return [DVec3::ONE; 2] };
+        *self.means.entry(source).or_insert_with(|| image.means())
     }
 
     fn noted(&mut self, image: usize, read: Result<Arc<ImageTexture>>) -> Option<Arc<ImageTexture>> {
@@ -60,8 +70,14 @@ impl Textures {
     }
 }
 
-fn read(texture: &Texture, wrap: [Wrap; 2], buffers: &mut Buffers) -> Result<ImageTexture> {
-    let image = buffers.root.images.get(texture.source().index()).ok_or_else(|| Error::invalid("it does not exist"))?;
+/// Returns the index of the image of a texture, if it has one.
+fn source(texture: &Texture, buffers: &Buffers) -> Option<usize> {
+    let texture = buffers.root.textures.get(texture.index())?;
+    (!is_without_image(texture)).then(|| texture.source.value())
+}
+
+fn read(image: usize, wrap: [Wrap; 2], buffers: &mut Buffers) -> Result<ImageTexture> {
+    let image = buffers.root.images.get(image).ok_or_else(|| Error::invalid("it does not exist"))?;
     match (image.buffer_view, &image.uri) {
         (Some(view), _) => {
             let (bytes, range) = buffers.view(view.value())?;

@@ -304,7 +304,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8]) -> (Mesh, Vec<Material>) {
-        let document::Parsed { document, blob } = document::parse(bytes).unwrap();
+        let document::Parsed { document, blob, .. } = document::parse(bytes).unwrap();
         let folder = Folder::of(std::path::Path::new("a.glb"));
         let mut buffers = Buffers::new(document.as_json(), blob, folder, Budget::new(bytes.len() as u64));
         let mut notes = Vec::new();
@@ -377,7 +377,7 @@ mod tests {
         };
         let found: Vec<_> = read.meshes().map(of).collect();
         assert_eq!(found, [Some((80, gltf::accessor::Dimensions::Vec3)), None]);
-        let document::Parsed { document, blob } = document::parse(&bytes).unwrap();
+        let document::Parsed { document, blob, .. } = document::parse(&bytes).unwrap();
         let folder = Folder::of(std::path::Path::new("a.glb"));
         let mut buffers = Buffers::new(document.as_json(), blob, folder, Budget::new(bytes.len() as u64));
         let primitives: Vec<_> = document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>()).collect();
