@@ -1,4 +1,4 @@
-//! Memory budgets, and the number of parallel jobs that fit into one.
+//! Memory budgets, the number of parallel jobs that fit into one, and limits of image files.
 //!
 //! A budget covers images, chunks and tables, which grow with the footage. The budget of a process also covers its code, its
 //! stacks, and memory that allocators retain.
