@@ -1,4 +1,4 @@
-// BC1 (blocks.md 3). Mirrors src/codec/block/bc1.rs.
+// BC1 (blocks.md 3). Mirrors src/codec/block/formats.rs.
 
 // Expands a 5:6:5 colour to 8 bits per channel by replicating the high bits.
 fn bc1_expand(color: u32) -> vec3u {

@@ -1,4 +1,4 @@
-// BC4 (blocks.md 4). Mirrors src/codec/block/bc4.rs.
+// BC4 (blocks.md 4). Mirrors src/codec/block/formats.rs.
 
 // Decodes the value of one pixel.
 fn bc4_texel(words: vec2u, texel: u32) -> u32 {

@@ -1,4 +1,4 @@
-// BC5 (blocks.md 5). Mirrors src/codec/block/bc5.rs. Needs `bc4_texel`.
+// BC5 (blocks.md 5). Mirrors src/codec/block/formats.rs. Needs `bc4_texel`.
 
 // Decodes one pixel: r | g << 8.
 fn bc5_texel(words: vec4u, texel: u32) -> u32 {

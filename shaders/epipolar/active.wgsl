@@ -1,4 +1,4 @@
-// Counts the active pixels of each row, as `counts` of src/epipolar/compact.rs does. A workgroup counts one row.
+// Counts the active pixels of each row, as `active_counts` of src/epipolar/drawing.rs does. A workgroup counts one row.
 
 @group(0) @binding(0) var<storage, read> block: PixelRows;
 // Per pixel: the triangle number plus 1, or 0 if it shows none, and a word that is not read.

@@ -1,4 +1,4 @@
-// Lists active pixels without gaps (Epipolar 3.3.2), as `compact` of src/epipolar/compact.rs does. A workgroup lists the pixels
+// Lists active pixels without gaps (Epipolar 3.3.2), as `compact` of src/epipolar/drawing.rs does. A workgroup lists the pixels
 // of one row after those of the previous rows. Needs `running_sum`.
 
 @group(0) @binding(0) var<storage, read> block: PixelRows;

@@ -54,8 +54,8 @@ use std::process::ExitCode;
 
 use clap::FromArgMatches;
 
-use codec::color::transform::tables::Transform;
-use codec::depth::predictive::tables::Predictive;
+use codec::color::transform::Transform;
+use codec::depth::predictive::Predictive;
 use codec::error::{Error, Result};
 
 pub use command_line::{Cli, Command, command};

@@ -25,3 +25,17 @@ pub mod unit_map;
 
 /// Hash of the sources and tables of this package.
 pub const SOURCES: &str = env!("LIGHTFOLD_SOURCES");
+
+/// Implements `+` for a struct of counts or costs, with all its members listed.
+#[macro_export]
+macro_rules! add_members {
+    ($name:ident: $($member:ident),+) => {
+        impl std::ops::Add for $name {
+            type Output = $name;
+
+            fn add(self, other: $name) -> $name {
+                $name { $($member: self.$member + other.$member),+ }
+            }
+        }
+    };
+}

@@ -15,11 +15,11 @@
 //! 4. [`highlights`]: radiance that depends on the eye (3.5).
 //! 5. [`fill`]: pixels that no line covers.
 //!
-//! [`backend`] runs stages 3 and 4 on the CPU or on a device. [`drawing`] finds surfaces for stage 2 by rasterising triangles,
-//! and [`compact`] lists the active pixels. [`erosion`] is a stopping rule of stage 2. [`grid`] interpolates columns between two
-//! rows (7.2). [`layers`] sets the number of layers for the next frame of a sequence (3.4.4). [`pipeline`] runs all stages, band
-//! by band; [`stages`] measures their durations; [`view_store`] collects views; [`memory`] plans the memory of a run.
-//! [`brute_force`] renders every view as ground truth.
+//! [`backend`] runs stages 3 and 4 on the CPU or on a device. [`drawing`] finds surfaces for stage 2 by rasterising triangles.
+//! [`erosion`] is a stopping rule of stage 2. [`grid`] interpolates columns between two rows (7.2). [`acquire::LayerReduction`]
+//! sets the number of layers for the next frame of a sequence (3.4.4). [`pipeline`] runs all stages, band by band; [`stages`]
+//! measures their durations; [`view_store`] collects views; [`memory`] plans the memory of a run. [`brute_force`] renders every
+//! view as ground truth.
 
 // Tests write their inputs with `std::fs` (`clippy.toml`).
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
@@ -29,7 +29,6 @@ pub mod backend;
 pub mod brute_force;
 pub mod captured;
 pub mod coalesce;
-pub mod compact;
 pub mod continuity;
 pub mod counters;
 pub mod drawing;
@@ -38,7 +37,6 @@ pub mod fill;
 pub mod grid;
 pub mod highlights;
 pub mod interpolate;
-pub mod layers;
 pub mod light_field;
 pub mod lines;
 pub mod memory;

@@ -9,12 +9,11 @@ use std::path::Path;
 use serde::Serialize;
 
 use codec::color::HalfKey;
+use codec::color::transform::Transform;
 use codec::color::transform::encode::count_payload;
-use codec::color::transform::tables::Transform;
 use codec::container::ChunkEntry;
 use codec::decode::{Decoder, memory};
-use codec::depth::predictive::PredictiveChunk;
-use codec::depth::predictive::tables::Predictive;
+use codec::depth::predictive::{Predictive, PredictiveChunk};
 use codec::entropy::{Counts, Model, PayloadCounts, PricedTables, TableSet, Tables, Trainer, table_text};
 use codec::error::{Error, Result};
 use codec::memory::{Budget, Need};

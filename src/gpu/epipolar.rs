@@ -6,8 +6,6 @@
 //! interpolates highlights between the splits in single precision. Everything but highlights is bit-exact with the CPU.
 
 pub mod block;
-pub mod compact;
-pub mod erosion;
 pub mod highlights;
 
 use std::ops::Range;
@@ -27,7 +25,7 @@ use epipolar::erosion::Moves;
 use epipolar::interpolate::{Coverage, InterpolatedView, Interpolator};
 use epipolar::stages::Lap;
 use highlights::{Highlights, SplitWords};
-use kernels::layout::{SLICE_COLUMNS, SliceBlock, words_of};
+use kernels::layout::{PixelRows, SLICE_COLUMNS, SliceBlock, words_of};
 
 /// Maximum lines that are sent at once; a single scanline may have more. At most 64 MiB of runs, and as much of radiance.
 const LINES: usize = 4 << 20;
@@ -36,6 +34,8 @@ const SPLITS: usize = 4 << 20;
 /// Maximum output pixels that are processed at once; a single scanline may have more. 64 MiB of winners, and as much of
 /// colours.
 const PIXELS: usize = 8 << 20;
+/// Maximum pixels whose moves are processed at once; a single scanline may have more. 32 MiB of moves, and as much of edge counts.
+const MOVES: usize = 8 << 20;
 /// Words per winner, and per pixel.
 const PIXEL_WORDS: usize = 2;
 
@@ -214,7 +214,7 @@ impl Backend for GpuInterpolator<'_> {
     }
 
     fn eroded(&self, moves: &Moves) -> Result<u64> {
-        erosion::eroded(self.gpu, moves)
+        eroded(self.gpu, moves)
     }
 }
 
@@ -253,4 +253,31 @@ fn put(views: &mut [InterpolatedView], rows: Range<usize>, pixels: &[[u32; PIXEL
         band.iter().filter(|coverage| **coverage == Coverage::Hole).count() as u64
     };
     views.par_iter_mut().enumerate().map(of_view).sum()
+}
+
+/// Computes [`Moves::eroded`] on a device (Epipolar 3.3.1).
+fn eroded(gpu: &Gpu, moves: &Moves) -> Result<u64> {
+    let at_once = (MOVES / moves.width.max(1)).max(1) * moves.width;
+    let parts = moves.columns.chunks(at_once.max(1)).map(|part| eroded_rows(gpu, part, moves.width));
+    parts.sum()
+}
+
+fn eroded_rows(gpu: &Gpu, moves: &[i32], width: usize) -> Result<u64> {
+    let rows = moves.len() / width;
+    let block = PixelRows { width: width as u32, rows: rows as u32, stride: width as u32, spare: 0 };
+    let buffer = |label, words| gpu.buffer(label, words, wgpu::BufferUsages::empty());
+    let block = gpu.filled("block", &words_of(&[block]))?;
+    let edges = buffer("edges", moves.len())?;
+    let eroded = buffer("eroded", rows)?;
+    let moves = gpu.filled("moves", &words_of(moves))?;
+    let named = |name: &str| match name {
+        "block" => Some(&block),
+        "moves" => Some(&moves),
+        "edges" => Some(&edges),
+        "eroded" => Some(&eroded),
+        _ => None,
+    };
+    dispatch(gpu, &kernels::EROSION_EDGES, rows, named)?;
+    dispatch(gpu, &kernels::EROSION, rows, named)?;
+    Ok(gpu.read(&eroded, rows)?.into_iter().map(u64::from).sum())
 }

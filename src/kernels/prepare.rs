@@ -349,9 +349,8 @@ mod tests {
     use codec::depth::mode_decision::Decide;
     use codec::depth::predictive::encoder::PredictiveEncoder;
     use codec::depth::predictive::projection::Projection;
-    use codec::depth::predictive::tables::Tables;
-    use codec::depth::predictive::{Levels, PredictiveHeader};
-    use codec::depth::record_table::builder::TableBuilder;
+    use codec::depth::predictive::{Levels, PredictiveHeader, Tables};
+    use codec::depth::record_table::TableBuilder;
     use codec::effort::Effort;
 
     #[test]

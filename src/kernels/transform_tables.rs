@@ -2,9 +2,8 @@
 
 use codec::color::transform::basis::{LENGTHS, basis, length_index};
 use codec::color::transform::blocks::MAX_FRAMES;
-use codec::color::transform::contexts::{CLASSES_OF_SUMS, CLUSTERS};
+use codec::color::transform::contexts::{CLASSES_OF_SUMS, CLUSTER_OF, CLUSTERS};
 use codec::color::transform::steps::{INVERSE_ROOTS, OCTAVE, OFFSET_SETS};
-use codec::color::transform::tables::CLUSTER_OF;
 use codec::color::transform::{Tables, scan};
 use codec::entropy::SYMBOLS;
 use codec::streams::{CodecHeader, StreamInfo};
@@ -78,8 +77,7 @@ pub fn of_format() -> Vec<u32> {
 mod tests {
     use super::*;
     use crate::layout;
-    use codec::color::transform::contexts::{CONTEXTS, FAMILIES};
-    use codec::color::transform::tables::BUILT_IN;
+    use codec::color::transform::contexts::{BUILT_IN, CONTEXTS, FAMILIES};
 
     #[test]
     fn constants_are_those_of_the_format() {

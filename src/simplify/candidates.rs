@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::fit::{FitBounds, TilePlane, WeightedPoint, fit_plane};
 use super::points::MergedPoint;
-use super::short_cuts::ShortCuts;
+use super::shading::ShortCuts;
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell, direction};
 use codec::effort::Effort;
 use codec::error::Result;

@@ -15,7 +15,7 @@
 //! 7. [`raster`]: draws the mesh (6); [`read_glb`] reads it from its file.
 //!
 //! [`pipeline`] runs all stages with [`settings`]; [`fidelity`] compares the result with the capture (7); [`memory`] computes the
-//! memory need; [`short_cuts`] controls the work that is skipped.
+//! memory need; [`shading::ShortCuts`] controls the work that is skipped.
 
 // Tests write their inputs with `std::fs` (`clippy.toml`).
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
@@ -43,7 +43,6 @@ pub mod selected;
 pub mod selection;
 pub mod settings;
 pub mod shading;
-pub mod short_cuts;
 pub mod silhouettes;
 pub mod texture_filter;
 pub mod texture_sizes;

@@ -19,7 +19,7 @@ use super::samples::{Background, SampleRules};
 use super::selected::{Counts, Reserve, SOLID_THRESHOLD, SelectedTiles, cost_model, select};
 use super::selection::Selection;
 use super::settings::{Settings, SurfaceAtlases};
-use super::short_cuts::ShortCuts;
+use super::shading::ShortCuts;
 use super::texturing::{Textured, Texturing};
 use super::tiles::TileSet;
 use codec::effort::Effort;

@@ -11,7 +11,6 @@
 //! coverage): the samples of a pixel have thresholds that are spread evenly over 0..1.
 
 pub mod alpha;
-mod drawn;
 mod plain;
 mod texels;
 mod triangle;
@@ -25,8 +24,7 @@ use codec::image::plane::Plane;
 use codec::math::Camera;
 use codec::monitor::Monitor;
 
-pub use drawn::Drawn;
-pub use plain::draw_plainly;
+pub use plain::{Drawn, draw_plainly};
 use texels::Texels;
 pub use texels::{light_of_codes, texture_coordinates};
 use triangle::{Pixels, Triangle};

@@ -5,7 +5,7 @@ use super::cost::TextureCoordinates;
 use super::quad_mesh::AtlasLight;
 use super::samples::{Background, Inside};
 use super::selection::Budgets;
-use super::short_cuts::ShortCuts;
+use super::shading::ShortCuts;
 use super::texture_filter::TextureFilter;
 use super::texture_sizes::Sizing;
 use codec::effort::Effort;

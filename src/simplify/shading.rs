@@ -3,13 +3,21 @@
 //! Takes samples at solid constraints, and returns filtered linear RGB by texel. Texels without samples are filled from the
 //! texels around them.
 
-use super::short_cuts::ShortCuts;
 use super::texture_filter::{MAX_TEXELS, TextureFilter};
 
 /// Minimum weight of a sample in texels within the radius: a texel that no other sample reaches takes the colour of this one.
 const MIN_WEIGHT: f32 = 1e-20;
 /// Number of Gauss–Seidel sweeps on each level of the multigrid.
 const SWEEPS: usize = 4;
+
+/// Setting that skips work whose result is known.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum ShortCuts {
+    #[default]
+    Taken,
+    /// No work is skipped: the result is the same, but takes longer.
+    Off,
+}
 
 /// Weighted sums of the linear RGB of a square texture's texels, and the sums of weights.
 #[derive(Debug, Clone)]

@@ -4,8 +4,7 @@ use rayon::prelude::*;
 
 use super::constraints::{Constraint, ConstraintFinder, ConstraintKind, FreeSpace};
 use super::samples::Sample;
-use super::shading::LightBuffer;
-use super::short_cuts::ShortCuts;
+use super::shading::{LightBuffer, ShortCuts};
 use super::silhouettes::ConstraintBitmap;
 use super::texture_filter::TextureFilter;
 use super::tiles::TileSet;

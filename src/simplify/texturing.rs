@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use super::capture::Capture;
 use super::quad_mesh::{MeshForm, QuadMesh};
 use super::samples::{PixelChoice, SampleRules};
-use super::short_cuts::ShortCuts;
+use super::shading::ShortCuts;
 use super::texture_filter::TextureFilter;
 use super::texture_sizes::{BLOCK, Layout, Sizing, layout};
 use super::textures::{TextureBuilder, TileTextures};

@@ -6,7 +6,7 @@ use dds::{ColorFormat, DecodeOptions, Format, ImageViewMut, Size};
 use crate::case::{Bound, Family, Group, HardCase, Measured};
 use crate::clip::{Clip, EFFORT, Sequence, random_at};
 use crate::pictures::{HardPicture, PICTURES};
-use codec::block::{SIDE, TEXELS, bc1, bc4, bc5, bc6h, bc7};
+use codec::block::{SIDE, TEXELS, bc6h, bc7, decode_bc1, decode_bc4, decode_bc5};
 use codec::depth::bc4w::bipartitions::bipartitions;
 use codec::depth::bc4w::{Bc4w, MAX_ENDPOINT, Pair, search};
 use codec::depth::block::Block;
@@ -200,15 +200,15 @@ fn decoders() -> Vec<HardCase> {
     let near = Group::new(Family::Blocks, "our decoder beside that of dds", "of 255");
     let bytes = |name: &str, most: f64, run: fn() -> Result<Measured>| near.case(name, Bound::AtMost(most), run);
     cases.push(bytes("BC1, both orders of endpoints", 1.0, || {
-        let ours = |block: &[u8; 8]| bc1::decode(block).as_flattened().iter().copied().map(Some).collect();
+        let ours = |block: &[u8; 8]| decode_bc1(block).as_flattened().iter().copied().map(Some).collect();
         beside(&any_blocks(3), (Format::BC1_UNORM, ColorFormat::RGB_U8), ours)
     }));
     cases.push(bytes("BC4, both modes", 1.0, || {
-        let ours = |block: &[u8; 8]| bc4::decode(block).map(Some).to_vec();
+        let ours = |block: &[u8; 8]| decode_bc4(block).map(Some).to_vec();
         beside(&any_blocks(5), (Format::BC4_UNORM, ColorFormat::GRAYSCALE_U8), ours)
     }));
     cases.push(bytes("BC5, both modes", 1.0, || {
-        let ours = |block: &[u8; 16]| bc5::decode(block).iter().flat_map(|&[r, g]| [Some(r), Some(g), None]).collect();
+        let ours = |block: &[u8; 16]| decode_bc5(block).iter().flat_map(|&[r, g]| [Some(r), Some(g), None]).collect();
         beside(&any_blocks(7), (Format::BC5_UNORM, ColorFormat::RGB_U8), ours)
     }));
     // BC7 decoding is bit exact by definition.

@@ -60,8 +60,8 @@ pub(super) fn paths(clip: &Clip) -> Result<Measured> {
 mod tests {
     use super::*;
     use crate::clip::Sequence;
+    use codec::depth::TemporalSettings;
     use codec::depth::block_tiles::Layout;
-    use codec::depth::settings::TemporalSettings;
 
     fn clip() -> Clip {
         let source = Sequence::new([9, 6], 20, |frame, x, y| (100 * frame + x + y) as u16);

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use codec::image::limits::ReadLimits;
+use codec::image::ReadLimits;
 use codec::math::{Camera, Lens};
 use codec::monitor::Silent;
 use epipolar::acquire::{AcquireSettings, Acquisition, Hierarchy, StoppingRule, acquire};

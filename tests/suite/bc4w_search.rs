@@ -4,10 +4,9 @@ mod literal;
 
 use rayon::prelude::*;
 
-use codec::depth::bc4w::line::Line;
 use codec::depth::bc4w::search::{encode, encode_within};
 use codec::depth::bc4w::tile::Tile;
-use codec::depth::bc4w::{Bc4w, MARKER_BYTES, MAX_ENDPOINT, Pair};
+use codec::depth::bc4w::{Bc4w, Line, MARKER_BYTES, MAX_ENDPOINT, Pair};
 use codec::depth::block::{Accuracy, Block, BlockMut};
 use codec::effort::Effort;
 
@@ -276,8 +275,8 @@ fn wide_ranges_are_coded_and_never_read_as_markers() {
 #[cfg(footage_at_hand)]
 fn real_tiles() -> Vec<Vec<u16>> {
     use codec::depth::DepthRange;
+    use codec::image::ReadLimits;
     use codec::image::channels::ChannelSelect;
-    use codec::image::limits::ReadLimits;
     use footage::image_files::exr;
     let data = std::path::Path::new(env!("LIGHTFOLD_DATA")).join("sponza1k/probe_00");
     let range = DepthRange::new(1.4573, 15.351).unwrap();

@@ -6,7 +6,7 @@ use std::path::Path;
 use codec::color::SearchSettings;
 use codec::container::Compression;
 use codec::decode::Picture;
-use codec::depth::settings::TemporalSettings;
+use codec::depth::TemporalSettings;
 use codec::effort::Effort;
 use codec::image::{ColorPlane, Face, MaterialPlane, Plane};
 use codec::monitor::Silent;

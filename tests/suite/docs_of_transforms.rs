@@ -3,13 +3,12 @@
 use codec::color::transform::authored::{Author, Question, contexts_of};
 use codec::color::transform::basis::{COSINES, LENGTHS};
 use codec::color::transform::blocks::{Block, MAX_FRAMES};
-use codec::color::transform::contexts::{CLUSTERS, CONTEXTS, FAMILIES};
+use codec::color::transform::contexts::{BUILT_IN, CLUSTERS, CONTEXTS, FAMILIES};
 use codec::color::transform::domain::{ChromaSlopes, Domain};
 use codec::color::transform::palette::CACHED;
 use codec::color::transform::payload::Header;
 use codec::color::transform::region::{Region, Setting};
 use codec::color::transform::steps::{OFFSET_SETS, StepIndices, Steps};
-use codec::color::transform::tables::BUILT_IN;
 use codec::color::transform::{Tables, TransformChunk};
 use codec::entropy::tables::MAX_OWN;
 use codec::entropy::{Encoder, Family};

@@ -4,7 +4,7 @@ use codec::color::quality::{EightBit, Quality};
 use codec::color::{SearchSettings, Target};
 use codec::container::{
     ChunkEntry, ChunkKey, Compression, Index, PackedChunk, PayloadKind, ProbeEntry, Reader, StreamEntry, Writer,
-    compression, lzma2, lzma2_independent,
+    compression, lzma2,
 };
 use codec::depth::domain::DomainKind;
 use codec::depth::node_encoder::NodeSettings;
@@ -235,7 +235,7 @@ proptest! {
     fn lzma2_comes_back_from_both_decoders(raw in vec(prop_oneof![Just(0u8), any::<u8>()], 0..3000), level in 0u32..10) {
         let stored = compression::lzma2(&raw, level, PayloadKind::Mixed).unwrap();
         prop_assert_eq!(&lzma2::decompress(&stored, raw.len() as u32).unwrap(), &raw);
-        prop_assert_eq!(&lzma2_independent::decompress_independent(&stored, raw.len() as u32).unwrap(), &raw);
+        prop_assert_eq!(&lzma2::decompress_independent(&stored, raw.len() as u32).unwrap(), &raw);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use codec::color::Target;
 use codec::container::Compression;
-use codec::depth::predictive::tables::Tables;
+use codec::depth::predictive::Tables;
 use codec::image::{Plane, StreamKind};
 use codec::streams::{ColorBlocks, ColorFormat};
 use footage::dataset::source::{SequenceLayout, Source, SourceOptions};

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use codec::color::transform::tables::{TableSet, Transform};
+use codec::color::transform::{TableSet, Transform};
 use codec::color::{SearchSettings, Target};
 use codec::container::Compression;
 use codec::decode::Decoder;

@@ -8,7 +8,7 @@ use codec::depth::mode_decision::Decide;
 use codec::depth::node_chunk::NodeChunk;
 use codec::depth::node_encoder::NodeSettings;
 use codec::depth::nodes::{Function, Node, Place};
-use codec::depth::record_table::builder::TableBuilder;
+use codec::depth::record_table::TableBuilder;
 use codec::depth::storage;
 use codec::effort::Effort;
 use codec::streams::CodecHeader;

@@ -2,8 +2,7 @@
 
 use codec::container::{Compression, EncodedChunk, StreamEntry};
 use codec::depth::predictive::projection::{Projection, Shape as Pixels};
-use codec::depth::predictive::tables::{Predictive, TableSet, Tables};
-use codec::depth::predictive::{Levels, PredictiveChunk, PredictiveHeader, UnitArea};
+use codec::depth::predictive::{Levels, Predictive, PredictiveChunk, PredictiveHeader, TableSet, Tables, UnitArea};
 use codec::entropy::{Distribution, Model, SYMBOLS, Trainer};
 use codec::streams::AlphaHeader;
 

@@ -2,8 +2,7 @@
 
 use codec::container::Compression;
 use codec::depth::predictive::projection::{Projection, Shape as Pixels};
-use codec::depth::predictive::tables::{Predictive, TableSet, Tables};
-use codec::depth::predictive::{Levels, PredictiveChunk, PredictiveHeader, UnitArea};
+use codec::depth::predictive::{Levels, Predictive, PredictiveChunk, PredictiveHeader, TableSet, Tables, UnitArea};
 use codec::entropy::{Counts, Model, Trainer};
 
 use crate::samples::{self, Random, Stream};

@@ -6,12 +6,11 @@ use codec::color::transform::authored::{
 };
 use codec::color::transform::basis::LENGTHS;
 use codec::color::transform::blocks::Block;
-use codec::color::transform::contexts::{NODE, PALETTE_SIZE, PIXEL};
+use codec::color::transform::contexts::{BUILT_IN, NODE, PALETTE_SIZE, PIXEL};
 use codec::color::transform::domain::{ChromaSlopes, Domain};
 use codec::color::transform::payload::{CELLS, Header, holds_cells};
 use codec::color::transform::region::{Content, PALETTE, QUARTERS, Region, Setting};
 use codec::color::transform::steps::StepIndices;
-use codec::color::transform::tables::BUILT_IN;
 use codec::color::transform::{Keyed, Tables, TransformChunk};
 use codec::color::{HalfKey, SearchSettings, Target};
 use codec::container::{Compression, EncodedChunk, Reader, StreamEntry};

@@ -6,7 +6,7 @@ use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
 
-use codec::container::{zstd, zstd_independent};
+use codec::container::zstd;
 use lightfold::Error;
 
 use crate::samples::Random;
@@ -281,7 +281,7 @@ fn other_libraries_accept_what_is_accepted() {
         };
         for stored in (0..stored.len()).flat_map(|at| (1..=255).map(move |value| (at, value))) {
             let stored = changed(stored.0, stored.1);
-            let ruzstd = zstd_independent::decompress_independent(&stored, raw_bytes).ok();
+            let ruzstd = zstd::decompress_independent(&stored, raw_bytes).ok();
             match zstd::decompress(&stored, raw_bytes) {
                 Ok(raw) => {
                     accepted += 1;

@@ -15,14 +15,15 @@ use crate::refuse;
 use codec::error::Result;
 use codec::image::{Face, FrameRange};
 use codec::math::{Camera, Lens};
-use epipolar::acquire::{AcquireSettings, Acquisition, Culling, Hierarchy, SourcePlacement, StoppingRule};
+use epipolar::acquire::{
+    AcquireSettings, Acquisition, Culling, Hierarchy, LayerReduction, SourcePlacement, StoppingRule,
+};
 use epipolar::captured::CapturedSources;
 use epipolar::coalesce::Coalescing;
 use epipolar::fill::HoleFilling;
 use epipolar::grid::GridViews;
 use epipolar::highlights::DEFAULT_SPLITS;
 use epipolar::interpolate::InterpolateSettings;
-use epipolar::layers::LayerReduction;
 use epipolar::memory::Plan;
 use epipolar::pipeline::Settings;
 use epipolar::source::MAX_LAYERS;

@@ -6,11 +6,11 @@ use clap::Args;
 
 use super::choice::{Choices, InBlocks, one_of};
 use crate::refuse;
+use codec::depth::TemporalSettings;
 use codec::depth::domain::DomainKind;
 use codec::depth::mode_decision::Decide;
 use codec::depth::node_encoder::NodeSettings;
 use codec::depth::quantise::FAR_CODE;
-use codec::depth::settings::TemporalSettings;
 use codec::error::Result;
 use codec::image::DepthKind;
 use footage::dataset::{InvalidDepth, SourceOptions};

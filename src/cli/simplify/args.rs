@@ -12,7 +12,7 @@ use simplify::quad_mesh::AtlasLight;
 use simplify::samples::{Background, Inside};
 use simplify::selection::Budgets;
 use simplify::settings::{Settings, SurfaceAtlases, TilingKind};
-use simplify::short_cuts::ShortCuts;
+use simplify::shading::ShortCuts;
 use simplify::texture_filter::TextureFilter;
 use simplify::texture_sizes::Sizing;
 

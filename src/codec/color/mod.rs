@@ -11,7 +11,6 @@ pub mod keyframe_blocks;
 #[cfg(feature = "encode")]
 pub mod keyframes;
 pub mod quality;
-pub mod settings;
 #[cfg(feature = "encode")]
 pub mod temporal;
 pub mod transform;
@@ -20,7 +19,6 @@ pub use blend::{HalfKey, Sample};
 pub use cells::{CellChunk, CellFormat};
 pub use chunk::{ChunkFormat, ColorChunk};
 pub use keyframe_blocks::KeyframeBlocks;
-pub use quality::Quality;
-pub use settings::{SearchSettings, Target};
+pub use quality::{Quality, SearchSettings, Target};
 #[cfg(feature = "encode")]
 pub use temporal::CellEncoder;

@@ -1,4 +1,4 @@
-//! Error of a decoded cell relative to its source, as an exact integer (color.md 5).
+//! Error of a decoded cell relative to its source, as an exact integer (color.md 5), and the quality that an encoder aims at.
 //!
 //! 8-bit colour: the squared error of the samples, peak 255. Half floats: the squared error of their PU21 encoding in 64ths,
 //! peak 256. CALF 5.1 asks for another metric for HDR and names none; PU21 weighs visible differences from candlelight to
@@ -8,6 +8,7 @@
 use half::f16;
 
 use crate::color::blend::{HalfKey, Sample};
+use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::metrics::psnr::{U8_PEAK, psnr_to_max_sse};
 use crate::metrics::pu21::{PU21_MAX_CD_M2, PU21_MIN_CD_M2, PU21_PEAK, PuTable};
@@ -24,6 +25,47 @@ const BLOCK: usize = 2048;
 /// Maximum error in codes of a sample outside the range of PU21, at a perceptual quality (color.md 5.2).
 pub fn outside_codes(quality: f64) -> f64 {
     (MAX_QUALITY - quality) * 0.4
+}
+
+/// Quality target of encoded colour (color.md 5).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Target {
+    /// Minimum perceptual quality of every frame of every cell, 0 to 100 (color.md 5.2). Transform codec only.
+    Quality(f64),
+    /// Minimum PSNR of every frame of every cell, in dB, 0 to 200.
+    Psnr(f64),
+    /// No quality target: a step index for all cells, 0 to 240. Transform codec only.
+    Step(u8),
+}
+
+impl Target {
+    /// Minimum PSNR in dB; 0 for other targets.
+    pub fn min_psnr_db(self) -> f64 {
+        if let Target::Psnr(db) = self { db } else { 0.0 }
+    }
+
+    /// Minimum perceptual quality; 0 for other targets.
+    pub fn min_quality(self) -> f64 {
+        if let Target::Quality(quality) = self { quality } else { 0.0 }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SearchSettings {
+    pub target: Target,
+    /// Search effort. Fast doubles the distance, then bisects. Normal doubles the distance, then tries every distance between
+    /// the last that sufficed and the first that did not. Exhaustive tries every distance, the farthest first, and so finds
+    /// the maximum of equation 12 within the lookahead.
+    pub effort: Effort,
+    /// Maximum number of distinct pictures between one keyframe and the next, at least 1; limits memory and time. Repeats of
+    /// the previous picture do not count.
+    pub lookahead: u32,
+}
+
+impl Default for SearchSettings {
+    fn default() -> Self {
+        SearchSettings { target: Target::Psnr(50.0), effort: Effort::Normal, lookahead: 64 }
+    }
 }
 
 pub trait Quality<S: Sample>: Sync {

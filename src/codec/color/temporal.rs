@@ -7,8 +7,7 @@ use crate::color::blend::Sample;
 use crate::color::cells::builder::CellBuilder;
 use crate::color::keyframe_blocks::KeyframeBlocks;
 use crate::color::keyframes::Candidates;
-use crate::color::quality::Quality;
-use crate::color::settings::SearchSettings;
+use crate::color::quality::{Quality, SearchSettings};
 use crate::container::EncodedChunk;
 use crate::error::Result;
 

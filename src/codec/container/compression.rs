@@ -101,7 +101,6 @@ pub fn zstd(raw: &[u8], level: u32) -> Result<Vec<u8>> {
 mod tests {
     use super::*;
     use crate::container::chunk::{MAX_EXPANSION, MAX_ZSTD_EXPANSION};
-    use crate::container::{lzma2_independent, zstd_independent};
 
     fn noise(n: u32) -> Vec<u8> {
         (0..n).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect()
@@ -114,12 +113,13 @@ mod tests {
     #[test]
     fn both_decoders_of_lzma2_give_back_what_was_compressed() {
         let decompress = crate::container::lzma2::decompress;
+        let independent = crate::container::lzma2::decompress_independent;
         for (raw, kind) in inputs().iter().flat_map(|raw| {
             [PayloadKind::Mixed, PayloadKind::Bytes, PayloadKind::Words, PayloadKind::Blocks].map(|kind| (raw, kind))
         }) {
             let stored = lzma2(raw, 6, kind).unwrap();
             assert_eq!(decompress(&stored, raw.len() as u32).unwrap(), *raw);
-            assert_eq!(lzma2_independent::decompress_independent(&stored, raw.len() as u32).unwrap(), *raw);
+            assert_eq!(independent(&stored, raw.len() as u32).unwrap(), *raw);
             assert!(decompress(&stored, raw.len() as u32 + 1).is_err());
             assert!(decompress(&[&stored[..], &[0]].concat(), raw.len() as u32).is_err());
             if !raw.is_empty() {
@@ -134,11 +134,12 @@ mod tests {
     #[test]
     fn both_decoders_of_zstd_give_back_what_was_compressed() {
         let decompress = crate::container::zstd::decompress;
+        let independent = crate::container::zstd::decompress_independent;
         for (raw, level) in inputs().iter().flat_map(|raw| [1, 9, 19].map(|level| (raw, level))) {
             let stored = zstd(raw, level).unwrap();
             let raw_bytes = raw.len() as u32;
             assert_eq!(decompress(&stored, raw_bytes).unwrap(), *raw);
-            assert_eq!(zstd_independent::decompress_independent(&stored, raw_bytes).unwrap(), *raw);
+            assert_eq!(independent(&stored, raw_bytes).unwrap(), *raw);
             assert!(decompress(&stored, raw_bytes + 1).is_err());
             assert!(decompress(&[&stored[..], &[0]].concat(), raw_bytes).is_err());
             // A second frame, which is empty.

@@ -35,3 +35,16 @@ pub fn decompress(stored: &[u8], raw_bytes: u32) -> Result<Vec<u8>> {
         left => Err(Error::invalid(format!("{left} bytes follow the end of the chunk's LZMA2 stream"))),
     }
 }
+
+/// Decompresses with a second decoder, `lzma-rs`, with which verification compares the first: at most `raw_bytes` bytes, the size
+/// that the first has found.
+#[cfg(feature = "encode")]
+pub fn decompress_independent(stored: &[u8], raw_bytes: u32) -> Result<Vec<u8>> {
+    let mut raw = vec![0; raw_bytes as usize];
+    let mut left = raw.as_mut_slice();
+    lzma_rs::lzma2_decompress(&mut std::io::BufReader::new(stored), &mut left)
+        .map_err(|error| Error::invalid(format!("the second LZMA2 decoder refuses the chunk: {error:?}")))?;
+    let unused = left.len();
+    raw.truncate(raw_bytes as usize - unused);
+    Ok(raw)
+}

@@ -17,8 +17,6 @@ pub mod index_write;
 pub mod journal;
 pub mod limits;
 pub mod lzma2;
-#[cfg(feature = "encode")]
-pub mod lzma2_independent;
 pub mod payload;
 pub mod reader;
 pub mod serialize;
@@ -26,8 +24,6 @@ pub mod source;
 #[cfg(feature = "encode")]
 pub mod writer;
 pub mod zstd;
-#[cfg(feature = "encode")]
-pub mod zstd_independent;
 
 pub use attributes::Attributes;
 pub use chunk::{ChunkEntry, ChunkKey, ChunkPlace, EncodedChunk, Storage};

@@ -7,7 +7,6 @@ use crate::decode::chunk_source::DecodeCost;
 use crate::decode::damage::DamagedChunk;
 use crate::decode::pixels::{Conversion, PixelsMut};
 use crate::decode::unit::UnitDecoder;
-use crate::decode::unit_filter::{AllUnits, UnitFilter};
 use crate::depth::BACKGROUND_CODE;
 #[cfg(doc)]
 use crate::error::Error;
@@ -25,6 +24,20 @@ pub enum Picture {
     Material(Plane<[u8; 3]>),
     /// 0 to 255.
     Alpha(Plane<u8>),
+}
+
+/// Selects the tiles and cells to decode, frame by frame (CALF 6.2).
+pub trait UnitFilter: Sync {
+    fn wants(&self, stream: &StreamInfo, unit: u32, frame: u32) -> bool;
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct AllUnits;
+
+impl UnitFilter for AllUnits {
+    fn wants(&self, _stream: &StreamInfo, _unit: u32, _frame: u32) -> bool {
+        true
+    }
 }
 
 /// Decodes whole images of one stream: all tiles or cells of a face, in parallel.

@@ -3,8 +3,7 @@
 use crate::decode::chunk_source::DecodeCost;
 use crate::decode::damage::{DamagedChunk, OnDamage};
 use crate::decode::decoder::Decoder;
-use crate::decode::face::{FaceDecoder, Picture};
-use crate::decode::unit_filter::UnitFilter;
+use crate::decode::face::{FaceDecoder, Picture, UnitFilter};
 use crate::error::Result;
 use crate::streams::StreamInfo;
 

@@ -14,21 +14,18 @@ mod pixels;
 mod selection;
 mod transform;
 mod unit;
-mod unit_filter;
 mod units;
-mod window;
 
 pub use crate::streams::StreamInfo;
 pub use chunk_source::DecodeCost;
 pub use damage::{DamagedChunk, FrameRanges, MissingImages, OnDamage};
 pub use decoder::Decoder;
-pub use face::{FaceDecoder, Picture};
+pub use face::{AllUnits, FaceDecoder, Picture, UnitFilter};
 pub use images::{ImageSource, Images, OnCpu};
 pub use pixels::{PixelsMut, UnitPixels};
 pub use selection::{Request, Selection, StreamFrames};
 pub use unit::UnitDecoder;
-pub use unit_filter::{AllUnits, UnitFilter};
 pub use units::{
-    DecodeSummary, Decoded, DecodedPart, decode_units, decoded_pixel_bytes, jobs_at_once, min_bytes, stored_bytes,
+    DecodeSummary, Decoded, DecodedPart, check_windows, decode_units, decoded_pixel_bytes, jobs_at_once, min_bytes,
+    stored_bytes,
 };
-pub use window::check_windows;

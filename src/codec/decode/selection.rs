@@ -1,7 +1,7 @@
 //! Selection of streams, frames and units.
 
 use crate::decode::decoder::Decoder;
-use crate::decode::unit_filter::{AllUnits, UnitFilter};
+use crate::decode::face::{AllUnits, UnitFilter};
 use crate::error::{Error, Result};
 use crate::image::Face;
 use crate::image::sequence::FrameRange;

@@ -8,10 +8,7 @@
 #[cfg(feature = "encode")]
 pub mod bipartitions;
 #[cfg(feature = "encode")]
-mod bounded;
-#[cfg(feature = "encode")]
 mod fit;
-pub mod line;
 #[cfg(feature = "encode")]
 mod quick;
 #[cfg(feature = "encode")]
@@ -22,16 +19,17 @@ mod sums;
 pub mod tile;
 
 use std::ops::RangeInclusive;
+use std::sync::LazyLock;
 
 use crate::depth::block::BlockMut;
 use crate::depth::quantise::BACKGROUND_CODE;
-
-use line::Line;
 
 pub const BYTES: usize = 32;
 /// Byte range that is all ones in the markers of other functions, and never in a BC4w block (depth.md 7).
 pub const MARKER_BYTES: RangeInclusive<usize> = 28..=31;
 pub const MAX_ENDPOINT: u16 = 8191;
+
+static SIDES: LazyLock<Vec<u64>> = LazyLock::new(|| (0..4096).map(|bits| Line(bits).by_cross_product()).collect());
 
 /// A block: 64 indices of 3 bits, four endpoints of 13 bits, a line of 12 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,5 +109,44 @@ impl Bc4w {
                 *code = codes[(indices >> (3 * x) & 7 | side >> x & 8) as usize];
             }
         }
+    }
+}
+
+/// A line through two pixels, which divides the 64 pixels of a block into two sides; in 12 bits: x0, y0, x1, y1 from the lowest
+/// bit on, three bits each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Line(u16);
+
+impl Line {
+    /// The line that does not divide the block: all pixels are on side A.
+    pub const NONE: Line = Line(0);
+
+    pub fn from_bits(bits: u16) -> Line {
+        Line(bits & 0xfff)
+    }
+
+    pub fn bits(self) -> u16 {
+        self.0
+    }
+
+    pub fn points(self) -> [[u8; 2]; 2] {
+        let at = |shift: u32| (self.0 >> shift & 7) as u8;
+        [[at(0), at(3)], [at(6), at(9)]]
+    }
+
+    /// Returns the mask of side B; bit 8y + x is pixel (x, y).
+    pub fn side_b(self) -> u64 {
+        SIDES[usize::from(self.0)]
+    }
+
+    /// Returns the mask of side B: the pixels with (x1 − x0)(y − y0) − (y1 − y0)(x − x0) > 0. The two points themselves are on
+    /// side A.
+    fn by_cross_product(self) -> u64 {
+        let [[x0, y0], [x1, y1]] = self.points().map(|point| point.map(i32::from));
+        (0..64).fold(0, |mask, pixel| {
+            let (x, y) = (pixel & 7, pixel >> 3);
+            let cross = (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0);
+            mask | u64::from(cross > 0) << pixel
+        })
     }
 }

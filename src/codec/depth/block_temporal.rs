@@ -6,10 +6,9 @@
 
 use crate::block::{self, BlockFormat, SIDE, TEXELS};
 use crate::depth::block_tiles::encode::{self, EncodeTexel};
-use crate::depth::boxes::PixelBox;
 use crate::depth::boxes::cover::{BoxBudget, Mask, cover};
-use crate::depth::record_table::builder::TableBuilder;
-use crate::depth::settings::TemporalSettings;
+use crate::depth::boxes::{PixelBox, TemporalSettings};
+use crate::depth::record_table::TableBuilder;
 use crate::depth::temporal::{Held, TemporalEncoder};
 use crate::effort::Effort;
 

@@ -5,7 +5,7 @@
 //! Lawson's reweighting.
 
 use crate::depth::domain::{Domain, VALUE_BITS};
-use crate::depth::precision::Shifts;
+use crate::depth::nodes::Shifts;
 
 /// Coefficients of 1, x, y, xy, x² − mean x², y² − mean y², with x and y of a [`Frame`].
 pub type Terms = [f64; 6];

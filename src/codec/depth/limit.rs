@@ -2,8 +2,7 @@
 
 use crate::depth::block::{Accuracy, Block, MAX_TILE};
 use crate::depth::domain::Domain;
-use crate::depth::nodes::COEFFICIENT_BYTES;
-use crate::depth::precision::{Precision, Shifts};
+use crate::depth::nodes::{COEFFICIENT_BYTES, Precision, Shifts};
 use crate::depth::quantise::BACKGROUND_CODE;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -12,7 +12,6 @@ pub mod block_chunk;
 pub mod block_temporal;
 pub mod block_tiles;
 pub mod boxes;
-mod coefficients;
 pub mod domain;
 #[cfg(feature = "encode")]
 pub mod least_squares;
@@ -28,7 +27,6 @@ pub mod nodes;
 #[cfg(feature = "encode")]
 pub mod open_chunk;
 pub mod platelet;
-pub mod precision;
 pub mod predictive;
 #[cfg(feature = "encode")]
 pub mod quadtree;
@@ -36,7 +34,6 @@ pub mod quantise;
 pub mod record_table;
 pub mod records;
 pub mod runtime;
-pub mod settings;
 #[cfg(feature = "encode")]
 pub mod spread;
 pub mod storage;
@@ -48,11 +45,10 @@ pub mod tile_psnr;
 pub mod tree_chunk;
 pub mod window_check;
 
-pub use boxes::PixelBox;
+pub use boxes::{PixelBox, TemporalSettings};
 pub use domain::DomainParts;
 pub use quantise::{BACKGROUND_CODE, CodeTable, DepthRange, Quantiser};
 pub use records::TemporalChunk;
-pub use settings::TemporalSettings;
 #[cfg(feature = "encode")]
 pub use temporal::TemporalEncoder;
 pub use texel::Texel;

@@ -1,6 +1,10 @@
-//! Nodes of the quadtree: their places and their 32 bytes of coefficients (depth.md 7, GDC 4).
+//! Nodes of the quadtree: their places, their 32 bytes of coefficients, and the precision of these (depth.md 7, 9; GDC 4).
 
+use byteorder::{ByteOrder, LittleEndian};
+
+use crate::depth::biquadratic::Biquadratic;
 use crate::depth::block::{BlockMut, side_of};
+use crate::depth::platelet::{Plane, Platelet};
 
 /// Bytes of a node's coefficients in the runtime form, for every function.
 pub const COEFFICIENT_BYTES: usize = 32;
@@ -131,6 +135,79 @@ pub fn function_of(level: u8, coefficients: &[u8; COEFFICIENT_BYTES]) -> Functio
         (_, [.., 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF]) => Function::Biquadratic,
         (_, [.., 0xFF, 0xFF, 0xFF, 0xFF]) => Function::Platelet,
         _ => Function::Bc4w,
+    }
+}
+
+/// Returns the coefficients of a modelling function: six 32-bit numbers, and the bytes after them.
+#[cfg_attr(not(feature = "encode"), expect(dead_code))]
+pub(super) fn put(integers: [i32; 6], tail: [u8; 8]) -> [u8; COEFFICIENT_BYTES] {
+    let mut out = [0; COEFFICIENT_BYTES];
+    LittleEndian::write_i32_into(&integers, &mut out[..24]);
+    out[24..].copy_from_slice(&tail);
+    out
+}
+
+/// Returns the six 32-bit numbers at the start of a node's coefficients.
+pub(super) fn integers(coefficients: &[u8; COEFFICIENT_BYTES]) -> [i32; 6] {
+    let mut out = [0; 6];
+    LittleEndian::read_i32_into(&coefficients[..24], &mut out);
+    out
+}
+
+impl Biquadratic {
+    pub fn from_bytes(bytes: &[u8; COEFFICIENT_BYTES]) -> Biquadratic {
+        Biquadratic { coefficients: integers(bytes) }
+    }
+}
+
+impl Platelet {
+    pub fn from_bytes(bytes: &[u8; COEFFICIENT_BYTES]) -> Platelet {
+        let [a0, a1, a5, b0, b1, b5] = integers(bytes);
+        let line = [bytes[24], bytes[25], bytes[26], bytes[27]];
+        Platelet { sides: [Plane { a0, a1, a5 }, Plane { a0: b0, a1: b1, a5: b5 }], line }
+    }
+}
+
+/// Precision of a node's coefficients (depth.md 9), which is the number of low bits that are zero and not stored: from 0, which
+/// keeps all bits, to 15, the coarsest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct Precision(u8);
+
+/// Number of low bits that are zero, by kind of coefficient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shifts {
+    pub constant: u32,
+    pub linear: u32,
+    pub quadratic: u32,
+}
+
+impl Precision {
+    const COARSEST: u8 = 15;
+
+    pub fn new(value: u8) -> Option<Precision> {
+        (value <= Self::COARSEST).then_some(Precision(value))
+    }
+
+    pub fn get(self) -> u8 {
+        self.0
+    }
+
+    pub fn from_coarsest() -> impl Iterator<Item = Precision> {
+        (1..=Self::COARSEST).rev().map(Precision)
+    }
+
+    /// Returns the number of zero bits in a node of `level`. Terms that grow across the node have finer precision in proportion,
+    /// so that rounding any of them changes the far corner about as much as rounding the constant.
+    pub fn shifts(self, level: u8) -> Shifts {
+        if self.0 == 0 {
+            return Shifts { constant: 0, linear: 0, quadratic: 0 };
+        }
+        let (constant, side_bits) = (u32::from(self.0) + 5, u32::from(level) + 2);
+        Shifts {
+            constant,
+            linear: (constant + 1).saturating_sub(side_bits),
+            quadratic: (constant + 8 + 2).saturating_sub(2 * side_bits),
+        }
     }
 }
 

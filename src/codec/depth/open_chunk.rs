@@ -1,7 +1,7 @@
 //! Divides the frames of a unit into chunks, each of which starts with a keyframe.
 
 use crate::container::EncodedChunk;
-use crate::depth::record_table::builder::TableBuilder;
+use crate::depth::record_table::TableBuilder;
 use crate::error::Result;
 
 /// Returns the size in bytes at which the chunk of a unit is closed early. A keyframe is a small part of it, and memory is

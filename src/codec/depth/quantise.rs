@@ -8,7 +8,7 @@ use std::fmt;
 
 use crate::error::{Error, Result};
 
-pub use crate::metrics::codes::BACKGROUND_CODE;
+pub use crate::metrics::psnr::BACKGROUND_CODE;
 
 /// Code of the far distance, and number of steps from near to far.
 pub const FAR_CODE: u16 = u16::MAX - 1;

@@ -1,10 +1,11 @@
 //! Record table at the start of a chunk's payload, which maps frames to records (depth.md 4), and the steps of a decoder over it.
 //! Chunks of boxes, of nodes and of trees share it.
 
-#[cfg(feature = "encode")]
-pub mod builder;
-
 use crate::container::fields::Fields;
+#[cfg(feature = "encode")]
+use crate::container::serialize::PutFields;
+#[cfg(feature = "encode")]
+use crate::error::Error;
 use crate::error::Result;
 
 pub const ROW_BYTES: usize = 8;
@@ -71,4 +72,46 @@ pub fn steps<'a, R>(
         None
     });
     first.into_iter().chain(later)
+}
+
+/// Builder of a chunk's payload: the record table, and the records after it.
+#[cfg(feature = "encode")]
+#[derive(Debug, Default)]
+pub struct TableBuilder {
+    rows: Vec<Row>,
+    data: Vec<u8>,
+}
+
+#[cfg(feature = "encode")]
+impl TableBuilder {
+    /// Starts the record of a frame; returns the buffer to which its bytes are appended.
+    pub fn begin(&mut self, frame: u32) -> &mut Vec<u8> {
+        self.rows.push(Row { frame, offset: self.data.len() as u32 });
+        &mut self.data
+    }
+
+    pub fn bytes(&self) -> usize {
+        self.start() + self.data.len()
+    }
+
+    fn start(&self) -> usize {
+        4 + self.rows.len() * ROW_BYTES
+    }
+
+    pub fn finish(self) -> Result<Vec<u8>> {
+        let start = self.start();
+        if u32::try_from(self.bytes()).is_err() {
+            return Err(Error::unsupported(
+                "a chunk of more than 4 GiB: use a shorter keyframe interval or more tiles",
+            ));
+        }
+        let mut payload = Vec::with_capacity(self.bytes());
+        payload.put_u32(self.rows.len() as u32);
+        for row in self.rows {
+            payload.put_u32(row.frame);
+            payload.put_u32(start as u32 + row.offset);
+        }
+        payload.extend_from_slice(&self.data);
+        Ok(payload)
+    }
 }

@@ -8,9 +8,7 @@ use byteorder::{ByteOrder, LittleEndian};
 
 use crate::container::fields::Fields;
 use crate::depth::bits::{BitReader, BitWriter};
-use crate::depth::coefficients::integers;
-use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of};
-use crate::depth::precision::Precision;
+use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, Precision, function_of, integers};
 use crate::depth::quantise::BACKGROUND_CODE;
 use crate::error::{Error, Result};
 

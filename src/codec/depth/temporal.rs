@@ -8,10 +8,10 @@
 //! picture. A pixel is sent while fewer than W frames have passed since it changed.
 
 use crate::container::EncodedChunk;
+use crate::depth::boxes::TemporalSettings;
 use crate::depth::boxes::cover::{BoxBudget, Mask, cover};
 use crate::depth::open_chunk::OpenChunk;
-use crate::depth::record_table::builder::TableBuilder;
-use crate::depth::settings::TemporalSettings;
+use crate::depth::record_table::TableBuilder;
 use crate::depth::texel::Texel;
 use crate::error::Result;
 

@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use crate::depth::block_tiles::Layout;
     use crate::depth::boxes::PixelBox;
-    use crate::depth::record_table::builder::TableBuilder;
+    use crate::depth::record_table::TableBuilder;
 
     /// Returns a chunk of 3x1 pixels; each record writes `code` to pixel `x` in `frame`.
     fn chunk(records: &[(u32, u16, u16)], frame_count: u32) -> TemporalChunk<u16> {

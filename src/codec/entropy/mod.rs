@@ -2,9 +2,7 @@
 //!
 //! Distributions do not adapt during decoding, so that substreams are independent and a GPU decodes each in one lane.
 
-pub mod built_in;
 pub mod distribution;
-pub mod family;
 #[cfg(feature = "encode")]
 pub mod prices;
 pub mod rans;
@@ -16,12 +14,11 @@ pub mod text_reader;
 pub mod training;
 
 pub use distribution::{Distribution, SYMBOLS};
-pub use family::Family;
 #[cfg(feature = "encode")]
 pub use prices::{Counts, PricedTables, Prices};
 pub use rans::Decoder;
 #[cfg(feature = "encode")]
 pub use rans::Encoder;
-pub use tables::{Model, TableSet, Tables};
+pub use tables::{Family, Model, TableSet, Tables};
 #[cfg(feature = "encode")]
 pub use training::{PayloadCounts, Trainer};

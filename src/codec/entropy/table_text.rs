@@ -72,8 +72,8 @@ pub fn write<M: Model>(sets: &[TableSet<M>]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::transform::tables::Transform;
-    use crate::depth::predictive::tables::Predictive;
+    use crate::color::transform::contexts::Transform;
+    use crate::depth::predictive::contexts::Predictive;
     use crate::entropy::Tables;
 
     const COLOR: &str = include_str!(concat!(env!("LIGHTFOLD_FORMATS"), "/color-tables.txt"));

@@ -98,8 +98,8 @@ fn prior<M: Model>(built_in: &Tables<M>) -> Counts<M> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::transform::tables::Transform;
-    use crate::depth::predictive::tables::Predictive;
+    use crate::color::transform::contexts::Transform;
+    use crate::depth::predictive::contexts::Predictive;
     use crate::entropy::SYMBOLS;
 
     /// Payloads that have `count` times one symbol of the first cluster.

@@ -7,9 +7,8 @@ pub mod frustum;
 pub mod random;
 mod separation;
 pub mod sight;
-mod sums;
 
+pub use crate::add_members;
 pub use camera::{Camera, Lens};
 pub use frustum::{Frustum, Window};
 pub use sight::{Sight, Viewer};
-pub use sums::add_members;

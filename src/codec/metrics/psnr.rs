@@ -8,6 +8,9 @@ use crate::error::{Error, Result};
 pub const U8_PEAK: f64 = 255.0;
 pub const U16_PEAK: f64 = 65_535.0;
 
+/// Depth code of the background.
+pub const BACKGROUND_CODE: u16 = u16::MAX;
+
 /// Number of 8-bit squares summed in i32 before they are widened: 32,768 · 255² is below 2³¹.
 const U8_RUN: usize = 1 << 15;
 

@@ -178,7 +178,7 @@ impl AlphaHeader {
             epsilon: 0,
             keyframe_interval: self.keyframe_interval,
             projection: Projection::default(),
-            tables: predictive::tables::Tables::default(),
+            tables: predictive::Tables::default(),
             levels: Levels::default(),
         }
     }

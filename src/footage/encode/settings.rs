@@ -4,10 +4,9 @@ use crate::dataset::manifest::Keep;
 use crate::dataset::{InvalidDepth, Source};
 use codec::block::SIDE;
 use codec::color::quality::MAX_QUALITY;
-use codec::color::transform::Tables;
 use codec::color::transform::blocks::MAX_FRAMES;
 use codec::color::transform::encode::COARSEST;
-use codec::color::transform::tables::TableSet;
+use codec::color::transform::{TableSet, Tables};
 use codec::color::{SearchSettings, Target};
 use codec::container::Compression;
 use codec::container::index::MAX_SIZE;
@@ -232,7 +231,7 @@ pub struct EncodeSettings {
     /// Entropy tables of the transform codec in addition to the built-in ones, stored in each colour stream.
     pub color_tables: Option<TableSet>,
     /// Entropy tables of predictive depth in addition to the built-in ones, at most eight sets, stored in each depth stream.
-    pub depth_tables: Vec<predictive::tables::TableSet>,
+    pub depth_tables: Vec<predictive::TableSet>,
     /// Quality target of colour and search effort.
     pub search: SearchSettings,
     /// Storage of keyframes of [`ColorCodec::Cells`] as texture blocks; `None` stores samples.
@@ -446,7 +445,7 @@ impl EncodeSettings {
             DepthCodec::Tree => DepthCoding::Tree(NodeHeader { window: 1, epsilon: 0, ..nodes()? }),
             DepthCodec::Blocks => DepthCoding::Blocks,
             DepthCodec::Predictive => {
-                let tables = predictive::tables::Tables::with_own(self.depth_tables.clone());
+                let tables = predictive::Tables::with_own(self.depth_tables.clone());
                 let bound = self.depth.error.codes(range)?;
                 let steps = (u32::from(FAR_CODE) + 1) / (2 * u32::from(bound) + 1);
                 // Use levels only if they are no more than the quantisation steps at this bound. Measured: half the bytes if the

@@ -13,10 +13,10 @@ use exr::meta::header::Header;
 use half::f16;
 
 use codec::error::{Error, Result};
+use codec::image::ReadLimits;
 use codec::image::channels::{
     ChannelName, ChannelSelect, find_alpha, find_alpha_channel, find_color, find_depth, find_named, find_picture_color,
 };
-use codec::image::limits::ReadLimits;
 use codec::image::plane::{AlphaPlane, ColorPlane, DepthPlane, MaterialPlane, Plane};
 use codec::image::primaries::Primaries;
 

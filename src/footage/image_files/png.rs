@@ -12,7 +12,7 @@ use half::f16;
 use super::color_space::ColorSpace;
 use crate::files::DiskFile;
 use codec::error::{Error, Result};
-use codec::image::limits::ReadLimits;
+use codec::image::ReadLimits;
 use codec::image::plane::{AlphaPlane, ColorPlane, DepthPlane, Plane};
 use codec::image::transfer::{DecodeTable, ToneMap, Transfer, srgb16};
 

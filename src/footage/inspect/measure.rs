@@ -11,10 +11,10 @@ use crate::inspect::chunk_counts::{
 use crate::inspect::statistics::{
     Check, FrameRow, FrameRows, InspectSettings, Inspection, MAX_ROWS, Spread, StorageStats, StreamStats,
 };
-use codec::container::{ChunkEntry, Index, Reader, Storage, lzma2, lzma2_independent, zstd, zstd_independent};
+use codec::container::{ChunkEntry, Index, Reader, Storage, lzma2, zstd};
 use codec::decode::{DamagedChunk, Decoder, StreamInfo, memory};
 use codec::depth::mode_statistics::ModeStatistics;
-use codec::depth::predictive::settings::MAX_FRAMES;
+use codec::depth::predictive::tile::MAX_FRAMES;
 use codec::error::{Error, Result};
 use codec::image::FrameRange;
 use codec::memory::Need;
@@ -230,14 +230,14 @@ impl Measure<'_, '_> {
             Storage::Raw => stored,
             Storage::Lzma2 => {
                 let payload = lzma2::decompress(&stored, raw_bytes)?;
-                if both && lzma2_independent::decompress_independent(&stored, raw_bytes)? != payload {
+                if both && lzma2::decompress_independent(&stored, raw_bytes)? != payload {
                     return Err(Error::invalid("two LZMA2 decoders do not agree on the chunk"));
                 }
                 payload
             }
             Storage::Zstd => {
                 let payload = zstd::decompress(&stored, raw_bytes)?;
-                if both && zstd_independent::decompress_independent(&stored, raw_bytes)? != payload {
+                if both && zstd::decompress_independent(&stored, raw_bytes)? != payload {
                     return Err(Error::invalid("two Zstandard decoders do not agree on the chunk"));
                 }
                 payload

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde::ser::{SerializeStruct, Serializer};
 
 use crate::json::Number;
-use codec::metrics::codes::BACKGROUND_CODE;
+use codec::metrics::BACKGROUND_CODE;
 use codec::metrics::psnr::{SquaredError, U16_PEAK};
 
 pub const OUTSIDE: i32 = -1;

@@ -4,7 +4,7 @@
 use crate::harness::Case;
 use crate::selftest::gathered::Gathered;
 use codec::depth::block_tiles::{Layout, tiles_of};
-use codec::depth::record_table::builder::TableBuilder;
+use codec::depth::record_table::TableBuilder;
 use codec::depth::{PixelBox, TemporalChunk, Texel};
 use codec::math::random::Random;
 use kernels::layout::{BoxRow, Record, Unit};

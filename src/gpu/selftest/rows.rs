@@ -2,7 +2,7 @@
 
 use crate::harness::Case;
 use codec::math::random::Random;
-use epipolar::compact::{compact, counts};
+use epipolar::drawing::{self, compact};
 use epipolar::erosion::{edges, eroded};
 use kernels::layout::{PixelRows, words_of};
 
@@ -54,7 +54,7 @@ impl Layer {
         let buffers = [
             ("block", block(self.size, self.stride)),
             ("shown", self.texels()),
-            ("counts", counts(&self.shown, self.size[0] as usize)),
+            ("counts", drawing::active_counts(&self.shown, self.size[0] as usize)),
             (*name, vec![0xdead_beef; words.len()]),
         ];
         let pixels = self.shown.len() as u64;
@@ -72,7 +72,7 @@ impl Layer {
 
 pub(super) fn active_counts(seed: u64) -> Vec<Case> {
     let case = |layer: Layer| {
-        let expected = counts(&layer.shown, layer.size[0] as usize);
+        let expected = drawing::active_counts(&layer.shown, layer.size[0] as usize);
         layer.case(("counts", expected))
     };
     layers(seed).into_iter().map(case).collect()

@@ -25,7 +25,7 @@ use codec::depth::block_tiles::Layout;
 use codec::depth::domain::{Domain, DomainKind};
 use codec::depth::node_encoder::NodeSettings;
 use codec::depth::nodes::Grid;
-use codec::depth::record_table::builder::TableBuilder;
+use codec::depth::record_table::TableBuilder;
 use codec::depth::tree_chunk::encoder::TreeEncoder;
 use codec::depth::{DepthRange, DomainParts, TemporalSettings, storage};
 use codec::error::Result;

@@ -5,9 +5,11 @@ use std::io::Write;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
-use super::scene::Scene;
 use crate::cost::TextureCoordinates;
+use crate::gbuffer::SurfaceAtlas;
 use crate::quad_mesh::QuadMesh;
+use crate::region::ViewingRegion;
+use crate::selection::Budgets;
 use codec::error::Result;
 use scene::mesh::Material;
 use scene::mesh::gltf::write::{self, Additions};
@@ -15,6 +17,20 @@ use scene::mesh::gltf::write::{self, Additions};
 /// glTF has no homogeneous texture coordinates, so they are an application-specific attribute. TEXCOORD_0 is written, too,
 /// because the Khronos validator reports a textured primitive without it.
 const HOMOGENEOUS: &str = "_TEXCOORD_STQ";
+
+/// Input of the file writers: a scene, and the metadata that files store with it.
+#[derive(Debug)]
+pub struct Scene<'a> {
+    pub quads: &'a QuadMesh,
+    pub region: &'a ViewingRegion,
+    pub budgets: &'a Budgets,
+    /// Frame of the capture.
+    pub frame: u32,
+    /// Maximum side of the atlas, in texels.
+    pub atlas: u32,
+    pub coordinates: TextureCoordinates,
+    pub surfaces: Option<&'a SurfaceAtlas>,
+}
 
 /// Writes the mesh. `extras` is stored as the extras of the file.
 pub fn write(quads: &QuadMesh, extras: Value, out: &mut dyn Write) -> Result<()> {

@@ -3,11 +3,10 @@
 //! All files store straight colour, not multiplied by alpha, and keep the order of triangles.
 
 pub mod glb;
-mod obj;
-mod scene;
 mod textures;
 
 use std::ffi::OsStr;
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use codec::error::{Error, Result};
@@ -15,8 +14,11 @@ use codec::image::Plane;
 use footage::dataset::manifest::NORMAL_CHANNELS;
 use footage::image_files::exr;
 
-pub use scene::Scene;
+pub use glb::Scene;
 pub use textures::Ktx2Output;
+
+/// Name of the material in an OBJ file and in its material library.
+const MATERIAL: &str = "quads";
 
 /// Output files.
 #[derive(Debug)]
@@ -108,8 +110,8 @@ pub fn files(scene: &Scene, outputs: &Outputs) -> Result<Vec<OutputBytes>> {
             let texture = if scene.quads.light.is_some() { outputs.beside("exr") } else { png.clone() };
             let names = [file_name(&materials)?, file_name(&texture)?];
             let mut files = vec![
-                OutputBytes { path: outputs.scene.clone(), bytes: obj::bytes(scene, names[0]) },
-                OutputBytes { bytes: obj::material(names[1]), path: materials },
+                OutputBytes { path: outputs.scene.clone(), bytes: obj_bytes(scene, names[0]) },
+                OutputBytes { bytes: obj_material(names[1]), path: materials },
             ];
             if scene.quads.light.is_none() {
                 files.push(OutputBytes { path: png, bytes: scene.quads.texture.png()? });
@@ -119,6 +121,42 @@ pub fn files(scene: &Scene, outputs: &Outputs) -> Result<Vec<OutputBytes>> {
     };
     files.extend(beside);
     Ok(files)
+}
+
+/// Returns the scene as Wavefront OBJ, in the form of the released Seurat: homogeneous texture coordinates are `vt s t q`, affine
+/// ones `vt u v`. Both have their origin in the bottom left corner of the image.
+fn obj_bytes(scene: &Scene, materials: &str) -> Vec<u8> {
+    let quads = scene.quads;
+    let mut text =
+        String::from("# Triangles are in drawing order, from back to front: blend them, without depth test.\n");
+    let [min, max] = [scene.region.middle - scene.region.half, scene.region.middle + scene.region.half];
+    // Writing to a string cannot fail.
+    let _ =
+        writeln!(text, "# Viewing region in metres: {} {} {} to {} {} {}", min.x, min.y, min.z, max.x, max.y, max.z);
+    let _ = writeln!(text, "mtllib {materials}");
+    for position in &quads.mesh.positions {
+        let at = position.as_vec3();
+        let _ = writeln!(text, "v {} {} {}", at.x, at.y, at.z);
+    }
+    for stq in &quads.stq {
+        let _ = writeln!(text, "vt {} {} {}", stq.x, stq.z - stq.y, stq.z);
+    }
+    if quads.stq.is_empty() {
+        for uv in &quads.mesh.uvs {
+            let _ = writeln!(text, "vt {} {}", uv.x, 1.0 - uv.y);
+        }
+    }
+    let _ = writeln!(text, "usemtl {MATERIAL}");
+    for corners in &quads.mesh.triangles {
+        let [a, b, c] = corners.map(|corner| corner + 1);
+        let _ = writeln!(text, "f {a}/{a} {b}/{b} {c}/{c}");
+    }
+    text.into_bytes()
+}
+
+/// Returns the material library: the unlit colour of the texture. Viewers take alpha from the same image.
+fn obj_material(texture: &str) -> Vec<u8> {
+    format!("newmtl {MATERIAL}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 0\nmap_Kd {texture}\n").into_bytes()
 }
 
 /// An atlas other than that of colour.

@@ -2,7 +2,7 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use codec::container::{Compression, OpenLimits, Reader, lzma2, lzma2_independent, zstd, zstd_independent};
+use codec::container::{Compression, OpenLimits, Reader, lzma2, zstd};
 use codec::decode::{self, AllUnits, Decoder, FaceDecoder, OnDamage, Picture, Request, StreamFrames, StreamInfo};
 use codec::depth::mode_decision::Decide;
 use codec::effort::Effort;
@@ -272,7 +272,7 @@ pub fn run_lzma2(bytes: &[u8]) -> Judged {
     if raw.len() != raw_bytes as usize {
         return Err(format!("{} bytes where {raw_bytes} were asked for", raw.len()));
     }
-    match lzma2_independent::decompress_independent(stored, raw_bytes) {
+    match lzma2::decompress_independent(stored, raw_bytes) {
         Ok(other) if other != *raw => Err("two LZMA2 decoders do not agree".into()),
         Ok(_) => Ok(Verdict::Accepted),
         Err(error @ Error::Invalid { .. }) => refused(&error),
@@ -292,7 +292,7 @@ pub fn run_zstd(bytes: &[u8]) -> Judged {
         return Err(format!("{} bytes where {raw_bytes} were asked for", raw.len()));
     }
     // The decoder accepts only frames that keep all rules, so no other decoder may refuse them.
-    match zstd_independent::decompress_independent(stored, raw_bytes) {
+    match zstd::decompress_independent(stored, raw_bytes) {
         Ok(other) if other != raw => Err("two Zstandard decoders do not agree".into()),
         Ok(_) => Ok(Verdict::Accepted),
         Err(error) => Err(format!("the second Zstandard decoder refuses it: {error}")),

@@ -1,8 +1,8 @@
 //! Fuzz targets: functions that take arbitrary bytes and return a verdict. The test's runner and the `cargo fuzz` package share
 //! them.
 
-use codec::color::transform::tables::Transform;
-use codec::depth::predictive::tables::Predictive;
+use codec::color::transform::Transform;
+use codec::depth::predictive::Predictive;
 use codec::error::{Error, Result};
 
 pub mod cameras;

@@ -215,7 +215,7 @@ fn color(ink: Ink) -> RGBAColor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use codec::image::limits::ReadLimits;
+    use codec::image::ReadLimits;
 
     fn specimen() -> Drawing {
         let mut drawing = Drawing::new(320, 160, "a <specimen> & more");

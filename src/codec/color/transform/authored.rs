@@ -6,13 +6,13 @@ use std::ops::Range;
 use crate::color::transform::basis::LENGTHS;
 use crate::color::transform::blocks::{Block, regions};
 use crate::color::transform::coder::{Coder, SourceCoder};
+use crate::color::transform::contexts::TableSet;
 use crate::color::transform::contexts::{
     FAMILIES, LAST, LATER_PIXEL, LEVELS, NODE, PALETTE_COLOR, PALETTE_SIZE, PIXEL, PLANES,
 };
 use crate::color::transform::payload::Header;
 use crate::color::transform::region::{PARTS, QUARTERS, Region, Setting, TRANSFORM};
 use crate::color::transform::steps::DELTAS;
-use crate::color::transform::tables::TableSet;
 use crate::color::transform::{Keyed, Tables};
 use crate::entropy::{Encoder, Family};
 use crate::error::{Error, Result};

@@ -1,7 +1,7 @@
 //! A single description of the syntax for both directions: a coder takes the value to write, or returns the value that it
 //! reads.
 
-use crate::color::transform::tables::TableSet;
+use crate::color::transform::contexts::TableSet;
 use crate::entropy;
 
 pub trait Coder {

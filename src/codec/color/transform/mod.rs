@@ -24,11 +24,10 @@ pub mod reconstruct;
 pub mod region;
 pub mod scan;
 pub mod steps;
-pub mod tables;
 
+pub use contexts::{TableSet, Tables, Transform};
 pub use domain::{Domain, Keyed};
 pub use reconstruct::TransformChunk;
-pub use tables::Tables;
 
 #[cfg(test)]
 mod tests;

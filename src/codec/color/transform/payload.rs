@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use crate::color::transform::blocks::{MAX_FRAMES, regions};
+use crate::color::transform::contexts::Tables;
 use crate::color::transform::domain::{ChromaSlopes, Keyed};
 use crate::color::transform::palette::Color;
 use crate::color::transform::steps::{DELTAS, OFFSET_SETS, StepIndices};
-use crate::color::transform::tables::Tables;
 use crate::container::fields::Fields;
 use crate::error::{Error, Result};
 

@@ -6,12 +6,12 @@ use pulp::{Arch, NullaryFnOnce};
 
 use crate::color::transform::basis::{BASIS_BITS, LENGTHS, MAX_LENGTH, basis, length_index};
 use crate::color::transform::blocks::{Block, Shape, regions};
+use crate::color::transform::contexts::Tables;
 use crate::color::transform::domain::{CHANNELS, ChromaSlopes, Keyed, inverse};
 use crate::color::transform::levels::Level;
 use crate::color::transform::palette::Palette;
 use crate::color::transform::payload::{Layout, check_frames};
 use crate::color::transform::region::{ChannelLevels, Content, Leaf, Region, Setting};
-use crate::color::transform::tables::Tables;
 use crate::error::Result;
 
 /// Distance between rows of coefficients, as in `Position`.

@@ -6,13 +6,13 @@ use crate::color::transform::basis::{MAX_LENGTH, length_index};
 use crate::color::transform::blocks::{Block, MIN_SIDE, Place, REGION, Shape, padded_pixels, regions};
 use crate::color::transform::coder::{Reader, SourceCoder};
 use crate::color::transform::contexts;
+use crate::color::transform::contexts::TableSet;
 use crate::color::transform::domain::{self, CHANNELS, Domain};
 use crate::color::transform::levels::{History, Level, SparseLevels};
 use crate::color::transform::means::Means;
 use crate::color::transform::palette::{ColorCache, Palette};
 use crate::color::transform::payload::{Header, SECTION};
 use crate::color::transform::steps::Steps;
-use crate::color::transform::tables::TableSet;
 use crate::entropy;
 use crate::error::{Error, Result};
 

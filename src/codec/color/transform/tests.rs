@@ -4,12 +4,12 @@ use crate::color::HalfKey;
 use crate::color::transform::basis::length_index;
 use crate::color::transform::blocks::{Block, MAX_FRAMES, regions};
 use crate::color::transform::coder::{Coder, Reader, SourceCoder};
+use crate::color::transform::contexts::BUILT_IN;
 use crate::color::transform::contexts::{ALPHABETS, NODE};
 use crate::color::transform::payload::Layout;
 use crate::color::transform::region::{
     PALETTE, PARTS, QUARTERS, Region, Setting, TRANSFORM, held_bytes, max_items, parsed_bytes,
 };
-use crate::color::transform::tables::BUILT_IN;
 use crate::color::transform::{Keyed, Tables, TransformChunk};
 use crate::container::fields::Fields;
 use crate::container::serialize::PutFields;

@@ -8,11 +8,35 @@ use crate::container::fields::Fields;
 use crate::error::{Error, Result};
 
 const MAGIC: u32 = 0xfd2f_b528;
+/// Maximum window of a frame in bytes.
+pub const MAX_WINDOW_BYTES: u64 = 1 << 24;
 const MAX_BLOCK_BYTES: u64 = 1 << 17;
 const SECTION: &str = "container.md 6.2";
 
+/// Decompresses exactly `raw_bytes` bytes, for which memory is reserved at once.
+///
+/// # Errors
+/// If the frame breaks RFC 8878 or container.md 6.2, has more or fewer bytes, or is followed by other bytes.
+pub fn decompress(stored: &[u8], raw_bytes: u32) -> Result<Vec<u8>> {
+    decode(stored, raw_bytes, MAX_WINDOW_BYTES)
+}
+
+/// Decompresses with a second decoder, `ruzstd`, with which verification compares the first: at most `raw_bytes` bytes, the size
+/// that the first has found.
+#[cfg(feature = "encode")]
+pub fn decompress_independent(stored: &[u8], raw_bytes: u32) -> Result<Vec<u8>> {
+    let mut decoder = ruzstd::decoding::FrameDecoder::new();
+    decoder.set_max_window_size(MAX_WINDOW_BYTES);
+    let mut raw = vec![0; raw_bytes as usize];
+    let count = decoder
+        .decode_all(stored, &mut raw)
+        .map_err(|error| Error::invalid(format!("the second Zstandard decoder refuses the chunk: {error}")))?;
+    raw.truncate(count);
+    Ok(raw)
+}
+
 /// Decodes a frame of exactly `raw_bytes` bytes with a window of at most `max_window` bytes.
-pub fn decode(stored: &[u8], raw_bytes: u32, max_window: u64) -> Result<Vec<u8>> {
+fn decode(stored: &[u8], raw_bytes: u32, max_window: u64) -> Result<Vec<u8>> {
     let mut fields = Fields::new(stored, 0, SECTION);
     let window = read_header(&mut fields, raw_bytes, max_window)?;
     let max_block = window.min(MAX_BLOCK_BYTES) as usize;

@@ -12,15 +12,6 @@ mod huffman;
 mod literals;
 mod sequences;
 
-use crate::error::Result;
-
-/// Maximum window of a frame in bytes.
-pub const MAX_WINDOW_BYTES: u64 = 1 << 24;
-
-/// Decompresses exactly `raw_bytes` bytes, for which memory is reserved at once.
-///
-/// # Errors
-/// If the frame breaks RFC 8878 or container.md 6.2, has more or fewer bytes, or is followed by other bytes.
-pub fn decompress(stored: &[u8], raw_bytes: u32) -> Result<Vec<u8>> {
-    frame::decode(stored, raw_bytes, MAX_WINDOW_BYTES)
-}
+#[cfg(feature = "encode")]
+pub use frame::decompress_independent;
+pub use frame::{MAX_WINDOW_BYTES, decompress};

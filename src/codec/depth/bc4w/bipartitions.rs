@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use crate::depth::bc4w::line::Line;
+use crate::depth::bc4w::Line;
 
 /// A bipartition of the pixels and a line that produces it. A search does not depend on which side is called B.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,8 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use crate::depth::bc4w::line::Line;
-use crate::depth::bc4w::{BYTES, Bc4w, MAX_ENDPOINT, Pair};
+use crate::depth::bc4w::{BYTES, Bc4w, Line, MAX_ENDPOINT, Pair};
 use crate::depth::block::{Accuracy, Block};
 use crate::depth::quantise::BACKGROUND_CODE;
 

@@ -4,12 +4,11 @@
 
 use crate::depth::biquadratic::Biquadratic;
 use crate::depth::block::{Accuracy, Block};
-use crate::depth::coefficients;
 use crate::depth::domain::{Domain, DomainKind, VALUE_BITS, log_code};
 use crate::depth::least_squares::{Constants, Frame, Sample, Terms};
 use crate::depth::limit::{Limit, NodeFunction, measure};
-use crate::depth::nodes::COEFFICIENT_BYTES;
-use crate::depth::precision::Shifts;
+use crate::depth::nodes;
+use crate::depth::nodes::{COEFFICIENT_BYTES, Shifts};
 use crate::depth::quantise::BACKGROUND_CODE;
 
 /// Blocks with more pixels are subsampled for reweighting; all pixels are verified.
@@ -102,7 +101,7 @@ impl Biquadratic {
 
 impl NodeFunction for Biquadratic {
     fn to_bytes(self) -> [u8; COEFFICIENT_BYTES] {
-        coefficients::put(self.coefficients, [0xFF; 8])
+        nodes::put(self.coefficients, [0xFF; 8])
     }
 
     fn rounded(&self, shifts: Shifts, block: &Block, domain: &Domain, limit: Limit) -> Option<(Biquadratic, Accuracy)> {
@@ -186,7 +185,7 @@ pub fn sample(domain: &Domain, at: [f64; 2], code: u16) -> Sample {
 mod tests {
     use super::*;
     use crate::depth::block::{BlockMut, side_of};
-    use crate::depth::precision::Precision;
+    use crate::depth::nodes::Precision;
     use crate::depth::quantise::DepthRange;
     use crate::math::random::Random;
 

@@ -5,14 +5,13 @@
 use crate::depth::biquadratic::Biquadratic;
 use crate::depth::biquadratic::fit::{EXACT, Sight, sample};
 use crate::depth::block::{Accuracy, Block};
-use crate::depth::coefficients;
 use crate::depth::domain::{Domain, DomainKind, log_code};
 use crate::depth::least_squares::{Constants, Frame, Terms};
 use crate::depth::limit::{Limit, NodeFunction, measure};
-use crate::depth::nodes::COEFFICIENT_BYTES;
+use crate::depth::nodes;
+use crate::depth::nodes::{COEFFICIENT_BYTES, Shifts};
 use crate::depth::platelet::line_search::{LineSearch, separating_line};
 use crate::depth::platelet::{Plane, Platelet, SideTest};
-use crate::depth::precision::Shifts;
 use crate::depth::quantise::BACKGROUND_CODE;
 
 /// Maximum level at which lines are searched: edges are rarely straight across larger nodes.
@@ -55,7 +54,7 @@ impl Platelet {
 impl NodeFunction for Platelet {
     fn to_bytes(self) -> [u8; COEFFICIENT_BYTES] {
         let ([a, b], [x0, y0, x1, y1]) = (self.sides, self.line);
-        coefficients::put([a.a0, a.a1, a.a5, b.a0, b.a1, b.a5], [x0, y0, x1, y1, 0xFF, 0xFF, 0xFF, 0xFF])
+        nodes::put([a.a0, a.a1, a.a5, b.a0, b.a1, b.a5], [x0, y0, x1, y1, 0xFF, 0xFF, 0xFF, 0xFF])
     }
 
     fn rounded(&self, shifts: Shifts, block: &Block, domain: &Domain, limit: Limit) -> Option<(Platelet, Accuracy)> {
@@ -169,7 +168,7 @@ fn widest_gap(block: &Block) -> Option<u16> {
 mod tests {
     use super::*;
     use crate::depth::block::{BlockMut, side_of};
-    use crate::depth::precision::Precision;
+    use crate::depth::nodes::Precision;
     use crate::depth::quantise::DepthRange;
     use crate::math::random::Random;
 

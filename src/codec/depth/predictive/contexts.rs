@@ -1,9 +1,13 @@
-//! Contexts of symbols (depth.md 15.7), which select the distribution of a symbol from symbols that are already decoded.
+//! Contexts of symbols (depth.md 15.7), which select the distribution of a symbol from symbols that are already decoded; and the
+//! entropy model: formats/depth-tables.txt (depth.md 15.8).
+
+use std::sync::LazyLock;
 
 use crate::depth::predictive::modes::{BLOCK_STATES, MODES, SMALL_MODES};
 use crate::depth::predictive::pixel::{CLASSES, Pixel, SYMBOLS};
 use crate::depth::predictive::plane::Side;
-use crate::entropy::Family;
+use crate::entropy::text_reader::BuiltIn;
+use crate::entropy::{self, Family, Model};
 
 /// Number of kinds of frames: the first of a chunk, and later ones.
 const FRAMES: usize = 2;
@@ -104,4 +108,36 @@ pub fn escape(left: &Pixel, above: &Pixel, right: &Pixel) -> usize {
 
 pub fn candidate(which: usize) -> usize {
     CANDIDATE.first_context + which
+}
+
+/// Number of built-in table sets.
+pub const BUILT_IN: usize = 9;
+
+static FORMAT: BuiltIn<CONTEXTS, CLUSTERS, BUILT_IN> =
+    BuiltIn::parse(include_bytes!(concat!(env!("LIGHTFOLD_FORMATS"), "/depth-tables.txt")), &FAMILIES, &ALPHABETS);
+
+static CLUSTER_OF: [u8; CONTEXTS] = FORMAT.cluster_of;
+
+/// Entropy model of predictive depth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Predictive;
+
+pub type TableSet = entropy::TableSet<Predictive>;
+pub type Tables = entropy::Tables<Predictive>;
+
+impl Model for Predictive {
+    const TITLE: &'static str = "Entropy tables of predictive depth (depth.md 15.8)";
+    const FILE: &'static str = "formats/depth-tables.txt";
+    const FAMILIES: &'static [Family] = &FAMILIES;
+    const ALPHABETS: &'static [u8] = &ALPHABETS;
+
+    #[inline(always)]
+    fn cluster_of(context: usize) -> usize {
+        CLUSTER_OF[context].into()
+    }
+
+    fn built_in() -> &'static Tables {
+        static TABLES: LazyLock<Tables> = LazyLock::new(|| Tables::of_format(&FORMAT.sets));
+        &TABLES
+    }
 }

@@ -5,11 +5,10 @@ use std::sync::Arc;
 use crate::container::EncodedChunk;
 use crate::depth::mode_decision::Decide;
 use crate::depth::open_chunk::close_at_bytes;
-use crate::depth::predictive::area::UnitArea;
 use crate::depth::predictive::price::{PricedTables, Recorder, priced};
+use crate::depth::predictive::projection::UnitArea;
 use crate::depth::predictive::search::{FrameSearch, SearchSettings};
-use crate::depth::predictive::settings::{MAX_FRAMES, PredictiveHeader};
-use crate::depth::predictive::tile::Tile;
+use crate::depth::predictive::tile::{MAX_FRAMES, PredictiveHeader, Tile};
 use crate::effort::Effort;
 use crate::error::Result;
 

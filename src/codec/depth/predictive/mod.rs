@@ -10,7 +10,6 @@
 //! Based on: M. J. Weinberger, G. Seroussi, G. Sapiro, *The LOCO-I Lossless Image Compression Algorithm*, 2000, for near-lossless
 //! residuals and contexts.
 
-pub mod area;
 pub mod chunk;
 pub mod contexts;
 #[cfg(feature = "encode")]
@@ -18,7 +17,6 @@ pub mod encoder;
 #[cfg(feature = "encode")]
 mod fit;
 pub mod levels;
-pub mod magnitude;
 pub mod modes;
 pub mod pixel;
 pub mod plane;
@@ -27,14 +25,13 @@ mod price;
 pub mod projection;
 #[cfg(feature = "encode")]
 mod search;
-pub mod settings;
 mod source;
-pub mod tables;
 #[cfg(all(test, feature = "encode"))]
 mod tests;
 pub mod tile;
 
-pub use area::UnitArea;
 pub use chunk::PredictiveChunk;
+pub use contexts::{Predictive, TableSet, Tables};
 pub use levels::Levels;
-pub use settings::PredictiveHeader;
+pub use projection::UnitArea;
+pub use tile::PredictiveHeader;

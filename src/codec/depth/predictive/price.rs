@@ -2,8 +2,7 @@
 
 use std::sync::{Arc, LazyLock};
 
-use crate::depth::predictive::contexts::CONTEXTS;
-use crate::depth::predictive::tables::{Predictive, Tables};
+use crate::depth::predictive::contexts::{CONTEXTS, Predictive, Tables};
 use crate::entropy::{self, Encoder};
 
 pub type Counts = entropy::Counts<Predictive>;

@@ -4,7 +4,26 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::depth::domain::integer_log2;
-use crate::depth::predictive::area::UnitArea;
+
+/// Position of a unit in its image: its rectangle and the size of the image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct UnitArea {
+    /// Left, top, width and height in pixels.
+    pub rect: [u32; 4],
+    /// Width and height of the image.
+    pub image: [u32; 2],
+}
+
+impl UnitArea {
+    /// Returns the area of a unit that is its whole image.
+    pub fn whole(size: [u32; 2]) -> UnitArea {
+        UnitArea { rect: [0, 0, size[0], size[1]], image: size }
+    }
+
+    pub fn size(&self) -> [u32; 2] {
+        [self.rect[2], self.rect[3]]
+    }
+}
 
 /// Range of codes per factor of two of depth in which the term is used.
 pub const OCTAVES: std::ops::RangeInclusive<u32> = 512..=131_071;

@@ -3,9 +3,9 @@
 //!
 //! The loop is closed: every trial uses the decoder's own functions, and pixels are predicted from decoded ones.
 
+use crate::depth::predictive::chunk::{CANDIDATES, CHANGES, Classes, ESCAPES};
 use crate::depth::predictive::contexts;
 use crate::depth::predictive::fit::{Sample, minimax};
-use crate::depth::predictive::magnitude::{CANDIDATES, CHANGES, Classes, ESCAPES};
 use crate::depth::predictive::modes::{BACKGROUND, BLOCK, PIXELS, PLANES, QUARTERS, SAME, SMALL, SOURCES};
 use crate::depth::predictive::pixel::{
     Around, Pixel, RESIDUALS, SYMBOL_ABOVE, SYMBOL_BACKGROUND, SYMBOL_BELOW, SYMBOL_CANDIDATE, SYMBOL_KEEP, code_of,

@@ -3,7 +3,7 @@
 #[cfg(feature = "encode")]
 use std::cell::RefCell;
 
-use crate::depth::predictive::tables::Predictive;
+use crate::depth::predictive::contexts::Predictive;
 #[cfg(feature = "encode")]
 use crate::entropy::Counts;
 use crate::entropy::{self, Distribution, Model};

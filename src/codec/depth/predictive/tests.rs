@@ -2,9 +2,9 @@
 
 use crate::container::EncodedChunk;
 use crate::depth::mode_decision::Decide;
+use crate::depth::predictive::contexts::Tables;
 use crate::depth::predictive::encoder::PredictiveEncoder;
 use crate::depth::predictive::projection::{Projection, Shape};
-use crate::depth::predictive::tables::Tables;
 use crate::depth::predictive::{Levels, PredictiveChunk, PredictiveHeader, UnitArea};
 use crate::effort::Effort;
 use crate::entropy::Trainer;

@@ -2,7 +2,7 @@
 
 use crate::container::serialize::PutFields;
 use crate::depth::boxes::PixelBox;
-use crate::depth::record_table::builder::TableBuilder;
+use crate::depth::record_table::TableBuilder;
 use crate::depth::records::{BOXES, CONSTANT, WHOLE};
 use crate::depth::texel::Texel;
 

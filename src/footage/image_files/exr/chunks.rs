@@ -19,7 +19,7 @@ use super::guard::{CHUNK_ENTRY_BYTES, HEADER_SHARE, Opened, check, display_pixel
 use super::payload::{self, Room};
 use crate::guard::guarded;
 use codec::error::{Error, Result};
-use codec::image::limits::ReadLimits;
+use codec::image::ReadLimits;
 
 /// Bytes of the PIZ tables: a bitmap and its inverse, code lengths, and a decoding table with a list of long codes.
 const PIZ_TABLE_BYTES: u64 = 4 << 20;

@@ -15,7 +15,7 @@ use exr::meta::{BlockDescription, MetaData};
 use super::errors::translate;
 use super::work::Work;
 use codec::error::{Error, Result};
-use codec::image::limits::ReadLimits;
+use codec::image::ReadLimits;
 
 /// Bytes of decoded pixels that are allowed for a file of any size; see [`ReadLimits`].
 const PIXEL_FLOOR: u64 = 16 << 20;

@@ -16,8 +16,7 @@ mod weights;
 use std::sync::Arc;
 
 use crate::color::CellFormat;
-use crate::color::quality::Quality;
-use crate::color::settings::{SearchSettings, Target};
+use crate::color::quality::{Quality, SearchSettings, Target};
 use crate::color::temporal::CellEncoder;
 use crate::color::transform::Keyed;
 use crate::color::transform::encode::source::CellSource;

@@ -1,7 +1,7 @@
 //! Prices of symbols in bits, and coders that count or write symbols.
 
 use crate::color::transform::coder::{Coder, number_parts};
-use crate::color::transform::tables::{TableSet, Transform};
+use crate::color::transform::contexts::{TableSet, Transform};
 use crate::entropy::{self, Encoder, SYMBOLS};
 
 pub type Counts = entropy::Counts<Transform>;

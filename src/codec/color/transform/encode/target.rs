@@ -6,8 +6,7 @@ use std::rc::Rc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::color::quality::{MAX_QUALITY, Quality, outside_codes};
-use crate::color::settings::{SearchSettings, Target};
+use crate::color::quality::{MAX_QUALITY, Quality, SearchSettings, Target, outside_codes};
 use crate::color::transform::blocks::regions;
 use crate::color::transform::domain::{ChromaSlopes, Keyed, forward};
 use crate::color::transform::encode::activity;

@@ -2,11 +2,11 @@
 
 use crate::color::transform::blocks::{Block, regions};
 use crate::color::transform::coder::{Coder, Reader, SourceCoder};
+use crate::color::transform::contexts::{Tables, Transform};
 use crate::color::transform::domain::Keyed;
 use crate::color::transform::encode::rate::Counts;
 use crate::color::transform::payload::{Layout, check_frames, holds_cells};
 use crate::color::transform::region::{Region, Setting, max_items};
-use crate::color::transform::tables::{Tables, Transform};
 use crate::entropy::{Decoder, PayloadCounts, Prices};
 use crate::error::{Error, Result};
 
