@@ -185,7 +185,8 @@ fn panoramas_and_viewers_are_captured_too() {
     // Its faces equal those of a cube map from the same position, except at edges.
     fine("capture courtyard --position 0,1.5,0 --frames 3 --size 64 --samples 1 -o cube", place.path());
     let faces = ["pano", "cube"].map(|name| {
-        let source = Source::open(&place.path().join(name), &SourceOptions::default()).unwrap();
+        let options = SourceOptions { face_size: (name == "pano").then_some(64), ..SourceOptions::default() };
+        let source = Source::open(&place.path().join(name), &options).unwrap();
         let group =
             source.groups().iter().find(|group| group.kind == StreamKind::Depth && group.faces.contains(&Face::Pz));
         let group = group.unwrap();

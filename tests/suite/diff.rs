@@ -407,7 +407,7 @@ fn panoramas_take_the_face_size_of_the_container() {
         let (code, report) = bench.json(&format!("{sides} --max-error 0 --min-psnr 99"));
         assert_eq!((code, &report["equal"]), (0, &true.into()), "{sides}");
         assert_eq!(report["streams"].as_array().unwrap().len(), 12);
-        assert_eq!(report["streams"][0]["width"], if sides == "pano pano" { 16 } else { 24 });
+        assert_eq!(report["streams"][0]["width"], if sides == "pano pano" { 32 } else { 24 });
     }
     let (code, report) = bench.json("pano/depth.%04d.exr pano.lfold --layout equirect --max-error 0");
     assert_eq!((code, report["streams"].as_array().unwrap().len()), (0, 6));

@@ -106,8 +106,9 @@ fn faces_by_words_and_other_passes() {
     assert_eq!(found.files.color.as_deref(), Some("shot/{face}_beauty_%03d.exr"));
     assert_eq!((found.frames, found.projection), ([10, 11], Projection::Cubemap));
     assert_eq!(found.face_names.unwrap()["ny"], "Bottom");
-    let words = ["unsure: shot/slate.png left out", "Top_albedo_%03d.exr was left out", "Right = px", "Back = nz"];
+    let words = ["unsure: shot/slate.png left out", "Top_albedo_%03d.exr was left out", "Right = px", "Back = pz"];
     assert_says(&said, &words);
+    assert!(!said.contains("channels"), "files that are left out are noted once: {said}");
     encodes(folder.path());
 }
 
@@ -355,7 +356,7 @@ fn manifests_go_elsewhere_and_bad_folders_are_refused() {
     let folder = TempDir::new().unwrap();
     let set = folder.path().join("in");
     std::fs::create_dir_all(&set).unwrap();
-    assert_says(&refused("init in", folder.path()), &["in", "no .exr or .png files with frame numbers"]);
+    assert_says(&refused("init in", folder.path()), &["in", "no .exr, .png or .jpg files"]);
     assert_says(&refused("init nowhere", folder.path()), &["nowhere", "there is no such file or folder"]);
     ours::write_color(&set.join("x.1.exr"), &gray(8, 6, |x, _| x as f32)).unwrap();
     let printed = fine("init in -o -", folder.path()).stdout;

@@ -243,7 +243,7 @@ fn what_stays_is_shared_by_all_times_and_what_moves_is_not() {
     );
     file.push("animations", json!({ "name": "stay", "samplers": [sampler(still)], "channels": [channel(0, 0)] }));
     let (model, notes) = open(&file);
-    assert!(notes.len() == 1 && notes[0].contains("“go”"), "{notes:?}");
+    assert!(notes.len() == 1 && notes[0].contains("“stay”"), "{notes:?}");
     let (one, two) = (model.at(0.0), model.at(0.5));
     assert_eq!((one.meshes.len(), two.meshes.len()), (2, 2));
     assert!(std::sync::Arc::ptr_eq(&one.meshes[0], &two.meshes[0]));

@@ -8,6 +8,7 @@
 //! 4. `panoramas` detects two eyes in one image.
 //! 5. This module determines the frames, the projection from names and image shape, and depth properties from the first image.
 
+mod left_out;
 mod names;
 mod panoramas;
 mod poses;
@@ -501,21 +502,25 @@ impl Draft<'_> {
         Ok(false)
     }
 
-    /// Returns the pattern of normal maps that cover the same probes and faces.
+    /// Returns the pattern of normal maps that cover the same probes and faces, and notes what else of the files is not used.
     fn normals(&mut self, names: &[String]) -> Result<Option<String>> {
         let is_normal = |of: &&Found| {
             let header = of.header.as_ref();
-            header.is_some_and(|header| {
-                of.kinds.is_empty() && NORMAL_CHANNELS.iter().all(|name| find_named(&header.channels, name).is_ok())
-            })
+            let has_normals = header
+                .is_some_and(|header| NORMAL_CHANNELS.iter().all(|name| find_named(&header.channels, name).is_ok()));
+            of.kinds.is_empty() && has_normals && !of.is_position()
         };
         let texts: Vec<&str> = self.found.iter().filter(is_normal).map(|of| of.text.as_str()).collect();
-        if texts.is_empty() {
-            return Ok(None);
-        }
-        let Ok(named) = names::name(&texts) else { return Ok(None) };
-        let all_there = names.iter().all(|name| named.probes().contains(name));
-        Ok((all_there && named.faces == self.faces()? && named.left_out.is_empty()).then_some(named.text))
+        let named = if texts.is_empty() { None } else { names::name(&texts).ok() };
+        let faces = self.faces()?;
+        let is_whole = |named: &Named| {
+            let all_there = names.iter().all(|name| named.probes().contains(name));
+            all_there && named.faces == faces && named.left_out.is_empty()
+        };
+        let named = named.filter(is_whole);
+        let of_normals = if named.is_some() { texts.as_slice() } else { &[] };
+        self.unsure.extend(left_out::sentences(self.found, &self.kinds, of_normals));
+        Ok(named.map(|named| named.text))
     }
 }
 

@@ -297,6 +297,19 @@ pub(super) fn keep_faces<T>(all: Vec<Plane<T>>, wanted: &[Face]) -> Vec<Plane<T>
     Face::CUBE.into_iter().zip(all).filter(|(face, _)| wanted.contains(face)).map(|(_, plane)| plane).collect()
 }
 
+/// Returns the face of an OpenGL cube map that a camera saw: a side left to right, top and bottom upside down.
+pub(super) fn from_camera<T: Copy>(seen: &Plane<T>, face: Face) -> Plane<T> {
+    let (right, bottom) = (seen.width().saturating_sub(1), seen.height().saturating_sub(1));
+    let is_side = !matches!(face, Face::Py | Face::Ny);
+    Plane::from_fn(
+        seen.width(),
+        seen.height(),
+        |x, y| {
+            if is_side { seen.get(right - x, y) } else { seen.get(x, bottom - y) }
+        },
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,8 +13,8 @@ use super::manifest::{Manifest, Pose};
 use super::missing::{FrameFiles, Missing};
 use super::normals::{self, NormalFiles};
 use super::pixels::{
-    DepthRules, InvalidColor, InvalidDepth, check_alpha, check_color, check_depth, check_material, keep_faces,
-    linear_from_srgb, planar_to_distance,
+    DepthRules, InvalidColor, InvalidDepth, check_alpha, check_color, check_depth, check_material, from_camera,
+    keep_faces, linear_from_srgb, planar_to_distance,
 };
 use crate::image_files::{ColorSpace, exr, png};
 use codec::error::{Error, Result};
@@ -603,17 +603,4 @@ impl Source {
             }
         }
     }
-}
-
-/// Returns the face of an OpenGL cube map that a camera saw: a side left to right, top and bottom upside down.
-fn from_camera<T: Copy>(seen: &Plane<T>, face: Face) -> Plane<T> {
-    let (right, bottom) = (seen.width().saturating_sub(1), seen.height().saturating_sub(1));
-    let is_side = !matches!(face, Face::Py | Face::Ny);
-    Plane::from_fn(
-        seen.width(),
-        seen.height(),
-        |x, y| {
-            if is_side { seen.get(right - x, y) } else { seen.get(x, bottom - y) }
-        },
-    )
 }

@@ -21,6 +21,8 @@ const MAX_FILES: usize = 2_000_000;
 const DEPTH_WORDS: [&str; 6] = ["depth", "zdepth", "z", "dist", "distance", "range"];
 /// Words that mark files of disparity or inverse depth by name.
 const DISPARITY_WORDS: [&str; 6] = ["disparity", "disp", "invdepth", "inversedepth", "idepth", "inverse"];
+/// Words that mark files of positions by name.
+const POSITION_WORDS: [&str; 4] = ["position", "positions", "pos", "worldpos"];
 /// Words in the names of files that look like colour but hold another render pass.
 const OTHER_WORDS: [&str; 22] = [
     "albedo",
@@ -80,6 +82,11 @@ impl Found {
             None if self.has_eyes => ChannelSelect::Named(EYES[0].into()),
             None => ChannelSelect::Auto,
         }
+    }
+
+    /// True if the name says that the files hold positions.
+    pub fn is_position(&self) -> bool {
+        words(&self.text).iter().any(|word| POSITION_WORDS.contains(&word.as_str()))
     }
 
     /// True if the name says that the files hold disparity or inverse depth.
