@@ -519,7 +519,12 @@ impl Draft<'_> {
         };
         let named = named.filter(is_whole);
         let of_normals = if named.is_some() { texts.as_slice() } else { &[] };
-        self.unsure.extend(left_out::sentences(self.found, &self.kinds, of_normals));
+        let is_noted = |of: &Found| {
+            of_normals.contains(&of.text.as_str()) || self.unsure.iter().any(|note| note.contains(of.text.as_str()))
+        };
+        let silent: Vec<&Found> = self.found.iter().filter(|of| !of.kinds.is_empty() || !is_noted(of)).collect();
+        let left_out = left_out::sentences(&silent, &self.kinds);
+        self.unsure.extend(left_out);
         Ok(named.map(|named| named.text))
     }
 }

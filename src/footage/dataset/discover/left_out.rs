@@ -11,11 +11,11 @@ use codec::image::{ChannelSelect, StreamKind};
 /// Maximum names in one sentence.
 const MAX_LISTED: usize = 12;
 
-/// Returns one sentence for each set of channels that is not used, and for each EXR sequence of which nothing is used. `normals` are
-/// the sequences of normal maps.
-pub fn sentences(found: &[Found], kinds: &BTreeMap<StreamKind, OfKind<'_>>, normals: &[&str]) -> Vec<String> {
+/// Returns one sentence for each set of channels that is not used, and for each EXR sequence of which nothing is used. `found`
+/// has the sequences that are not noted otherwise.
+pub fn sentences(found: &[&Found], kinds: &BTreeMap<StreamKind, OfKind<'_>>) -> Vec<String> {
     let mut channels: BTreeMap<Vec<String>, Vec<&str>> = BTreeMap::new();
-    for of in found.iter().filter(|of| of.header.is_some() && !normals.contains(&of.text.as_str())) {
+    for of in found.iter().filter(|of| of.header.is_some()) {
         let used_as = |kind: &StreamKind| {
             let (files, named) = &kinds[kind];
             named.members.values().any(|at| files[*at].text == of.text)
