@@ -12,6 +12,7 @@ pub mod layers;
 pub mod memory;
 mod packet;
 pub mod playback;
+mod primary_rays;
 pub mod pyramid;
 pub mod ray;
 pub mod render;
