@@ -18,7 +18,7 @@
 use glam::Vec3;
 
 use crate::march::active_views::CAMERA_EPSILON;
-use crate::march::{ActiveView, ActiveViews, RenderSettings, Taps};
+use crate::march::{ActiveView, ActiveViews, RenderSettings};
 use crate::views::{BACKGROUND, FaceTexels, Projected, UNKNOWN};
 
 /// ε of the depth weight: a difference of 2% in distance halves the weight.
@@ -54,6 +54,31 @@ pub struct Interpolated {
     pub coverage: f32,
     /// Alpha of the surface, 0 to 1.
     pub alpha: f32,
+}
+
+/// Four texels around a position in an image, with the weights of bilinear interpolation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Taps {
+    /// Indices into the image.
+    pub texels: [usize; 4],
+    /// Sum to 1.
+    pub weights: [f32; 4],
+}
+
+impl Taps {
+    /// Returns the texels around a position, clamped to the image.
+    pub fn around(at: [f32; 2], face: &FaceTexels) -> Taps {
+        let [x, y] = at.map(|at| at - 0.5);
+        let (left, top) = (x.floor(), y.floor());
+        let (across, down) = (x - left, y - top);
+        let clamp = |at: f32, size: u32| at.clamp(0.0, size.saturating_sub(1) as f32) as usize;
+        let columns = [clamp(left, face.size[0]), clamp(left + 1.0, face.size[0])];
+        let rows = [clamp(top, face.size[1]), clamp(top + 1.0, face.size[1])].map(|row| row * face.size[0] as usize);
+        Taps {
+            texels: [rows[0] + columns[0], rows[0] + columns[1], rows[1] + columns[0], rows[1] + columns[1]],
+            weights: [(1.0 - across) * (1.0 - down), across * (1.0 - down), (1.0 - across) * down, across * down],
+        }
+    }
 }
 
 /// A texel near a surface point, with its weight in the mean.

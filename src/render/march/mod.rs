@@ -23,7 +23,6 @@ pub mod shading;
 pub mod silhouettes;
 pub mod specular;
 pub mod synthetic;
-pub mod taps;
 #[cfg(test)]
 mod tests;
 
@@ -31,7 +30,8 @@ pub use active_views::{ActiveView, ActiveViews, Footprint, Occupancy};
 pub use clip::ClipPlanes;
 pub use counters::Counters;
 pub use interpolate::{
-    DEPTH_EPSILON, HOLE_DIFFERENCE, Interpolated, background_color, seen_from_eye, surface_color, surface_color_of,
+    DEPTH_EPSILON, HOLE_DIFFERENCE, Interpolated, Taps, background_color, seen_from_eye, surface_color,
+    surface_color_of,
 };
 pub use intersect::intersect_from;
 pub(crate) use layers::{FirstHits, Layer, Primary, PrimaryHit};
@@ -44,9 +44,7 @@ pub(crate) use shading::LightCurve;
 pub use shading::{RayResult, background, light_of, surface};
 pub use specular::material::{fresnel, surface_material};
 pub use specular::normal::{Patch, patch};
-pub use specular::proxy::{Proxies, Proxy, proxies_in_sight};
+pub use specular::proxy::{Proxies, Proxy, SpecularImage, proxies_in_sight};
 pub use specular::secondary_rays::MAX_BOUNCES;
 pub use specular::sphere::Sphere;
 pub use specular::sphere_fit::SphereFit;
-pub use specular::texel_points::SpecularImage;
-pub use taps::Taps;
