@@ -48,11 +48,8 @@ pub(crate) trait March<const N: usize>: Sized {
 
     /// Answers the queries of walks until all of them are done.
     fn follow(&mut self, walks: &mut [Option<LayerWalk<'_, '_>>; N], counters: &mut Counters) {
-        loop {
+        while walks.iter().flatten().any(|walk| walk.query != Query::Done) {
             let queries = walks.each_ref().map(|walk| walk.as_ref().map_or(Query::Done, |walk| walk.query));
-            if queries == [Query::Done; N] {
-                return;
-            }
             let seen_m = queries.map(|query| if let Query::Color(at_m) = query { Some(at_m) } else { None });
             let tested = queries.map(|query| if let Query::Occupancy(step) = query { Some(step) } else { None });
             let marched = queries.map(|query| if let Query::Hit(first) = query { Some(first) } else { None });
