@@ -23,9 +23,6 @@ use crate::views::{BACKGROUND, FaceTexels, Projected, UNKNOWN};
 
 /// ε of the depth weight: a difference of 2% in distance halves the weight.
 pub const DEPTH_EPSILON: f32 = 0.02;
-/// A hit is disoccluded if the log distances of all texels differ from its own by more than this, in addition to the uncertainty
-/// of the steps.
-pub const HOLE_DIFFERENCE: f32 = 0.1;
 /// ε of the angle weight, in radians: this angle halves the weight of a view, relative to a view in the direction of the eye.
 pub const ANGLE_EPSILON: f32 = 0.0005;
 /// Texels whose log depth differs by more than this have almost no weight with `angle_weight`.
@@ -38,7 +35,7 @@ pub const EDGE_PENALTY: f32 = 6.0;
 /// [`EDGE_PENALTY`] of background texels.
 pub const BACKGROUND_EDGE_PENALTY: f32 = 20.0;
 /// Minimum ratio of inverse depths at which a surface counts as nearer than an adjacent one: e to the power of
-/// [`HOLE_DIFFERENCE`].
+/// [`HOLE_DIFFERENCE`](crate::march::HOLE_DIFFERENCE).
 pub const NEARER: f32 = 1.105_171;
 /// Fraction of its weight that a texel keeps beyond [`DEPTH_CUT`], so that there is a colour even if all texels are beyond it.
 pub const CUT_WEIGHT: f32 = 0.001;

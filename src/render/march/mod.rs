@@ -23,15 +23,12 @@ pub mod shading;
 pub mod silhouettes;
 pub mod specular;
 pub mod synthetic;
-#[cfg(test)]
-mod tests;
 
-pub use active_views::{ActiveView, ActiveViews, Footprint, Occupancy};
+pub use active_views::{ActiveView, ActiveViews, Footprint, HOLE_DIFFERENCE, Occupancy};
 pub use clip::ClipPlanes;
 pub use counters::Counters;
 pub use interpolate::{
-    DEPTH_EPSILON, HOLE_DIFFERENCE, Interpolated, Taps, background_color, seen_from_eye, surface_color,
-    surface_color_of,
+    DEPTH_EPSILON, Interpolated, Taps, background_color, seen_from_eye, surface_color, surface_color_of,
 };
 pub use intersect::intersect_from;
 pub(crate) use layers::{FirstHits, Layer, Primary, PrimaryHit};
@@ -48,3 +45,6 @@ pub use specular::proxy::{Proxies, Proxy, SpecularImage, proxies_in_sight};
 pub use specular::secondary_rays::MAX_BOUNCES;
 pub use specular::sphere::Sphere;
 pub use specular::sphere_fit::SphereFit;
+
+#[cfg(test)]
+mod tests;
