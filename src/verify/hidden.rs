@@ -11,7 +11,7 @@ use crate::render::{CODES, SIDE, Setup, camera};
 use codec::error::Result;
 use codec::math::Camera;
 use codec::monitor::Silent;
-use render::march::interpolate::HOLE_DIFFERENCE;
+use render::march::active_views::HOLE_DIFFERENCE;
 use render::march::ray::Steps;
 use render::march::render::{Rendered, render, render_plainly};
 use render::march::settings::RenderSettings;

@@ -239,7 +239,7 @@ mod tests {
         ];
         let floats = [
             ("DEPTH_EPSILON", DEPTH_EPSILON),
-            ("HOLE_DIFFERENCE", interpolate::HOLE_DIFFERENCE),
+            ("HOLE_DIFFERENCE", active_views::HOLE_DIFFERENCE),
             ("ANGLE_EPSILON", interpolate::ANGLE_EPSILON),
             ("CAMERA_EPSILON", active_views::CAMERA_EPSILON),
             ("EDGE_PENALTY", interpolate::EDGE_PENALTY),

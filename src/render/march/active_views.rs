@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Mat3, Vec3};
 
-use crate::march::{Counters, HOLE_DIFFERENCE, Pyramids, Ray, ViewPyramids};
+use crate::march::{Counters, Pyramids, Ray, ViewPyramids};
 use crate::views::{ColorCoding, LightField, Projected, UNKNOWN, View};
 
 /// ε of the camera weight 1 / (d + ε), where d is the distance from the eye to the view, relative to that of the farthest active
@@ -22,6 +22,10 @@ pub const CAMERA_EPSILON: f32 = 0.01;
 /// Bilinear weight along one axis below which a texel does not belong to the footprint of a point. At the centre of a texel only
 /// that texel counts, regardless of rounding in the position.
 pub const NEGLIGIBLE_WEIGHT: f32 = 1.0 / 64.0;
+
+/// A hit is disoccluded if the log distances of all texels differ from its own by more than this, in addition to the uncertainty
+/// of the steps.
+pub const HOLE_DIFFERENCE: f32 = 0.1;
 
 /// Number of bisections in `ActiveViews::on_texels`.
 pub const SETTLE_TIMES: u32 = 8;

@@ -18,14 +18,11 @@
 use glam::Vec3;
 
 use crate::march::active_views::CAMERA_EPSILON;
-use crate::march::{ActiveView, ActiveViews, RenderSettings, Taps};
+use crate::march::{ActiveView, ActiveViews, RenderSettings};
 use crate::views::{BACKGROUND, FaceTexels, Projected, UNKNOWN};
 
 /// ε of the depth weight: a difference of 2% in distance halves the weight.
 pub const DEPTH_EPSILON: f32 = 0.02;
-/// A hit is disoccluded if the log distances of all texels differ from its own by more than this, in addition to the uncertainty
-/// of the steps.
-pub const HOLE_DIFFERENCE: f32 = 0.1;
 /// ε of the angle weight, in radians: this angle halves the weight of a view, relative to a view in the direction of the eye.
 pub const ANGLE_EPSILON: f32 = 0.0005;
 /// Texels whose log depth differs by more than this have almost no weight with `angle_weight`.
@@ -38,7 +35,7 @@ pub const EDGE_PENALTY: f32 = 6.0;
 /// [`EDGE_PENALTY`] of background texels.
 pub const BACKGROUND_EDGE_PENALTY: f32 = 20.0;
 /// Minimum ratio of inverse depths at which a surface counts as nearer than an adjacent one: e to the power of
-/// [`HOLE_DIFFERENCE`].
+/// [`HOLE_DIFFERENCE`](crate::march::HOLE_DIFFERENCE).
 pub const NEARER: f32 = 1.105_171;
 /// Fraction of its weight that a texel keeps beyond [`DEPTH_CUT`], so that there is a colour even if all texels are beyond it.
 pub const CUT_WEIGHT: f32 = 0.001;
@@ -54,6 +51,31 @@ pub struct Interpolated {
     pub coverage: f32,
     /// Alpha of the surface, 0 to 1.
     pub alpha: f32,
+}
+
+/// Four texels around a position in an image, with the weights of bilinear interpolation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Taps {
+    /// Indices into the image.
+    pub texels: [usize; 4],
+    /// Sum to 1.
+    pub weights: [f32; 4],
+}
+
+impl Taps {
+    /// Returns the texels around a position, clamped to the image.
+    pub fn around(at: [f32; 2], face: &FaceTexels) -> Taps {
+        let [x, y] = at.map(|at| at - 0.5);
+        let (left, top) = (x.floor(), y.floor());
+        let (across, down) = (x - left, y - top);
+        let clamp = |at: f32, size: u32| at.clamp(0.0, size.saturating_sub(1) as f32) as usize;
+        let columns = [clamp(left, face.size[0]), clamp(left + 1.0, face.size[0])];
+        let rows = [clamp(top, face.size[1]), clamp(top + 1.0, face.size[1])].map(|row| row * face.size[0] as usize);
+        Taps {
+            texels: [rows[0] + columns[0], rows[0] + columns[1], rows[1] + columns[0], rows[1] + columns[1]],
+            weights: [(1.0 - across) * (1.0 - down), across * (1.0 - down), (1.0 - across) * down, across * down],
+        }
+    }
 }
 
 /// A texel near a surface point, with its weight in the mean.

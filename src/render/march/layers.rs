@@ -22,10 +22,9 @@
 use glam::Vec3;
 
 use crate::march::active_views::NEGLIGIBLE_WEIGHT;
-use crate::march::intersect::first_step;
 use crate::march::{
     ActiveViews, ClipPlanes, Counters, Footprint, HOLE_DIFFERENCE, Interpolated, LightCurve, Ray, RenderSettings,
-    StepsFrom, Until, background_color, intersect_from, light_of, seen_from_eye,
+    background_color, light_of,
 };
 use crate::rendered_image::{BackgroundFill, HoleFill};
 use crate::views::ColorCoding;
@@ -79,11 +78,6 @@ pub(crate) struct PrimaryHit {
 }
 
 impl PrimaryHit {
-    /// Creates a result with a single layer of share 1.
-    pub(crate) fn whole(distance_m: Option<f32>, light: Vec3) -> PrimaryHit {
-        PrimaryHit { first: Some(Layer { distance_m, light, share: 1.0 }), ..PrimaryHit::default() }
-    }
-
     /// Returns the metres to the layer with the largest share; none for background.
     pub(crate) fn distance_m(&self) -> Option<f32> {
         self.layers().max_by(|a, b| a.share.total_cmp(&b.share)).and_then(|layer| layer.distance_m)
@@ -184,64 +178,29 @@ impl<'a> Primary<'a> {
         if self.settings.refinements.edges { seen.coverage } else { 1.0 }
     }
 
-    /// Returns the first hits of a ray: the scalar reference implementation.
-    pub(crate) fn first_hits(&self, ray: &Ray, counters: &mut Counters) -> FirstHits {
-        let (how, steps) = (self.settings.acceleration, &self.settings.steps);
-        let (mut first, mut nearest_m) = (0, None);
-        if let Some(nearest) = &self.nearest {
-            let from = StepsFrom { steps, first };
-            // The nearest view sees past all points before this step.
-            let Some(step) = first_step(how, nearest, (ray, from), Until::Unknown, counters) else {
-                return FirstHits::default();
-            };
-            first = step;
-            if nearest.is_surface(ray.at(steps.distances_m[step])) {
-                nearest_m = Some(nearest.refine(ray, steps.before(step), steps.refine(), counters));
-            }
-        }
-        FirstHits { nearest_m, all_m: intersect_from(how, &self.views, ray, StepsFrom { steps, first }, counters) }
+    /// Returns the range of distances in metres in which the surfaces of a ray are visible.
+    fn range_m(&self, ray: &Ray) -> [f32; 2] {
+        self.clip.map_or([0.0, f32::INFINITY], |clip| clip.distances_m(ray))
     }
 
-    /// True if the first surface takes all of a ray, so that a [`LayerWalk`] would end at it; used as a shortcut.
-    pub(crate) fn is_whole(&self, ray: &Ray, hits: &FirstHits, seen: &Interpolated) -> bool {
-        let is_covered = self.coverage(seen) * seen.alpha > 1.0 - MIN_LAYER;
-        let is_shown = |hit_m: f32| match self.clip {
-            Some(clip) => {
-                let [near_m, far_m] = clip.distances_m(ray);
-                (near_m..=far_m).contains(&hit_m)
-            }
-            None => true,
+    /// Returns the hit of a ray whose first surface takes all of it: a shortcut for a [`LayerWalk`] that would end there.
+    pub(crate) fn whole(&self, ray: &Ray, hits: &FirstHits, seen: &Interpolated) -> Option<PrimaryHit> {
+        let is_shown = |hit_m: f32| {
+            let [near_m, far_m] = self.range_m(ray);
+            (near_m..=far_m).contains(&hit_m)
         };
-        is_covered
+        let is_whole = self.coverage(seen) * seen.alpha > 1.0 - MIN_LAYER
             && seen.difference <= self.settings.tolerance()
             && hits.thin_m().is_none()
-            && hits.all_m.is_some_and(is_shown)
-    }
-
-    /// Returns all layers of a ray: the scalar reference implementation.
-    pub(crate) fn follow(&self, ray: &Ray, hits: &FirstHits, counters: &mut Counters) -> PrimaryHit {
-        let mut walk = LayerWalk::new(self, ray, hits);
-        let steps = &self.settings.steps;
-        loop {
-            match walk.query {
-                Query::Color(at_m) => walk.answer_color(at_m, seen_from_eye(&self.views, ray.at(at_m), self.settings)),
-                Query::Occupancy(step) => {
-                    counters.march_steps += 1;
-                    walk.answer_occupancy(step, self.views.is_surface(ray.at(steps.distances_m[step])));
-                }
-                Query::Hit(first) => {
-                    let from = StepsFrom { steps, first };
-                    walk.answer_hit(intersect_from(self.settings.acceleration, &self.views, ray, from, counters));
-                }
-                Query::Done => return walk.end(ray, counters),
-            }
-        }
+            && hits.all_m.is_some_and(is_shown);
+        let layer = || Layer { distance_m: hits.all_m, light: self.light(seen.color), share: 1.0 };
+        is_whole.then(|| PrimaryHit { first: Some(layer()), ..PrimaryHit::default() })
     }
 }
 
 impl<'p, 'a> LayerWalk<'p, 'a> {
     pub(crate) fn new(primary: &'p Primary<'a>, ray: &Ray, hits: &FirstHits) -> LayerWalk<'p, 'a> {
-        let range_m = primary.clip.map_or([0.0, f32::INFINITY], |clip| clip.distances_m(ray));
+        let range_m = primary.range_m(ray);
         let mut walk = LayerWalk {
             primary,
             query: Query::Done,
@@ -435,8 +394,7 @@ mod tests {
         let target = DVec3::new(column * TEXEL_M, TEXEL_M / 2.0, -1.0);
         let ray = Ray { origin: Vec3::ZERO, direction: (target - eye).normalize().as_vec3() };
         let mut counters = Counters::default();
-        let hits = primary.first_hits(&ray, &mut counters);
-        let found = primary.follow(&ray, &hits, &mut counters);
+        let found = primary.hit(&ray, &mut counters);
         let shares = found.layers().map(|layer| layer.share).sum::<f32>() + found.transparent;
         assert!((shares - 1.0).abs() < 1e-6 || found.first.is_none());
         found

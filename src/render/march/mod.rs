@@ -12,6 +12,7 @@ pub mod layers;
 pub mod memory;
 mod packet;
 pub mod playback;
+mod primary_rays;
 pub mod pyramid;
 pub mod ray;
 pub mod render;
@@ -22,15 +23,12 @@ pub mod shading;
 pub mod silhouettes;
 pub mod specular;
 pub mod synthetic;
-pub mod taps;
-#[cfg(test)]
-mod tests;
 
-pub use active_views::{ActiveView, ActiveViews, Footprint, Occupancy};
+pub use active_views::{ActiveView, ActiveViews, Footprint, HOLE_DIFFERENCE, Occupancy};
 pub use clip::ClipPlanes;
 pub use counters::Counters;
 pub use interpolate::{
-    DEPTH_EPSILON, HOLE_DIFFERENCE, Interpolated, background_color, seen_from_eye, surface_color, surface_color_of,
+    DEPTH_EPSILON, Interpolated, Taps, background_color, seen_from_eye, surface_color, surface_color_of,
 };
 pub use intersect::intersect_from;
 pub(crate) use layers::{FirstHits, Layer, Primary, PrimaryHit};
@@ -43,9 +41,10 @@ pub(crate) use shading::LightCurve;
 pub use shading::{RayResult, background, light_of, surface};
 pub use specular::material::{fresnel, surface_material};
 pub use specular::normal::{Patch, patch};
-pub use specular::proxy::{Proxies, Proxy, proxies_in_sight};
+pub use specular::proxy::{Proxies, Proxy, SpecularImage, proxies_in_sight};
 pub use specular::secondary_rays::MAX_BOUNCES;
 pub use specular::sphere::Sphere;
 pub use specular::sphere_fit::SphereFit;
-pub use specular::texel_points::SpecularImage;
-pub use taps::Taps;
+
+#[cfg(test)]
+mod tests;

@@ -34,14 +34,9 @@ pub fn render(
     settings: &RenderSettings,
     monitor: &dyn Monitor,
 ) -> Result<Rendered> {
-    let primary = Primary::new(views, ClipPlanes::of(camera), settings);
-    let scene = PacketScene::new(&primary);
     let picture = Picture::new(views, camera, settings, monitor)?;
-    picture.rows(|directions, counters| {
-        let mut row = scene.row();
-        let hits = directions.chunks(4).flat_map(|four| row.hits(four, counters).into_iter().take(four.len()));
-        hits.collect()
-    })
+    let scene = PacketScene::new(&picture.primary);
+    picture.rows(|directions, counters| scene.hits(directions, counters))
 }
 
 /// Returns the distance in metres along the ray through the middle of each pixel; `+inf` if the ray hits nothing. Checks the
@@ -64,16 +59,14 @@ pub(crate) fn first_rays<T: Copy + Send>(
     value: impl Fn(Vec3, &PrimaryHit) -> T + Sync,
 ) -> Result<Plane<T>> {
     let settings = RenderSettings { samples: 1, specular: SpecularMode::None, ..settings.clone() };
-    let primary = Primary::new(views, ClipPlanes::of(camera), &settings);
-    let scene = PacketScene::new(&primary);
     let picture = Picture::new(views, camera, &settings, monitor)?;
+    let scene = PacketScene::new(&picture.primary);
     let [width, height] = settings.size;
     let row = |y: usize| -> Result<Vec<T>> {
         monitor.check()?;
         let directions: Vec<Vec3> = (0..width as usize).map(|x| picture.direction([x, y], 0)).collect();
-        let (mut row, mut counters) = (scene.row(), Counters::default());
-        let hits = directions.chunks(4).flat_map(|four| row.hits(four, &mut counters).into_iter().take(four.len()));
-        Ok(hits.zip(&directions).map(|(hit, &direction)| value(direction, &hit)).collect())
+        let hits = scene.hits(&directions, &mut Counters::default());
+        Ok(directions.iter().zip(&hits).map(|(&direction, hit)| value(direction, hit)).collect())
     };
     let rows: Vec<Vec<T>> = (0..height as usize).into_par_iter().map(row).collect::<Result<_>>()?;
     Plane::new(width, height, rows.concat())
@@ -86,15 +79,10 @@ pub fn render_plainly(
     settings: &RenderSettings,
     monitor: &dyn Monitor,
 ) -> Result<Rendered> {
-    let primary = Primary::new(views, ClipPlanes::of(camera), settings);
     let picture = Picture::new(views, camera, settings, monitor)?;
     picture.rows(|directions, counters| {
         let rays = directions.iter().map(|&direction| Ray { origin: Vec3::ZERO, direction });
-        rays.map(|ray| {
-            let hits = primary.first_hits(&ray, counters);
-            primary.follow(&ray, &hits, counters)
-        })
-        .collect()
+        rays.map(|ray| picture.primary.hit(&ray, counters)).collect()
     })
 }
 
@@ -111,6 +99,7 @@ struct Picture<'a> {
     camera: &'a Camera,
     settings: &'a RenderSettings,
     monitor: &'a dyn Monitor,
+    primary: Primary<'a>,
     grid: SampleGrid,
     /// None without secondary rays.
     proxies: Option<Proxies>,
@@ -125,8 +114,9 @@ impl<'a> Picture<'a> {
     ) -> Result<Picture<'a>> {
         let specular = has_secondary_rays(views, settings.specular);
         let proxies = specular.then(|| proxies_in_sight(&SphereFit, views, camera, monitor)).transpose()?;
+        let primary = Primary::new(views, ClipPlanes::of(camera), settings);
         let grid = SampleGrid::new(settings.samples.max(1) as usize);
-        Ok(Picture { views, camera, settings, monitor, grid, proxies })
+        Ok(Picture { views, camera, settings, monitor, primary, grid, proxies })
     }
 
     /// Renders rows in parallel. `hits` returns the primary hits of adjacent rays, given their directions.

@@ -9,9 +9,7 @@ use crate::march::baseline::splat::splat;
 use crate::march::counters::Counters;
 use crate::march::intersect::{intersect, intersect_from};
 use crate::march::layers::{FirstHits, Primary};
-use crate::march::packet::intersect::{Packet, PacketMarch};
-use crate::march::packet::lanes::lanes_of;
-use crate::march::packet::views::PacketViews;
+use crate::march::packet::render::PacketScene;
 use crate::march::pyramid::{DepthPyramid, Pyramids};
 use crate::march::ray::{Ray, Steps, StepsFrom};
 use crate::march::render::{Rendered, render, render_plainly};
@@ -113,12 +111,10 @@ fn random_view(random: &mut Random, half: DVec3, origin: DVec3, coding: ColorCod
 /// Returns the first hits of packets, with their counts of march and refinement steps.
 fn of_packets(views: &ActiveViews<'_>, directions: &[Vec3], settings: &RenderSettings) -> (Vec<FirstHits>, Counters) {
     let primary = Primary::new(views, None, settings);
-    let flat = PacketViews::new(&primary.views);
-    let (mut march, mut counters, mut hits) = (PacketMarch::new(&flat), Counters::default(), Vec::new());
-    for four in directions.chunks(4) {
-        let met = march.first_hits(&Packet::new(four), settings, &mut counters);
-        hits.extend(lanes_of(0b1111 >> (4 - four.len())).map(|lane| met[lane]));
-    }
+    let scene = PacketScene::new(&primary);
+    let (mut row, mut counters) = (scene.row(), Counters::default());
+    let first_hits = |four: &[Vec3]| row.first_hits(four, &mut counters).into_iter().take(four.len());
+    let hits = directions.chunks(4).flat_map(first_hits).collect();
     (hits, counters)
 }
 

@@ -3,15 +3,36 @@
 //! Takes active views, a camera, and the true distance of each pixel. Returns a rendered image. The ground truth has one surface
 //! per pixel, which is treated as opaque.
 
+use std::collections::VecDeque;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::march::{ActiveViews, Counters, RayResult, Rendered, background, surface};
+use crate::march::{
+    ActiveViews, Counters, PictureOptions, Pyramids, RayResult, Rendered, Renderer, Stage, background, surface,
+};
 use crate::rendered_image::{HoleFill, RenderedImage};
-use codec::error::Result;
+use codec::error::{Error, Result};
 use codec::image::DepthPlane;
 use codec::math::Camera;
 use codec::monitor::Monitor;
+
+/// Interpolates colours at the true surface distances.
+#[derive(Debug, Clone, Default)]
+pub struct ReprojectRenderer {
+    pub options: PictureOptions,
+    /// True distances in metres for the next images, one plane per image.
+    pub distances_m: VecDeque<DepthPlane>,
+}
+
+impl Renderer for ReprojectRenderer {
+    fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
+        let distance_m = self.distances_m.pop_front();
+        let distance_m = distance_m.ok_or_else(|| Error::Usage("this picture has no true distances".into()))?;
+        let views = ActiveViews::with_pyramids(stage.field, &Pyramids::default(), stage.views, camera.eye());
+        reproject(&views, camera, &distance_m, self.options.holes, monitor)
+    }
+}
 
 /// Renders with true distances in metres; `+inf` marks a pixel without a surface. Secondary rays, supersampling, and the near and
 /// far planes of the camera are not supported, because the ground truth does not include them. The monitor advances by one per

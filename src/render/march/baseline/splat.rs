@@ -7,7 +7,10 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::march::{ActiveView, ActiveViews, ClipPlanes, Counters, RenderSettings, Rendered, light_of};
+use crate::march::{
+    ActiveView, ActiveViews, ClipPlanes, Counters, PictureOptions, Pyramids, RenderSettings, Rendered, Renderer, Stage,
+    light_of,
+};
 use crate::rendered_image::{BackgroundFill, HoleFill, RenderedImage};
 use crate::views::{BACKGROUND, FaceTexels, UNKNOWN};
 use codec::error::Result;
@@ -23,6 +26,19 @@ struct Point {
     /// Distance from the eye in metres; `+inf` for the background.
     distance_m: f32,
     color: Vec3,
+}
+
+/// Renders every texel as a point.
+#[derive(Debug, Clone, Default)]
+pub struct SplatRenderer {
+    pub options: PictureOptions,
+}
+
+impl Renderer for SplatRenderer {
+    fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
+        let views = ActiveViews::with_pyramids(stage.field, &Pyramids::default(), stage.views, camera.eye());
+        splat(&views, camera, &self.options.settings(&views), monitor)
+    }
 }
 
 /// Renders by splatting. Uses the settings `size`, `holes`, `background`, and the first and last of the distances. A point covers

@@ -514,8 +514,6 @@ fn greatest_of(places: &Around, texel: impl Fn(usize, usize) -> Option<f32>) -> 
 
 pub(crate) struct PacketViews<'a> {
     pub(crate) views: Vec<PacketView<'a>>,
-    /// Index of the view nearest to the eye, the first of equally near ones.
-    pub(crate) nearest: Option<usize>,
     pub(crate) are_codes: bool,
     pub(crate) has_alpha: bool,
 }
@@ -524,7 +522,6 @@ impl<'a> PacketViews<'a> {
     pub(crate) fn new(views: &'a ActiveViews<'a>) -> PacketViews<'a> {
         let packet_views: Vec<PacketView<'_>> = views.views.iter().map(PacketView::new).collect();
         PacketViews {
-            nearest: views.nearest_number(),
             are_codes: matches!(views.coding, ColorCoding::Codes(_)),
             has_alpha: packet_views.iter().any(|view| view.has_alpha.contains(&true)),
             views: packet_views,

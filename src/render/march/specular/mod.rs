@@ -7,4 +7,3 @@ pub mod secondary_rays;
 pub mod solid;
 pub mod sphere;
 pub mod sphere_fit;
-pub mod texel_points;
