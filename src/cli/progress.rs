@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde::Serialize;
 
-use crate::options::ProgressForm;
+use crate::global::ProgressForm;
 use crate::{GlobalArgs, refuse};
 use codec::error::Result;
 use codec::monitor::Monitor;
