@@ -9,6 +9,7 @@ pub mod placement;
 pub mod plot;
 pub mod simplification;
 pub mod table;
+pub mod tile_psnr;
 pub mod timing;
 pub mod tradeoff;
 

@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 use super::args::Args;
 use super::measure::Sweeping;
 use super::{input, text};
+use crate::report::tile_psnr;
 use crate::report::tradeoff::coding::{CODING, CodingBench};
 use crate::report::tradeoff::page::Extras;
 use crate::report::tradeoff::plan::{self, Preset};
@@ -90,8 +91,8 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
     };
     let mut more = Map::new();
     if let Some(tiles) = &tiles {
-        extras.figures.extend(figures::tiles(tiles, &footage.tiles_how));
-        let mut report = report::tile_psnr(tiles);
+        extras.figures.extend(tile_psnr::figure(tiles, &footage.tiles_how));
+        let mut report = tile_psnr::json(tiles);
         report["how"] = json!(footage.tiles_how);
         more.insert("tiles".to_owned(), report);
     }

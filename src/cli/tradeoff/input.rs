@@ -2,15 +2,15 @@
 //! tiles, within a share of the time budget.
 
 use std::ffi::OsString;
+use std::hash::Hash;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use clap::CommandFactory;
 
 use super::fixed::{OptionsOf, parse};
-use crate::progress::Progress;
+use crate::progress::{Progress, Until};
 use crate::report::machine;
 use crate::report::tradeoff::coding::{CODING, Input, into_file, pack};
 use crate::report::tradeoff::point::{Point, Setting};
@@ -18,7 +18,7 @@ use crate::{Cli, GlobalArgs, refuse};
 use codec::depth::tile_psnr::TilePsnr;
 use codec::error::{Error, Result};
 use codec::image::StreamKind;
-use codec::monitor::Monitor;
+use codec::monitor::Monitor as _;
 use codec::ordered::try_map_ordered;
 use footage::dataset::manifest;
 use footage::dataset::source::Source;
@@ -118,20 +118,15 @@ fn fixed(subcommand: &'static str, path: &str, words: &[String]) -> Result<Fixed
     let of_diff: Vec<&str> = diff.flat_map(clap::Command::get_arguments).filter_map(clap::Arg::get_long).collect();
     for option in options {
         let name = option.name.as_str();
-        let value = option.value();
-        if let (Some(knob), Some(value)) = (CODING.knob(name), &value) {
-            fixed.knobs.push((knob.name, value.clone()));
-            continue;
+        let word = option.value().map_or_else(|| format!("--{name}"), |value| format!("--{name}={value}"));
+        match (CODING.knob(name), option.value()) {
+            (Some(knob), Some(value)) => fixed.knobs.push((knob.name, value)),
+            _ if OF_DECODING.contains(&name) => fixed.decode.push(word),
+            _ => {
+                fixed.diff.extend(of_diff.contains(&name).then(|| word.clone()));
+                fixed.encode.push(word);
+            }
         }
-        let word = value.map_or_else(|| format!("--{name}"), |value| format!("--{name}={value}"));
-        if OF_DECODING.contains(&name) {
-            fixed.decode.push(word);
-            continue;
-        }
-        if of_diff.contains(&name) {
-            fixed.diff.push(word.clone());
-        }
-        fixed.encode.push(word);
     }
     fixed.knobs.sort_by_key(|(name, _)| CODING.knobs.iter().position(|knob| knob.name == *name));
     Ok(fixed)
@@ -160,31 +155,18 @@ pub fn check(input: &Input, points: &[Point]) -> Result<()> {
 /// Returns the configuration hash of the footage, the fixed options, the program and the processor. Reads all files;
 /// their times do not count.
 pub fn made_of(input: &Input, source: &Source) -> Result<u32> {
-    let mut hasher = crc32fast::Hasher::new();
-    let mut add = |bytes: &[u8]| {
-        hasher.update(&(bytes.len() as u64).to_le_bytes());
-        hasher.update(bytes);
-    };
-    add(env!("CARGO_PKG_VERSION").as_bytes());
     // A rebuilt program may write other bytes.
     let program = std::env::current_exe().map_err(|error| Error::io(Path::new("lightfold"), error))?;
-    add(&crc_of(&program)?.to_le_bytes());
-    add(machine::processor().as_bytes());
     let full = input.path.canonicalize().unwrap_or_else(|_| input.path.clone());
-    add(full.as_os_str().as_encoded_bytes());
-    if source.manifest.is_some() {
-        add(&crc_of(&manifest::manifest_path(&full))?.to_le_bytes());
-    }
-    for word in input.encode.iter().chain(&input.diff).chain(&input.decode) {
-        add(word.as_bytes());
-    }
+    let manifest = source.manifest.is_some().then(|| crc_of(&manifest::manifest_path(&full))).transpose()?;
     let groups = source.groups().iter();
     let files: Vec<PathBuf> =
         groups.flat_map(|group| group.frames.iter().filter_map(|frame| source.file(group, frame).ok()?)).collect();
-    for (file, crc) in files.iter().zip(try_map_ordered(files.iter().collect(), |file: &PathBuf| crc_of(file))?) {
-        add(file.file_name().unwrap_or_default().as_encoded_bytes());
-        add(&crc.to_le_bytes());
-    }
+    let contents = try_map_ordered(files.iter().collect(), |file: &PathBuf| crc_of(file))?;
+    let names: Vec<_> = files.iter().map(|file| file.file_name()).collect();
+    let mut hasher = crc32fast::Hasher::new();
+    (env!("CARGO_PKG_VERSION"), crc_of(&program)?, machine::processor(), full, manifest).hash(&mut hasher);
+    (&input.encode, &input.diff, &input.decode, names, contents).hash(&mut hasher);
     Ok(hasher.finalize())
 }
 
@@ -207,36 +189,6 @@ const SHARE: f64 = 1.0 / 3.0;
 /// Message for statistics omitted for lack of time.
 const LATE: &str = "The statistics of tiles were left out: they did not fit into a third of the budget.";
 
-/// Monitor that interrupts work which will not finish in time.
-struct Until<'a> {
-    progress: &'a dyn Monitor,
-    start: Instant,
-    most: Option<Duration>,
-    steps: u64,
-    done: AtomicU64,
-}
-
-impl Until<'_> {
-    /// True if the time is exceeded, or will be at the rate of the steps so far.
-    fn is_late(&self) -> bool {
-        let Some(most) = self.most else { return false };
-        let (spent, done) = (self.start.elapsed(), self.done.load(Ordering::Relaxed));
-        let all = spent.as_secs_f64() * self.steps as f64 / done.max(1) as f64;
-        spent > most || (done > 0 && all > most.as_secs_f64())
-    }
-}
-
-impl Monitor for Until<'_> {
-    fn advance(&self, steps: u64) {
-        self.done.fetch_add(steps, Ordering::Relaxed);
-        self.progress.advance(steps);
-    }
-
-    fn interrupted(&self) -> bool {
-        self.progress.interrupted() || self.is_late()
-    }
-}
-
 /// Measures the PSNR of all depth tiles by modelling function. The inner error states why there is no result.
 pub fn model_tiles(
     footage: &Footage,
@@ -246,7 +198,7 @@ pub fn model_tiles(
     let steps = tile_quality::images(&footage.source);
     let progress = Progress::start(global, "modelling tiles", steps)?;
     let most = budget_seconds.map(|seconds| Duration::from_secs_f64((seconds * SHARE).min(1e9)));
-    let until = Until { progress: &progress, start: Instant::now(), most, steps, done: AtomicU64::new(0) };
+    let until = Until::new(&progress, most, steps);
     match tile_quality::measure(&footage.source, &footage.tiles, &until) {
         Ok(tiles) => Ok(Ok(tiles)),
         Err(Error::Interrupted) if progress.interrupted() => Err(Error::Interrupted),
@@ -260,13 +212,12 @@ mod tests {
     use clap::Parser;
 
     use super::*;
-    use codec::monitor::Silent;
 
     #[test]
     fn every_knob_is_an_option_of_its_command_and_takes_its_usual_values() {
         let root = crate::command();
         for knob in &CODING.knobs {
-            let commands: &[&str] = match (CODING.stage(knob), knob.is_general(), knob.streams[0]) {
+            let commands: &[&str] = match (knob.stage, knob.is_general(), knob.streams[0]) {
                 ("decode", ..) => &["decode"],
                 ("both", ..) => &["encode", "encode-depth", "encode-color", "decode"],
                 (_, true, _) => &["encode", "encode-depth", "encode-color"],
@@ -301,7 +252,7 @@ mod tests {
         let mut built = crate::command();
         built.build();
         for knob in &CODING.knobs {
-            let command = if CODING.stage(knob) == "decode" { "decode" } else { "encode" };
+            let command = if knob.stage == "decode" { "decode" } else { "encode" };
             let found = built.find_subcommand(command).unwrap();
             let option = found.get_arguments().find(|argument| argument.get_long() == Some(knob.name)).unwrap();
             // Other defaults are stated in the help text of the option.
@@ -332,23 +283,5 @@ mod tests {
         let colour = of("--color-channel A").unwrap();
         assert_eq!((colour.encode, colour.diff), (vec!["--color-channel=A".into()], vec!["--color-channel=A".into()]));
         assert!(!said("--color-cell 0").contains('\n'));
-    }
-
-    #[test]
-    fn what_will_be_late_is_stopped_after_its_first_step() {
-        let until = |most: Option<u64>, steps: u64| {
-            let start = Instant::now().checked_sub(Duration::from_secs(10)).unwrap();
-            Until { progress: &Silent, start, most: most.map(Duration::from_secs), steps, done: AtomicU64::new(0) }
-        };
-        let of = until(Some(100), 50);
-        assert!(!of.interrupted());
-        of.advance(1);
-        assert!(of.interrupted(), "50 steps of 10 s are more than 100 s");
-        of.advance(9);
-        assert!(!of.interrupted());
-        assert!(until(Some(9), 50).interrupted());
-        let free = until(None, 50);
-        free.advance(1);
-        assert!(!free.interrupted());
     }
 }

@@ -15,5 +15,5 @@ pub mod number;
 pub mod palette;
 pub mod save;
 
-pub use drawing::{Drawing, Ink};
+pub use drawing::{Drawing, Figure, Ink};
 pub use save::save;

@@ -156,7 +156,7 @@ fn stream_of(point: &Point) -> StreamKind {
 fn knob_options(settings: &[Setting], stage: &'static str) -> impl Iterator<Item = OsString> {
     settings.iter().filter_map(move |(name, value)| {
         let knob = CODING.knob(name)?;
-        [stage, "both"].contains(&CODING.stage(knob)).then(|| knob.option(value))?.map(OsString::from)
+        [stage, "both"].contains(&knob.stage).then(|| knob.option(value))?.map(OsString::from)
     })
 }
 

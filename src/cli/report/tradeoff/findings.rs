@@ -50,9 +50,10 @@ type Judged = (bool, Values);
 /// Tests all claims of a kind of sweep. `tiles` are statistics of depth tiles.
 pub fn judge(results: &Results, tiles: Option<&TilePsnr>) -> Vec<Finding> {
     let finding = |claim: &Claim| {
-        let judged = match &claim.rows {
-            Some(test) => test_rows(results, test),
-            None => test_by_function(results, claim.name, tiles),
+        let judged = match (&claim.rows, claim.most) {
+            (Some(test), _) => test_rows(results, test),
+            (None, Some((formula, limit))) => test_most(results, formula, limit),
+            (None, None) => test_by_function(results, claim.name, tiles),
         };
         let (verdict, rests_on) = match judged {
             Some((true, values)) => (Verdict::Found, fill(claim.rests_on, &values)),
@@ -74,12 +75,10 @@ fn test_by_function(results: &Results, name: &str, tiles: Option<&TilePsnr>) -> 
         "bc4w_few_bad_few_perfect" => bc4w_is_rarely_bad_and_rarely_perfect(tiles?),
         "functions_faster_than_codes" => functions_decode_faster_than_codes(results),
         "time_is_linear" => time_is_linear(results),
-        "peak_budget_kept_nearly" => peak_budget_kept_nearly(results),
         "area_improves_ssim" => area_improves_ssim(results),
         "quadtree_beats_grid" => quadtree_beats_grid(results),
         "grid_needs_area" => grid_needs_area(results),
         "adaptive_sizes_save_texels" => adaptive_sizes_save_texels(results),
-        "selection_converges" => selection_converges(results),
         _ => None,
     }
 }
@@ -202,6 +201,12 @@ fn test_rows(results: &Results, test: &RowTest) -> Option<Judged> {
         ("last max", short(column(1).fold(0.0, f64::max))),
     ];
     majority(&rows, keeps, values)
+}
+
+fn test_most(results: &Results, formula: &str, limit: f64) -> Option<Judged> {
+    let value = |of: &Measured| compute(formula, |name| of.number(name).or_else(|| of.point.number(name)));
+    let most = results.measured.iter().filter_map(value).reduce(f64::max)?;
+    Some((most <= limit, vec![("most", short(most))]))
 }
 
 fn container(point: &Measured) -> f64 {
@@ -360,22 +365,6 @@ fn time_is_linear(results: &Results) -> Option<Judged> {
     };
     let [first, last] = means(&rows).map(|seconds| short(1e3 * seconds));
     majority(&rows, is_straight, vec![("first", first), ("last", last)])
-}
-
-/// Ratio of the paper's peak overdraw to its budget: 5.6 for a budget of 5 (table 1).
-const EXCESS: f64 = 1.12;
-/// Maximum duality gap of a converged search.
-const CONVERGED: f64 = 0.01;
-
-fn peak_budget_kept_nearly(results: &Results) -> Option<Judged> {
-    let excess = |of: &Measured| Some(of.number("peak_overdraw_measured")? / of.point.number("peak-overdraw")?);
-    let most = results.measured.iter().filter_map(excess).reduce(f64::max)?;
-    Some((most <= EXCESS, vec![("most", short(most))]))
-}
-
-fn selection_converges(results: &Results) -> Option<Judged> {
-    let most = results.measured.iter().filter_map(|of| of.number("gap")).reduce(f64::max)?;
-    Some((most <= CONVERGED, vec![("most", short(100.0 * most))]))
 }
 
 fn area_improves_ssim(results: &Results) -> Option<Judged> {

@@ -3,15 +3,15 @@
 
 use std::path::{Path, PathBuf};
 
-use super::figures::{self, Figure};
+use super::figures;
 use super::findings::{Finding, Verdict};
 use super::kind::{Format, Measure, fill};
 use super::point::{Measured, words};
 use super::score::Scored;
 use super::study::{Axis, Results, Study};
 use crate::report::Table;
-use crate::report::plot::number;
 use crate::report::plot::save::{self, escape};
+use crate::report::plot::{Figure, number};
 use crate::report::timing::runs_in_words;
 use codec::error::{Result, counted};
 use codec::image::StreamKind;
@@ -213,7 +213,7 @@ fn facts(results: &Results) -> String {
         ("Machine", escape(&results.machine)),
         ("Version", format!("lightfold {}", env!("CARGO_PKG_VERSION"))),
     ];
-    let commands = results.commands.iter().map(|command| (command.makes, code(&command.line)));
+    let commands = results.commands.iter().map(|(makes, line)| (*makes, code(line)));
     let fact = |(name, value)| format!("<dt>{}</dt><dd>{value}</dd>\n", escape(name));
     facts.into_iter().chain(commands).map(fact).collect()
 }
@@ -300,7 +300,7 @@ mod tests {
     fn extras(results: &Results) -> Extras {
         let tiles = sample::tiles();
         let mut figures = figures::bounds(results);
-        figures.extend(figures::tiles(&tiles, "effort fast, domain log"));
+        figures.extend(crate::report::tile_psnr::figure(&tiles, "effort fast, domain log"));
         Extras { figures, findings: findings::judge(results, Some(&tiles)) }
     }
 

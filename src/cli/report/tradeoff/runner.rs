@@ -12,7 +12,6 @@ use serde_json::Value as Json;
 
 use super::kind::{Measure, Source, SweepKind, concerns, fill};
 use super::point::{Measured, Point, Value, compute};
-use super::study::ExampleCommand;
 use codec::error::{Error, Result};
 use footage::json;
 use simplify::{selection, texture_sizes};
@@ -119,11 +118,9 @@ impl CommandBench {
     }
 
     /// Returns commands that reproduce the preparation and the first point.
-    pub fn examples(&self, points: &[Point]) -> Vec<ExampleCommand> {
-        let before = self.preparation(Path::new(""));
-        let before = before.map(|words| ExampleCommand { makes: self.kind.makes, line: shell_line(&words) });
-        let first = points.first().map(|point| ExampleCommand { makes: "First point", line: self.command(point) });
-        before.into_iter().chain(first).collect()
+    pub fn examples(&self, points: &[Point]) -> Vec<(&'static str, String)> {
+        let before = self.preparation(Path::new("")).map(|words| (self.kind.makes, shell_line(&words)));
+        before.into_iter().chain(points.first().map(|point| ("First point", self.command(point)))).collect()
     }
 }
 
@@ -212,7 +209,7 @@ impl Report {
     /// Returns the number at a path, or that of a formula of paths.
     pub fn number(&self, formula: &str) -> Result<f64> {
         let number = |path: &str| {
-            let (object, key) = path.rsplit_once('/').map_or(("", path), |(object, key)| (object, key));
+            let (object, key) = path.rsplit_once('/').unwrap_or(("", path));
             let object = if object.is_empty() { String::new() } else { format!("/{object}") };
             json::read_number(self.value.pointer(&object)?, key)
         };

@@ -152,7 +152,7 @@ fn one_container_serves_all_points_and_each_is_rendered_in_every_round() {
          8,64,31.5,,0.25,64.0,9000,500.0,1.5\n8,256,inf,,0.25,256.0,9000,2000.0,1.5\n"
     );
     let examples = examples.examples(&study.points());
-    assert!(examples[1].line.starts_with("lightfold render field.lfold --reference set"), "{examples:?}");
+    assert!(examples[1].1.starts_with("lightfold render field.lfold --reference set"), "{examples:?}");
 }
 
 /// Simplifies, with reports like those of `simplify`. The point with the fewest triangles fails.
