@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use clap::CommandFactory;
 
-use super::fixed::{OptionsOf, parse};
+use super::fixed::{parse, read};
 use crate::progress::{Progress, Until};
 use crate::report::machine;
 use crate::report::tradeoff::coding::{CODING, Input, into_file, pack};
@@ -28,15 +28,6 @@ use footage::encode::{EncodeSettings, tile_quality};
 const OWN: &[&str] = &["output", "stream", "json", "quiet"];
 /// Decoding options that may be given for all points.
 const OF_DECODING: &[&str] = &["device", "gpu-index"];
-
-/// Options of all points, by command.
-#[derive(Debug, Default)]
-struct Fixed {
-    knobs: Vec<Setting>,
-    encode: Vec<String>,
-    diff: Vec<String>,
-    decode: Vec<String>,
-}
 
 /// Open footage, with the settings that all points share.
 pub struct Footage {
@@ -64,15 +55,15 @@ fn encoder(path: &str, kinds: &[StreamKind]) -> Result<&'static str> {
 /// Opens footage. `kinds` are the requested kinds of streams, and `words` the options of all points.
 pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalArgs) -> Result<Footage> {
     let encoder = encoder(path, kinds)?;
-    let mut fixed = fixed(encoder, path, words)?;
-    if let Some(threads) = global.threads.filter(|_| fixed.knobs.iter().all(|(name, _)| *name != "threads")) {
-        fixed.knobs.push(("threads", threads.to_string()));
+    let (mut input, mut knobs) = fixed(encoder, path, words)?;
+    if let Some(threads) = global.threads.filter(|_| knobs.iter().all(|(name, _)| *name != "threads")) {
+        knobs.push(("threads", threads.to_string()));
     }
     let mut line: Vec<OsString> = [encoder, path, "-o", "point.lfold"].map(OsString::from).to_vec();
-    line.extend(fixed.encode.iter().map(OsString::from));
+    line.extend(input.encode.iter().map(OsString::from));
     // Other knobs do not affect modelling alone, and might require a setting that is swept.
     let of_tiles = [("effort", "fast"), ("depth-domain", "log")].map(|(name, usual)| {
-        let given = fixed.knobs.iter().find(|(other, _)| *other == name);
+        let given = knobs.iter().find(|(other, _)| *other == name);
         (name, given.map_or(usual, |(_, value)| value.as_str()))
     });
     let domain_too = if encoder == "encode-color" { 1 } else { 2 };
@@ -90,29 +81,20 @@ pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalA
     if let Some(missing) = kinds.iter().find(|kind| there.iter().all(|(other, _)| other != *kind)) {
         return refuse(format!("--stream {}: {path} has no such streams", missing.name()));
     }
-    let wanted = there.into_iter().filter(|(kind, _)| kinds.is_empty() || kinds.contains(kind)).collect();
-    let mut input = Input {
-        path: path.into(),
-        encoder,
-        kinds: wanted,
-        made_of: 0,
-        encode: fixed.encode,
-        diff: fixed.diff,
-        decode: fixed.decode,
-    };
+    input.kinds = there.into_iter().filter(|(kind, _)| kinds.is_empty() || kinds.contains(kind)).collect();
     input.made_of = made_of(&input, &source)?;
-    Ok(Footage { input, source, tiles, tiles_how, knobs: fixed.knobs })
+    Ok(Footage { input, source, tiles, tiles_how, knobs })
 }
 
-/// Sorts options after `--` by command.
-fn fixed(subcommand: &'static str, path: &str, words: &[String]) -> Result<Fixed> {
-    let mut fixed = Fixed::default();
+/// Sorts options after `--` by command, and returns those that are knobs.
+fn fixed(encoder: &'static str, path: &str, words: &[String]) -> Result<(Input, Vec<Setting>)> {
+    let mut input = Input { path: path.into(), encoder, ..Input::default() };
+    let mut knobs = Vec::new();
     if words.is_empty() {
-        return Ok(fixed);
+        return Ok((input, knobs));
     }
     let line = [path, "-o", "point.lfold"];
-    let also = Some(("decode", OF_DECODING));
-    let options = OptionsOf { command: subcommand, line: &line, own: OWN, also }.read(words, &[])?;
+    let options = read(encoder, words, &[], (&line, OWN), Some(("decode", OF_DECODING)))?;
     let root = Cli::command();
     let diff = root.find_subcommand("diff").into_iter();
     let of_diff: Vec<&str> = diff.flat_map(clap::Command::get_arguments).filter_map(clap::Arg::get_long).collect();
@@ -120,16 +102,16 @@ fn fixed(subcommand: &'static str, path: &str, words: &[String]) -> Result<Fixed
         let name = option.name.as_str();
         let word = option.value().map_or_else(|| format!("--{name}"), |value| format!("--{name}={value}"));
         match (CODING.knob(name), option.value()) {
-            (Some(knob), Some(value)) => fixed.knobs.push((knob.name, value)),
-            _ if OF_DECODING.contains(&name) => fixed.decode.push(word),
+            (Some(knob), Some(value)) => knobs.push((knob.name, value)),
+            _ if OF_DECODING.contains(&name) => input.decode.push(word),
             _ => {
-                fixed.diff.extend(of_diff.contains(&name).then(|| word.clone()));
-                fixed.encode.push(word);
+                input.diff.extend(of_diff.contains(&name).then(|| word.clone()));
+                input.encode.push(word);
             }
         }
     }
-    fixed.knobs.sort_by_key(|(name, _)| CODING.knobs.iter().position(|knob| knob.name == *name));
-    Ok(fixed)
+    knobs.sort_by_key(|(name, _)| CODING.knobs.iter().position(|knob| knob.name == *name));
+    Ok((input, knobs))
 }
 
 pub fn check(input: &Input, points: &[Point]) -> Result<()> {
@@ -266,8 +248,9 @@ mod tests {
     fn options_of_all_points_go_to_the_commands_that_have_them() {
         let words = |line: &str| line.split(' ').map(str::to_owned).collect::<Vec<_>>();
         let of = |line: &str| fixed("encode", "scene", &words(line));
-        let sorted = of("--hdr --frames 0-3 --psnr 40 --device gpu --gpu-index 1 --depth-channel Z --lzma2").unwrap();
-        let knobs: Vec<_> = sorted.knobs.iter().map(|(name, value)| format!("{name}={value}")).collect();
+        let (sorted, knobs) =
+            of("--hdr --frames 0-3 --psnr 40 --device gpu --gpu-index 1 --depth-channel Z --lzma2").unwrap();
+        let knobs: Vec<_> = knobs.iter().map(|(name, value)| format!("{name}={value}")).collect();
         assert_eq!(knobs, ["psnr=40", "lzma2=6", "device=gpu"]);
         let sort = |mut words: Vec<String>| {
             words.sort();
@@ -280,7 +263,7 @@ mod tests {
         assert!(said("--stream depth").contains("tradeoff sets this option"));
         assert!(said("--color-cell 0").contains("'0'"), "{}", said("--color-cell 0"));
         assert!(said("--colour").contains("unexpected argument '--colour'"));
-        let colour = of("--color-channel A").unwrap();
+        let (colour, _) = of("--color-channel A").unwrap();
         assert_eq!((colour.encode, colour.diff), (vec!["--color-channel=A".into()], vec!["--color-channel=A".into()]));
         assert!(!said("--color-cell 0").contains('\n'));
     }

@@ -29,7 +29,7 @@ pub fn decoder_passes(pass_seconds: f64) -> u32 {
 }
 
 /// The footage, and the options of all points that are not knobs.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Input {
     pub path: PathBuf,
     /// `encode`, or the encoder of a single sequence.
