@@ -8,9 +8,9 @@ pub mod picture;
 pub mod placement;
 pub mod plot;
 pub mod simplification;
+pub mod statistics;
 pub mod table;
 pub mod tile_psnr;
-pub mod timing;
 pub mod tradeoff;
 
 pub use table::Table;

@@ -69,8 +69,7 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
     let nothing = args.sweep.is_empty() && args.preset.is_none();
     // Demands without sweeps still need some points.
     let preset = args.preset.or((nothing && demands.is_some()).then_some(Preset::Quick));
-    let request = plan::Request { streams: &streams, sweeps: &args.sweep, preset, fixed: &footage.knobs };
-    let plan = plan::plan(&request)?;
+    let plan = plan::plan(&streams, &args.sweep, preset, &footage.knobs)?;
     input::check(&footage.input, &all_points(&plan.studies))?;
     let made_of = footage.input.made_of;
     let mut sweeping = Sweeping::open(args, &plan.studies[0], made_of, global)?;

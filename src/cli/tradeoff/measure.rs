@@ -6,14 +6,14 @@ use std::time::Instant;
 use serde_json::{Map, Value};
 
 use super::args::Args;
-use super::child::Children;
 use super::text;
+use crate::child::{Children, shell_line};
 use crate::progress::Progress;
 use crate::report::machine;
 use crate::report::tradeoff::folder::Folder;
 use crate::report::tradeoff::json::report;
 use crate::report::tradeoff::page::{self, Extras};
-use crate::report::tradeoff::runner::{Bench, shell_line};
+use crate::report::tradeoff::runner::Bench;
 use crate::report::tradeoff::schedule::{self, Extent, FailedPoint, Lab};
 use crate::report::tradeoff::store::Store;
 use crate::report::tradeoff::study::{Results, Study, all_points};

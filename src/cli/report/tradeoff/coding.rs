@@ -8,7 +8,8 @@ use serde_json::json;
 
 pub use super::kind::CODING;
 use super::point::{Measured, Point, Setting};
-use super::runner::{Bench, Cost, Report, Runner, Survey, shell_line};
+use super::runner::{Bench, Cost, Report, Survey};
+use crate::child::{Runner, shell_line};
 use codec::error::Result;
 use codec::image::StreamKind;
 use codec::streams::ColorBlocks;

@@ -6,6 +6,7 @@ use super::kind::{Claim, Limit, RowTest, fill};
 use super::point::{Measured, Point, Setting, compute};
 use super::study::{Results, all_points};
 use crate::report::plot::number::short;
+use crate::report::statistics::{geometric_mean, line_fit, mean, range};
 use codec::depth::tile_psnr::{BIN_DB, PsnrDistribution, TileModel, TilePsnr};
 use codec::image::StreamKind;
 
@@ -130,19 +131,6 @@ pub fn in_boxes<'a>(results: &'a Results, others: &[Setting]) -> Option<&'a Meas
     let others = others.iter().filter(|(name, _)| *name != "depth-codec").cloned();
     let settings = others.chain([("depth-codec", "aabb".to_owned())]).collect();
     results.of(&Point::new(results.sweep, Some(StreamKind::Depth), settings))
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0u32), |(sum, count), value| (sum + value, count + 1));
-    sum / f64::from(count.max(1))
-}
-
-fn geometric_mean(values: impl Iterator<Item = f64>) -> f64 {
-    mean(values.map(|value| value.max(f64::MIN_POSITIVE).ln())).exp()
-}
-
-fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values.fold([f64::INFINITY, 0.0], |[low, high], of| [low.min(of), high.max(of)])
 }
 
 /// Returns true if most rows keep a rule, and the values with the number of rows and of those that do. `None` without
@@ -328,18 +316,6 @@ fn shares(psnr: &PsnrDistribution) -> [f64; 2] {
     let bad: u64 = bins.iter().take(BAD_DB / BIN_DB).sum();
     let good: u64 = bins.iter().skip(PERFECT_DB / BIN_DB).sum();
     [bad, good + psnr.exact].map(|count| count as f64 / psnr.tiles.max(1) as f64)
-}
-
-/// Least-squares line through points: returns its slope and R², the share of the variance that the line explains. R² is
-/// 1 if all y are equal.
-fn line_fit(x: &[f64], y: &[f64]) -> (f64, f64) {
-    let (mean_x, mean_y) = (mean(x.iter().copied()), mean(y.iter().copied()));
-    let sum =
-        |of: &dyn Fn(f64, f64) -> f64| -> f64 { x.iter().zip(y).map(|(&x, &y)| of(x - mean_x, y - mean_y)).sum() };
-    let (xx, xy, yy) = (sum(&|x, _| x * x), sum(&|x, y| x * y), sum(&|_, y| y * y));
-    let slope = if xx > 0.0 { xy / xx } else { 0.0 };
-    let explained = if yy > 0.0 { slope * xy / yy } else { 1.0 };
-    (slope, explained)
 }
 
 /// Maximum relative deviation of the slopes of the first and the last half of a row from their mean for time to count

@@ -12,7 +12,7 @@ use super::study::{Axis, Results, Study};
 use crate::report::Table;
 use crate::report::plot::save::{self, escape};
 use crate::report::plot::{Figure, number};
-use crate::report::timing::runs_in_words;
+use crate::report::statistics::runs_in_words;
 use codec::error::{Result, counted};
 use codec::image::StreamKind;
 use footage::files::write_whole;

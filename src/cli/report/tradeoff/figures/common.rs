@@ -2,7 +2,7 @@
 
 use crate::report::plot::chart::{Chart, Kind, Series};
 use crate::report::plot::{axis, number};
-use crate::report::timing::runs_in_words;
+use crate::report::statistics::runs_in_words;
 use crate::report::tradeoff::kind::{PanelLine, Scale};
 use crate::report::tradeoff::point::{Measured, Point, Setting, words};
 use crate::report::tradeoff::study::{Axis, Results, Study};

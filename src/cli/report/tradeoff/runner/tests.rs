@@ -12,13 +12,6 @@ use crate::report::tradeoff::study::{Results, Study, Weights};
 use codec::monitor::Silent;
 
 #[test]
-fn words_of_a_shell() {
-    assert_eq!(shell_word("a/b-c_1.%04d"), "a/b-c_1.%04d");
-    assert_eq!(shell_word("it's"), r"'it'\''s'");
-    assert_eq!(shell_word(""), "''");
-}
-
-#[test]
 fn a_report_without_a_number_is_refused() {
     let value = json!({ "a": { "b": null, "c": null, "c_is": "inf" }, "d": [7, 8], "e": 4 });
     let report = Report { value, command: "lightfold x".to_owned() };
