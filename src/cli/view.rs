@@ -9,11 +9,10 @@ use crate::failure::Failure;
 use crate::global::EXIT_FAILED;
 use crate::output::{self, human_bytes};
 use crate::progress::Progress;
-use crate::report::coding_map::counted;
 use crate::serve::{self, Description, Film, Limits, Server, Site, Stop};
 use crate::{ExitStatus, GlobalArgs, damage, refuse};
 use codec::decode::{Decoder, StreamInfo};
-use codec::error::{Error, Result};
+use codec::error::{Error, Result, counted};
 use codec::memory::Budget;
 use footage::inspect::{self, Check, FrameRows, InspectSettings};
 

@@ -29,7 +29,7 @@ const MAX_LAYERS: u32 = 16;
 /// Number of images for which an error map is drawn.
 const ERROR_MAPS: usize = 4;
 
-/// Writes all charts and pictures of `simplify --plot DIR`, and returns their paths.
+/// Writes all charts and pictures into a folder, and returns their paths.
 pub fn write(
     folder: &Path,
     simplified: &Simplified,
