@@ -7,11 +7,10 @@ use serde::Serialize;
 
 use crate::capture::parse_size;
 use crate::options::{Choices, check_report, one_of, parse_positive, read_cameras, word_of};
-use crate::report::coding_map::counted;
 use crate::{ExitStatus, GlobalArgs, output, outputs, refuse};
 use codec::container::header::is_container;
 use codec::decode::Decoder;
-use codec::error::{Error, Result};
+use codec::error::{Error, Result, counted};
 use evaluate::cameras::{self, CameraFormat, FileCamera, ReadSettings, WriteSettings, Written};
 use footage::dataset::manifest::{MANIFEST_NAME, Manifest};
 use footage::files::{OutputFile, OutputFolder};

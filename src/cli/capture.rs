@@ -8,10 +8,9 @@ use std::time::Instant;
 
 use crate::output::human_bytes;
 use crate::progress::Progress;
-use crate::report::coding_map::counted;
 use crate::unfinished_folder::UnfinishedFolder;
 use crate::{ExitStatus, GlobalArgs, refuse};
-use codec::error::{Error, Result};
+use codec::error::{Error, Result, counted};
 use footage::dataset::manifest::{MANIFEST_NAME, Manifest};
 use footage::encode::Shard;
 use footage::files::PartialFolder;

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::fmt::Write;
 
-use crate::report::coding_map::counted;
 use codec::decode::{DamagedChunk, Decoder};
+use codec::error::counted;
 
 /// Returns one line for each damaged place in the file. Chunks with the same bytes share a line.
 pub fn lines(decoder: &Decoder, damaged: &[DamagedChunk]) -> String {

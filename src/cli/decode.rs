@@ -12,11 +12,10 @@ use serde::Serialize;
 
 use crate::output::{self, human_bytes};
 use crate::progress::Progress;
-use crate::report::coding_map::counted;
-use crate::report::timing::{Spread, median, spread};
+use crate::report::statistics::{Spread, median, spread};
 use crate::{ExitStatus, GlobalArgs, damage, device, refuse};
 use codec::decode::{self, DecodeSummary, Decoded, Decoder, ImageSource, OnCpu, OnDamage, Request};
-use codec::error::{Error, Result};
+use codec::error::{Error, Result, counted};
 use codec::image::sequence::Pattern;
 use codec::memory::Budget;
 use footage::dataset::manifest::{MANIFEST_NAME, Manifest};

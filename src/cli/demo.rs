@@ -5,13 +5,13 @@ use std::time::Instant;
 
 use serde::Serialize;
 
+use crate::child::shell_word;
 use crate::decode::Export;
 use crate::encode::Encode;
 use crate::options::{Target, Unfinished};
 use crate::output::{self, human_bytes};
 use crate::progress::Progress;
 use crate::report::Table;
-use crate::report::tradeoff::runner::shell_word;
 use crate::{ExitStatus, GlobalArgs};
 use codec::decode::{self, Decoder, OnCpu, OnDamage, Selection, StreamInfo};
 use codec::error::Result;

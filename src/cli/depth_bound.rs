@@ -1,8 +1,7 @@
 //! Text about the depth error bound, and about the outlier pixels that increase it.
 
-use crate::report::coding_map::counted;
 use codec::depth::quantise::{metres_in_words, rounded_up};
-use codec::error::escaped;
+use codec::error::{counted, escaped};
 use footage::depth_bound::{DepthBound, STATED_DISTANCES_M};
 use footage::encode::{NamedPixel, NamedStrays, ProbePrecision};
 

@@ -2,11 +2,10 @@
 
 use crate::options::{self, Choices, FrameArgs, MemoryArgs, SideArgs, one_of};
 use crate::progress::Progress;
-use crate::report::coding_map::counted;
 use crate::{ExitStatus, GlobalArgs, diff_text, output};
 use codec::color::quality::MAX_QUALITY;
 use codec::decode::Selection;
-use codec::error::{Error, Result};
+use codec::error::{Error, Result, counted};
 use codec::image::StreamKind;
 use codec::image::cube::Face;
 use footage::compare::{self, Bounds, ColorDomain, CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};

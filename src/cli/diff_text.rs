@@ -2,8 +2,8 @@
 
 use comfy_table::{Table, presets};
 
-use crate::report::coding_map::counted;
 use codec::color::quality::PU_STEPS;
+use codec::error::counted;
 use codec::image::StreamKind;
 use codec::image::sequence::FrameRange;
 use codec::image::transfer::Transfer;

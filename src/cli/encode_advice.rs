@@ -4,9 +4,8 @@ use std::collections::HashSet;
 
 use crate::output::human_bytes;
 use crate::progress::Progress;
-use crate::report::coding_map::counted;
 use crate::{GlobalArgs, depth_bound};
-use codec::error::{Error, Result};
+use codec::error::{Error, Result, counted};
 use codec::image::StreamKind;
 use footage::convention::{self, Choice, MAX_PROBES, Verdict};
 use footage::dataset::Source;

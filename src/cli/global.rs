@@ -4,9 +4,30 @@ use std::io::ErrorKind;
 
 use serde::Serialize;
 
-use crate::options::{PROGRESS_FORMS, ProgressForm, one_of};
+use crate::options::{Choices, one_of};
 use crate::output;
 use codec::error::{Error, Result};
+
+/// Form of progress output.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum ProgressForm {
+    #[default]
+    Auto,
+    Json,
+    OpenJd,
+    None,
+}
+
+const PROGRESS_FORMS: &Choices<ProgressForm> = &[
+    ("auto", ProgressForm::Auto, "A bar on a terminal, nothing in a pipe"),
+    ("json", ProgressForm::Json, "JSON on standard error: one object per line, at most two per second"),
+    (
+        "openjd",
+        ProgressForm::OpenJd,
+        "Open Job Description messages on standard output, or on standard error if the result goes to standard output",
+    ),
+    ("none", ProgressForm::None, "No progress"),
+];
 
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct GlobalArgs {

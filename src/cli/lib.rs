@@ -6,6 +6,7 @@
 mod bc4w;
 mod cameras;
 mod capture;
+mod child;
 mod command_line;
 mod completions;
 mod damage;
@@ -65,7 +66,7 @@ pub use global::{EXIT_INTERRUPTED, ExitStatus, GlobalArgs, refuse};
 
 /// Runs a command line and returns the exit code of the process.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    tradeoff::end_with_parent();
+    child::end_with_parent();
     hide_guarded_panics();
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     let as_json = arguments.iter().any(|word| word == "--json");

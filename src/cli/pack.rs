@@ -5,10 +5,9 @@ use std::path::PathBuf;
 use crate::options::{BoundArgs, DepthStepArgs, EffortArgs, ModelArgs, OutputArgs, check_stdout};
 use crate::output::{self, human_bytes};
 use crate::progress::Progress;
-use crate::report::coding_map::counted;
 use crate::{ExitStatus, GlobalArgs};
 use codec::container::Reader;
-use codec::error::Result;
+use codec::error::{Result, counted};
 use footage::files::OutputFile;
 use footage::pack::{self, FlattenSettings, PackReport, PackSettings, Repack};
 

@@ -134,8 +134,8 @@ fn write(report: &Report<'_>) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     if let Some(folder) = &args.plot {
         let out = OutputFolder::create(folder)?;
-        for figure in figures::all(&report.curves(), &report.decays()) {
-            let written = save(&figure.drawing, out.work_path(), figure.name).map_err(|error| out.present(error))?;
+        for (name, drawing) in figures::all(&report.curves(), &report.decays()) {
+            let written = save(&drawing, out.work_path(), name).map_err(|error| out.present(error))?;
             files.extend(written.iter().filter_map(|path| Some(folder.join(path.file_name()?))));
         }
         out.commit()?;

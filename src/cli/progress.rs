@@ -2,14 +2,14 @@
 
 use std::io::{IsTerminal, Write};
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde::Serialize;
 
-use crate::options::ProgressForm;
+use crate::global::ProgressForm;
 use crate::{GlobalArgs, refuse};
 use codec::error::Result;
 use codec::monitor::Monitor;
@@ -203,6 +203,40 @@ impl Lines {
     }
 }
 
+/// Monitor that interrupts work which will not finish in time.
+pub struct Until<'a> {
+    progress: &'a dyn Monitor,
+    start: Instant,
+    most: Option<Duration>,
+    steps: u64,
+    done: AtomicU64,
+}
+
+impl<'a> Until<'a> {
+    pub fn new(progress: &'a dyn Monitor, most: Option<Duration>, steps: u64) -> Until<'a> {
+        Until { progress, start: Instant::now(), most, steps, done: AtomicU64::new(0) }
+    }
+
+    /// True if the time is exceeded, or will be at the rate of the steps so far.
+    fn is_late(&self) -> bool {
+        let Some(most) = self.most else { return false };
+        let (spent, done) = (self.start.elapsed(), self.done.load(Ordering::Relaxed));
+        let all = spent.as_secs_f64() * self.steps as f64 / done.max(1) as f64;
+        spent > most || (done > 0 && all > most.as_secs_f64())
+    }
+}
+
+impl Monitor for Until<'_> {
+    fn advance(&self, steps: u64) {
+        self.done.fetch_add(steps, Ordering::Relaxed);
+        self.progress.advance(steps);
+    }
+
+    fn interrupted(&self) -> bool {
+        self.progress.interrupted() || self.is_late()
+    }
+}
+
 /// Formats steps per second, with one decimal if few: `0.4/s`, `35/s`.
 fn rate(per_second: f64) -> String {
     if per_second < 9.95 { format!("{per_second:.1}/s") } else { format!("{per_second:.0}/s") }
@@ -211,6 +245,7 @@ fn rate(per_second: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use codec::monitor::Silent;
 
     #[test]
     fn rates_have_one_decimal_at_most() {
@@ -229,5 +264,23 @@ mod tests {
         let openjd = lines(LineForm::OpenJd);
         assert_eq!(openjd.text("encoding", [12, 96]), "openjd_progress: 12.5\nopenjd_status: encoding 12/96\n");
         assert_eq!(openjd.text("encoding", [0, 0]), "openjd_progress: 0.0\nopenjd_status: encoding 0/0\n");
+    }
+
+    #[test]
+    fn what_will_be_late_is_stopped_after_its_first_step() {
+        let until = |most: Option<u64>, steps: u64| {
+            let start = Instant::now().checked_sub(Duration::from_secs(10)).unwrap();
+            Until { progress: &Silent, start, most: most.map(Duration::from_secs), steps, done: AtomicU64::new(0) }
+        };
+        let of = until(Some(100), 50);
+        assert!(!of.interrupted());
+        of.advance(1);
+        assert!(of.interrupted(), "50 steps of 10 s are more than 100 s");
+        of.advance(9);
+        assert!(!of.interrupted());
+        assert!(until(Some(9), 50).interrupted());
+        let free = until(None, 50);
+        free.advance(1);
+        assert!(!free.interrupted());
     }
 }

@@ -17,10 +17,9 @@ use std::time::Instant;
 
 use crate::options::check_stdout;
 use crate::progress::Progress;
-use crate::report::coding_map::counted;
 use crate::{ExitStatus, GlobalArgs, device, outputs, refuse};
 use codec::decode::Decoder;
-use codec::error::{Error, Result};
+use codec::error::{Error, Result, counted};
 use codec::image::FrameRange;
 use codec::math::Camera;
 use footage::files::OutputFile;

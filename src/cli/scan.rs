@@ -8,9 +8,8 @@ use serde::Serialize;
 use crate::encode::is_one_of;
 use crate::options::{CodingArgs, StoreArgs, check_report, parse_shard};
 use crate::progress::Progress;
-use crate::report::coding_map::counted;
 use crate::{ExitStatus, GlobalArgs, output, refuse};
-use codec::error::{Error, Result};
+use codec::error::{Error, Result, counted};
 use footage::dataset::manifest;
 use footage::encode::{self, ScanFile, Shard};
 

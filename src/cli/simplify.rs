@@ -1,7 +1,6 @@
 //! `lightfold simplify INPUT -o scene.glb`: converts a still scene to textured quads under budgets.
 
 mod args;
-mod plot;
 mod report;
 mod unfinished;
 
@@ -11,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use crate::outputs::{self, Output};
 use crate::progress::Progress;
+use crate::report::simplification;
 use crate::{ExitStatus, GlobalArgs, output, refuse};
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
@@ -121,7 +121,7 @@ impl Outputs<'_> {
         simplified.stages.evaluate = evaluation.map_or(Duration::ZERO, |evaluation| evaluation.duration);
         let held_out = held_out.map(|capture| compare(&simplified.scene, capture, settings, &progress)).transpose()?;
         let figures = match &args.plot {
-            Some(folder) => plot::write(folder, simplified, capture, settings.background)?,
+            Some(folder) => simplification::write(folder, simplified, capture, settings.background)?,
             None => Vec::new(),
         };
         drop(progress);

@@ -1,7 +1,6 @@
 //! `lightfold tradeoff MANIFEST -o DIR`: measures bytes, time and quality of settings on the user's own footage.
 
 mod args;
-mod child;
 mod coding;
 mod fixed;
 mod grid;
@@ -15,7 +14,6 @@ use codec::error::Result;
 use scene::Scene;
 
 pub use args::Args;
-pub use child::end_with_parent;
 
 /// Returns the kind of sweep whose points are a command each. `None` for coding.
 fn kind(args: &Args, input: &str) -> Option<&'static SweepKind> {

@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{GlobalArgs, output};
-use crate::report::coding_map::counted;
-use codec::error::{Error, Result};
+use codec::error::{Error, Result, counted};
 use footage::files::{Kept, Left, PartialFolder};
 use footage::fingerprint::Fingerprint;
 

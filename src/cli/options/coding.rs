@@ -1,12 +1,37 @@
-//! Selection and coding options of a dataset.
+//! Selection and coding options of a dataset, material among them.
 
 use clap::Args;
 
-use super::{ColorArgs, DatasetArgs, DepthArgs, EffortArgs, MaterialArgs, PresetArgs, StoreArgs, parse_kind};
+use super::value::{Choices, InBlocks, one_of};
+use super::{ColorArgs, DatasetArgs, DepthArgs, EffortArgs, PresetArgs, StoreArgs, parse_kind};
 use codec::error::Result;
 use codec::image::StreamKind;
 use footage::dataset::source::SourceOptions;
-use footage::encode::EncodeSettings;
+use footage::encode::{EncodeSettings, MaterialSettings};
+
+/// Default error of material in blocks, in 8-bit steps.
+const USUAL_ERROR_IN_BLOCKS: u16 = 8;
+
+const MATERIAL_BLOCKS: &Choices<InBlocks> = &[("none", false, "Raw values"), ("bc1", true, "8 bytes per 4x4 pixels")];
+
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Material")]
+pub struct MaterialArgs {
+    /// Store material as texture blocks with errors up to --material-error
+    #[arg(long, value_name = "FORMAT", value_parser = one_of(MATERIAL_BLOCKS), default_value = "none")]
+    pub material_block: InBlocks,
+    /// Maximum error of decoded material in 8-bit steps; 0 is lossless [default: 0, with blocks 8]
+    #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u16).range(..=255))]
+    pub material_error: Option<u16>,
+}
+
+impl MaterialArgs {
+    pub fn apply(self, settings: &mut EncodeSettings) {
+        let usual = if self.material_block { USUAL_ERROR_IN_BLOCKS } else { 0 };
+        let epsilon = self.material_error.unwrap_or(usual);
+        settings.material = MaterialSettings { epsilon, in_blocks: self.material_block };
+    }
+}
 
 /// Options of `encode`, which `scan` takes, too.
 #[derive(Debug, Clone, Args)]

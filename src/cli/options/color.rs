@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::choice::{Choices, one_of};
+use super::value::{Choices, one_of};
 use crate::refuse;
 use codec::color::quality::MAX_QUALITY;
 use codec::color::transform::TableSet;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 
-use super::choice::one_of;
+use super::value::one_of;
 use super::{COLOR_SPACES, ChannelArgs, FrameArgs, MissingArgs};
 use crate::refuse;
 use codec::error::{Error, Result};

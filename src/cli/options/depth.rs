@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::choice::{Choices, InBlocks, one_of};
+use super::value::{Choices, InBlocks, one_of};
 use crate::refuse;
 use codec::depth::TemporalSettings;
 use codec::depth::domain::DomainKind;

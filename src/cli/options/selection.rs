@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::choice::{Choices, one_of};
+use super::value::{Choices, one_of};
 use codec::decode::Selection;
 use codec::image::StreamKind;
 use codec::image::cube::Face;

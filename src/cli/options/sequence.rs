@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::choice::{Choices, one_of};
+use super::value::{Choices, one_of};
 use super::{ChannelArgs, EffortArgs, FrameArgs, MissingArgs, parse_face};
 use crate::refuse;
 use codec::error::Result;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::choice::{Choices, one_of};
 use super::parse_kind;
+use super::value::{Choices, one_of};
 use codec::error::Result;
 use codec::image::{FrameRange, StreamKind};
 use footage::encode::{EncodeSettings, FrameSource, Part, Shard, ShardBy, ShardChoice};

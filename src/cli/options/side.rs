@@ -2,9 +2,9 @@
 
 use clap::Args;
 
-use super::choice::one_of;
 use super::color::INVALID_COLORS;
 use super::sequence::COLOR_SPACES;
+use super::value::one_of;
 use super::{DepthReadingArgs, ImageArgs};
 use codec::decode::Selection;
 use codec::error::Result;

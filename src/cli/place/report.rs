@@ -7,10 +7,9 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::args::Args;
-use crate::report::coding_map::counted;
 use crate::report::placement::Curve;
 use crate::report::{Table, csv};
-use codec::error::Result;
+use codec::error::{Result, counted};
 use footage::dataset::cameras::CameraSet;
 use scene::placement::report::{DecayPlacement, PlacementReport};
 use scene::placement::{Figures, Lighting, Placement, Search};

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::options::{METHODS, Method, TruthArgs};
 use super::pictures::{Job, PictureName};
 use crate::options::word_of;
-use crate::report::picture::error_picture;
+use crate::report::picture::sheet::error_picture;
 use crate::{GlobalArgs, refuse};
 use codec::error::{Error, Result};
 use codec::image::plane::DepthPlane;
@@ -155,7 +155,7 @@ impl TruthRun {
             if let Some(maps) = &self.maps {
                 let [shown, wanted] = &codes;
                 let title = format!("{} frame {}: {:.2} dB", name.subject, name.number, similarity.all.psnr_db());
-                let sheet = error_picture::draw(&title, [shown, wanted], &difference(shown, wanted)?)?;
+                let sheet = error_picture(&title, [shown, wanted], &difference(shown, wanted)?)?;
                 png::write_color8(&maps.work_path().join(name.png()), &sheet).map_err(|error| maps.present(error))?;
             }
         }

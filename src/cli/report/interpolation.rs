@@ -7,7 +7,7 @@ use std::path::Path;
 use half::f16;
 use serde::Serialize;
 
-use super::picture::error_picture;
+use super::picture::sheet::error_picture;
 use codec::error::Result;
 use codec::image::{Plane, ToneMap};
 use epipolar::pipeline::Picture;
@@ -97,7 +97,7 @@ impl Quality {
         if let Some(maps) = &self.maps {
             let (shown, wanted) = (picture.filled.codes(ToneMap::default()), truth_codes(&truth, ToneMap::default()));
             let title = format!("view {view}, frame {frame}: {:.2} dB", filled.all.psnr_db());
-            let sheet = error_picture::draw(&title, [&shown, &wanted], &difference(&shown, &wanted)?)?;
+            let sheet = error_picture(&title, [&shown, &wanted], &difference(&shown, &wanted)?)?;
             let path = maps.work_path().join(format!("view_{view:04}.{frame:04}.png"));
             png::write_color8(&path, &sheet).map_err(|error| maps.present(error))?;
         }

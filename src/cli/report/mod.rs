@@ -8,8 +8,9 @@ pub mod picture;
 pub mod placement;
 pub mod plot;
 pub mod simplification;
+pub mod statistics;
 pub mod table;
-pub mod timing;
+pub mod tile_psnr;
 pub mod tradeoff;
 
 pub use table::Table;

@@ -21,18 +21,12 @@ pub struct Curve {
     pub reachable: Figures,
 }
 
-#[derive(Debug, Clone, PartialEq)]
-pub struct Figure {
-    pub name: &'static str,
-    pub drawing: Drawing,
-}
-
 /// Returns the chart of coverage within and beyond the viewer distance for the first curve, the convergence chart of
-/// all curves and, if there are curves of several k, their chart.
-pub fn all(curves: &[Curve], decays: &[Curve]) -> Vec<Figure> {
-    let first = curves.first().map(|curve| Figure { name: "coverage", drawing: coverage(curve) });
-    let all = Figure { name: "convergence", drawing: convergence(curves) };
-    let decay = (!decays.is_empty()).then(|| Figure { name: "decay", drawing: decay(decays) });
+/// all curves and, if there are curves of several k, their chart, with their names.
+pub fn all(curves: &[Curve], decays: &[Curve]) -> Vec<(&'static str, Drawing)> {
+    let first = curves.first().map(|curve| ("coverage", coverage(curve)));
+    let all = ("convergence", convergence(curves));
+    let decay = (!decays.is_empty()).then(|| ("decay", decay(decays)));
     first.into_iter().chain([all]).chain(decay).collect()
 }
 
@@ -150,14 +144,14 @@ mod tests {
         let curves =
             [curve(Lighting::Diffuse, &[0.5, 0.8, 0.9]), curve(Lighting::Specular { theta_deg: 50.0 }, &[0.3; 7])];
         let figures = all(&curves, &[]);
-        assert_eq!(figures.iter().map(|figure| figure.name).collect::<Vec<_>>(), ["coverage", "convergence"]);
+        assert_eq!(figures.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["coverage", "convergence"]);
         let lines = |drawing: &Drawing, points: usize| {
             let is = |shape: &&Shape| matches!(shape, Shape::Line { through, .. } if through.len() == points);
             drawing.shapes.iter().filter(is).count()
         };
-        assert!(lines(&figures[0].drawing, 4) >= 3);
-        assert!(lines(&figures[1].drawing, 8) >= 1 && lines(&figures[1].drawing, 4) >= 1);
-        let texts = texts(&figures[1].drawing);
+        assert!(lines(&figures[0].1, 4) >= 3);
+        assert!(lines(&figures[1].1, 8) >= 1 && lines(&figures[1].1, 4) >= 1);
+        let texts = texts(&figures[1].1);
         assert!(texts.contains(&"diffuse") && texts.contains(&"specular, θ = 50°"), "{texts:?}");
     }
 
@@ -178,8 +172,8 @@ mod tests {
     fn each_k_has_a_line_of_what_is_seen_and_one_within() {
         let of = |rate_per_m: f64| Curve { rate_per_m, ..curve(Lighting::Diffuse, &[0.5, 0.7]) };
         let figures = all(&[of(1.0)], &[of(0.5), of(2.0)]);
-        let found = figures.iter().find(|figure| figure.name == "decay").unwrap();
-        let texts = texts(&found.drawing);
+        let found = figures.iter().find(|(name, _)| *name == "decay").unwrap();
+        let texts = texts(&found.1);
         for line in ["k = 0.5, seen", "k = 0.5, within", "k = 2, seen", "k = 2, within"] {
             assert!(texts.contains(&line), "{texts:?}");
         }
@@ -200,8 +194,8 @@ mod tests {
         many.reachable = many.figures[1];
         // Cameras in the region can see at most 4% of the surface.
         let [few, many] = [few, many].map(|curve| all(&[curve], &[]));
-        assert_eq!(highest(&few[1].drawing, 3), highest(&many[1].drawing, 3));
-        assert!(texts(&few[0].drawing).contains(&"directions") && texts(&few[0].drawing).contains(&"100"));
-        assert!(texts(&few[0].drawing).iter().any(|text| text.contains("4.0% of all surface is reachable")));
+        assert_eq!(highest(&few[1].1, 3), highest(&many[1].1, 3));
+        assert!(texts(&few[0].1).contains(&"directions") && texts(&few[0].1).contains(&"100"));
+        assert!(texts(&few[0].1).iter().any(|text| text.contains("4.0% of all surface is reachable")));
     }
 }

@@ -1,20 +1,23 @@
-//! Charts of a simplified scene: convergence of the tile selection, durations of the stages, and overdraw (Seurat
+//! Charts and pictures of a simplified scene: convergence of the tile selection, durations of the stages, and overdraw (Seurat
 //! figures 9 to 11 and 13, table 2).
 
-use super::picture::error_picture;
+use std::path::{Path, PathBuf};
+
 use super::picture::raster::{self, HALF_SIDE, Scale};
-use super::picture::sheet::{Bar, Panel, Sheet};
-use super::plot::Drawing;
+use super::picture::sheet::{Bar, Panel, Sheet, error_picture};
 use super::plot::axis::Axis;
 use super::plot::chart::{Chart, Kind, Mark, Series};
 use super::plot::marker::Look;
 use super::plot::palette::{Rgb, heat};
+use super::plot::{Drawing, save};
 use codec::error::Result;
 use codec::image::plane::Plane;
 use evaluate::similarity::difference;
+use footage::files::OutputFolder;
+use footage::image_files::png;
 use simplify::capture::{Capture, CaptureImage};
 use simplify::fidelity::Compared;
-use simplify::pipeline::Stages;
+use simplify::pipeline::{Simplified, Stages};
 use simplify::quad_mesh::QuadMesh;
 use simplify::raster::overdraw;
 use simplify::samples::Background;
@@ -26,18 +29,31 @@ const MAX_LAYERS: u32 = 16;
 /// Number of images for which an error map is drawn.
 const ERROR_MAPS: usize = 4;
 
-#[derive(Debug, Clone, PartialEq)]
-pub struct Figure {
-    pub name: &'static str,
-    pub drawing: Drawing,
+/// Writes all charts and pictures into a folder, and returns their paths.
+pub fn write(
+    folder: &Path,
+    simplified: &Simplified,
+    capture: &mut Capture,
+    background: Background,
+) -> Result<Vec<PathBuf>> {
+    let Simplified { scene, selection, stages, .. } = simplified;
+    let out = OutputFolder::create(folder)?;
+    let mut files = Vec::new();
+    for (name, drawing) in charts(&selection.convergence, stages) {
+        files.extend(save(&drawing, out.work_path(), name).map_err(|error| out.present(error))?);
+    }
+    for (name, picture) in pictures(scene, capture, background)? {
+        let path = out.work_path().join(format!("{name}.png"));
+        png::write_color8(&path, &picture).map_err(|error| out.present(error))?;
+        files.push(path);
+    }
+    out.commit()?;
+    Ok(files.iter().filter_map(|path| Some(folder.join(path.file_name()?))).collect())
 }
 
-/// Returns the charts of a run.
-pub fn charts(convergence: &[Bounds], stages: &Stages) -> Vec<Figure> {
-    vec![
-        Figure { name: "convergence", drawing: converging(convergence) },
-        Figure { name: "stages", drawing: durations(stages) },
-    ]
+/// Returns the charts of a run with their names.
+fn charts(convergence: &[Bounds], stages: &Stages) -> [(&'static str, Drawing); 2] {
+    [("convergence", converging(convergence)), ("stages", durations(stages))]
 }
 
 /// Seurat figure 13, right: dual bound by iteration, and energy of the best feasible selection.
@@ -88,14 +104,6 @@ fn durations(stages: &Stages) -> Drawing {
     Chart { series, ..chart }.draw(SIZE[0], SIZE[1])
 }
 
-/// A PNG file about one view.
-#[derive(Debug, Clone)]
-pub struct ViewPicture {
-    /// File name without extension.
-    pub name: String,
-    pub picture: Plane<Rgb>,
-}
-
 /// Result of comparing one image of a capture with the simplified scene.
 struct ImageScore {
     image: usize,
@@ -104,8 +112,8 @@ struct ImageScore {
 }
 
 /// Returns error maps of the captured images with the lowest PSNR, and the overdraw picture of the view with the
-/// highest overdraw.
-pub fn pictures(scene: &QuadMesh, capture: &mut Capture, background: Background) -> Result<Vec<ViewPicture>> {
+/// highest overdraw, with their names.
+fn pictures(scene: &QuadMesh, capture: &mut Capture, background: Background) -> Result<Vec<(String, Plane<Rgb>)>> {
     let compared = |capture: &mut Capture, image: usize| {
         let rays = capture.rays(image)?;
         Compared::new(scene, &capture.images[image], &rays, background)
@@ -121,12 +129,12 @@ pub fn pictures(scene: &QuadMesh, capture: &mut Capture, background: Background)
     for (rank, &ImageScore { image, psnr_db, .. }) in judged.iter().take(ERROR_MAPS).enumerate() {
         let Some(Compared { shown, wanted, .. }) = compared(capture, image)? else { continue };
         let title = format!("{}: {psnr_db:.2} dB", capture.images[image].name);
-        let picture = error_picture::draw(&title, [&shown, &wanted], &difference(&shown, &wanted)?)?;
-        pictures.push(ViewPicture { name: format!("error-{}", rank + 1), picture });
+        let picture = error_picture(&title, [&shown, &wanted], &difference(&shown, &wanted)?)?;
+        pictures.push((format!("error-{}", rank + 1), picture));
     }
     if let Some(CaptureImage { name, camera: Some(camera), size, .. }) = most.map(|image| &capture.images[image]) {
         let picture = overdraw_picture(name, &overdraw(scene, camera, *size)?)?;
-        pictures.push(ViewPicture { name: "overdraw".to_owned(), picture });
+        pictures.push(("overdraw".to_owned(), picture));
     }
     Ok(pictures)
 }
@@ -206,7 +214,7 @@ mod tests {
         let bounds = [Bounds { dual: 1.0, primal: f64::INFINITY }, Bounds { dual: 2.0, primal: 3.0 }];
         for convergence in [&bounds[..1], &bounds[..], &[]] {
             let drawn = charts(convergence, &Stages::default());
-            assert_eq!(drawn.iter().map(|figure| figure.name).collect::<Vec<_>>(), ["convergence", "stages"]);
+            assert_eq!(drawn.map(|(name, _)| name), ["convergence", "stages"]);
         }
     }
 }

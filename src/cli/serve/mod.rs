@@ -12,7 +12,6 @@
 //! | `/film.lfold`, `/film.glb` or `/film.png` | the film |
 
 mod answer;
-mod answering;
 mod conditions;
 mod connections;
 mod film;

@@ -3,11 +3,13 @@
 use std::convert::Infallible;
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::pin::Pin;
 use std::sync::Arc;
+use std::task::{Context, Poll};
 use std::time::Duration;
 
 use hyper::Request;
-use hyper::body::Incoming;
+use hyper::body::{Body as HttpBody, Bytes, Frame, Incoming, SizeHint};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::TokioIo;
@@ -15,8 +17,7 @@ use tokio::net::{TcpListener, TcpSocket, TcpStream};
 use tokio::runtime::{Builder, Runtime};
 use tokio::sync::Notify;
 
-use super::answer::{Served, answer, is_out_of_files};
-use super::answering::{AnswerMark, Answering};
+use super::answer::{Body, Served, answer, is_out_of_files};
 use super::connections::{Connection, Connections, Limits};
 use super::film::Film;
 use super::watched::Watched;
@@ -160,4 +161,43 @@ async fn serve(stream: TcpStream, served: Arc<Served>, connection: Arc<Connectio
         .serve_connection(TokioIo::new(stream), service);
     // A client that disconnects or breaks the protocol is not an error of the server.
     let _ = connection.await;
+}
+
+/// A body that is being sent. Dropping it ends the response.
+pub struct Answering {
+    pub body: Body,
+    pub _mark: AnswerMark,
+}
+
+/// Marks a response in progress, from the complete head of its request to its end.
+pub struct AnswerMark(Arc<Connection>);
+
+impl AnswerMark {
+    pub fn begin(connection: &Arc<Connection>) -> AnswerMark {
+        connection.begin_answer();
+        AnswerMark(Arc::clone(connection))
+    }
+}
+
+impl Drop for AnswerMark {
+    fn drop(&mut self) {
+        self.0.end_answer();
+    }
+}
+
+impl HttpBody for Answering {
+    type Data = Bytes;
+    type Error = Box<dyn std::error::Error + Send + Sync>;
+
+    fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, Self::Error>>> {
+        Pin::new(&mut self.body).poll_frame(cx)
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.body.size_hint()
+    }
 }

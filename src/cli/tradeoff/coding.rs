@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 use super::args::Args;
 use super::measure::Sweeping;
 use super::{input, text};
+use crate::report::tile_psnr;
 use crate::report::tradeoff::coding::{CODING, CodingBench};
 use crate::report::tradeoff::page::Extras;
 use crate::report::tradeoff::plan::{self, Preset};
@@ -68,8 +69,7 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
     let nothing = args.sweep.is_empty() && args.preset.is_none();
     // Demands without sweeps still need some points.
     let preset = args.preset.or((nothing && demands.is_some()).then_some(Preset::Quick));
-    let request = plan::Request { streams: &streams, sweeps: &args.sweep, preset, fixed: &footage.knobs };
-    let plan = plan::plan(&request)?;
+    let plan = plan::plan(&streams, &args.sweep, preset, &footage.knobs)?;
     input::check(&footage.input, &all_points(&plan.studies))?;
     let made_of = footage.input.made_of;
     let mut sweeping = Sweeping::open(args, &plan.studies[0], made_of, global)?;
@@ -90,8 +90,8 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
     };
     let mut more = Map::new();
     if let Some(tiles) = &tiles {
-        extras.figures.extend(figures::tiles(tiles, &footage.tiles_how));
-        let mut report = report::tile_psnr(tiles);
+        extras.figures.extend(tile_psnr::figure(tiles, &footage.tiles_how));
+        let mut report = tile_psnr::json(tiles);
         report["how"] = json!(footage.tiles_how);
         more.insert("tiles".to_owned(), report);
     }

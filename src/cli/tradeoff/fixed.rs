@@ -30,63 +30,60 @@ impl FixedOption {
     }
 }
 
-pub struct OptionsOf<'a> {
-    pub command: &'a str,
-    /// Further words that make its command line complete.
-    pub line: &'a [&'a str],
-    pub own: &'a [&'a str],
-    /// Name of another subcommand, and those of its options that are accepted as well.
-    pub also: Option<(&'a str, &'a [&'a str])>,
-}
-
-impl OptionsOf<'_> {
-    /// Parses the options among `words`. Returns them in the order of the help.
-    pub fn read(&self, words: &[String], axes: &[Axis]) -> Result<Vec<FixedOption>> {
-        let mut root = Cli::command();
-        root.build();
-        let arguments = |command: &str| {
-            let found = root.find_subcommand(command).into_iter().flat_map(clap::Command::get_arguments);
-            found.filter(|argument| argument.get_long().is_some()).cloned().collect::<Vec<_>>()
-        };
-        let mut known = arguments(self.command);
-        let mut more = self.also.map_or(Vec::new(), |(command, _)| arguments(command));
-        more.retain(|argument| {
-            self.also.is_some_and(|(_, names)| argument.get_long().is_some_and(|name| names.contains(&name)))
-        });
-        let parser = Cli::command().mut_subcommand(self.command, |command| command.args(more.clone()));
-        known.extend(more);
-        let line = [&["lightfold", self.command], self.line].concat();
-        let line = line.into_iter().map(str::to_owned).chain(words.iter().cloned());
-        let matches = parser.try_get_matches_from(line).map_err(|error| refused(&error))?;
-        let Some((_, matches)) = matches.subcommand() else { return Ok(Vec::new()) };
-        let mut found = Vec::new();
-        for argument in &known {
-            let (id, Some(name)) = (argument.get_id().as_str(), argument.get_long()) else { continue };
-            let option = format!("--{name}");
-            let is_given = matches!(matches.try_contains_id(id), Ok(true))
-                && matches.value_source(id) == Some(ValueSource::CommandLine);
-            let is_of_line = self.line.contains(&option.as_str())
-                && words.iter().all(|word| word.split('=').next() != Some(&option));
-            if !is_given || is_of_line || name == "output" {
-                continue;
-            }
-            if self.own.contains(&name) {
-                return refuse(format!("{option} after --: tradeoff sets this option itself: leave it out"));
-            }
-            if axes.iter().any(|axis| axis.knob == name) {
-                return refuse(format!("{option}: this option is swept and cannot be fixed: leave it out"));
-            }
-            let mut values = Vec::new();
-            if argument.get_action().takes_values() {
-                for each in matches.get_raw_occurrences(id).into_iter().flatten() {
-                    let each: Vec<_> = each.map(|value| value.to_string_lossy().into_owned()).collect();
-                    values.push(each.join(","));
-                }
-            }
-            found.push(FixedOption { name: name.to_owned(), values });
+/// Parses the options of a command among `words`. Returns them in the order of the help. `line` are further words that
+/// make the command line complete; `own` are options that may not be given; `also` is another subcommand, with those of its
+/// options that are accepted as well.
+pub fn read(
+    command: &str,
+    words: &[String],
+    axes: &[Axis],
+    (line, own): (&[&str], &[&str]),
+    also: Option<(&str, &[&str])>,
+) -> Result<Vec<FixedOption>> {
+    let mut root = Cli::command();
+    root.build();
+    let arguments = |command: &str| {
+        let found = root.find_subcommand(command).into_iter().flat_map(clap::Command::get_arguments);
+        found.filter(|argument| argument.get_long().is_some()).cloned().collect::<Vec<_>>()
+    };
+    let mut known = arguments(command);
+    let mut more = also.map_or(Vec::new(), |(command, _)| arguments(command));
+    more.retain(|argument| {
+        also.is_some_and(|(_, names)| argument.get_long().is_some_and(|name| names.contains(&name)))
+    });
+    let parser = Cli::command().mut_subcommand(command, |command| command.args(more.clone()));
+    known.extend(more);
+    let whole = [&["lightfold", command], line].concat();
+    let whole = whole.into_iter().map(str::to_owned).chain(words.iter().cloned());
+    let matches = parser.try_get_matches_from(whole).map_err(|error| refused(&error))?;
+    let Some((_, matches)) = matches.subcommand() else { return Ok(Vec::new()) };
+    let mut found = Vec::new();
+    for argument in &known {
+        let (id, Some(name)) = (argument.get_id().as_str(), argument.get_long()) else { continue };
+        let option = format!("--{name}");
+        let is_given = matches!(matches.try_contains_id(id), Ok(true))
+            && matches.value_source(id) == Some(ValueSource::CommandLine);
+        let is_of_line =
+            line.contains(&option.as_str()) && words.iter().all(|word| word.split('=').next() != Some(&option));
+        if !is_given || is_of_line || name == "output" {
+            continue;
         }
-        Ok(found)
+        if own.contains(&name) {
+            return refuse(format!("{option} after --: tradeoff sets this option itself: leave it out"));
+        }
+        if axes.iter().any(|axis| axis.knob == name) {
+            return refuse(format!("{option}: this option is swept and cannot be fixed: leave it out"));
+        }
+        let mut values = Vec::new();
+        if argument.get_action().takes_values() {
+            for each in matches.get_raw_occurrences(id).into_iter().flatten() {
+                let each: Vec<_> = each.map(|value| value.to_string_lossy().into_owned()).collect();
+                values.push(each.join(","));
+            }
+        }
+        found.push(FixedOption { name: name.to_owned(), values });
     }
+    Ok(found)
 }
 
 /// Returns the settings that swept knobs require, if they are neither swept nor given as options.

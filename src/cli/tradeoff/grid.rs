@@ -8,7 +8,7 @@ use glam::DVec3;
 use serde_json::{Map, json};
 
 use super::args::{Args, refuse_options_of_coding};
-use super::fixed::{OptionsOf, implied, parse};
+use super::fixed::{implied, parse, read};
 use super::measure::Sweeping;
 use crate::report::tradeoff::findings;
 use crate::report::tradeoff::kind::SweepKind;
@@ -68,7 +68,7 @@ impl Fixed {
             swept.filter_map(|knob| knob.required.map(|value| [format!("--{}", knob.name), value.to_owned()]));
         line.extend(required.flatten());
         let line: Vec<&str> = line.iter().map(String::as_str).collect();
-        let options = OptionsOf { command: kind.command, line: &line, own: &kind.own, also: None }.read(words, axes)?;
+        let options = read(kind.command, words, axes, (&line, &kind.own), None)?;
         let implied = implied(kind, axes, &options);
         let names = kind.reported.iter().map(|(_, name)| *name).chain(["fixed", "kept"]);
         let mut variables: BTreeMap<_, _> = names.map(|name| (name, Vec::new())).collect();

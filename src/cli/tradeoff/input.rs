@@ -2,15 +2,15 @@
 //! tiles, within a share of the time budget.
 
 use std::ffi::OsString;
+use std::hash::Hash;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use clap::CommandFactory;
 
-use super::fixed::{OptionsOf, parse};
-use crate::progress::Progress;
+use super::fixed::{parse, read};
+use crate::progress::{Progress, Until};
 use crate::report::machine;
 use crate::report::tradeoff::coding::{CODING, Input, into_file, pack};
 use crate::report::tradeoff::point::{Point, Setting};
@@ -18,7 +18,7 @@ use crate::{Cli, GlobalArgs, refuse};
 use codec::depth::tile_psnr::TilePsnr;
 use codec::error::{Error, Result};
 use codec::image::StreamKind;
-use codec::monitor::Monitor;
+use codec::monitor::Monitor as _;
 use codec::ordered::try_map_ordered;
 use footage::dataset::manifest;
 use footage::dataset::source::Source;
@@ -28,15 +28,6 @@ use footage::encode::{EncodeSettings, tile_quality};
 const OWN: &[&str] = &["output", "stream", "json", "quiet"];
 /// Decoding options that may be given for all points.
 const OF_DECODING: &[&str] = &["device", "gpu-index"];
-
-/// Options of all points, by command.
-#[derive(Debug, Default)]
-struct Fixed {
-    knobs: Vec<Setting>,
-    encode: Vec<String>,
-    diff: Vec<String>,
-    decode: Vec<String>,
-}
 
 /// Open footage, with the settings that all points share.
 pub struct Footage {
@@ -64,15 +55,15 @@ fn encoder(path: &str, kinds: &[StreamKind]) -> Result<&'static str> {
 /// Opens footage. `kinds` are the requested kinds of streams, and `words` the options of all points.
 pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalArgs) -> Result<Footage> {
     let encoder = encoder(path, kinds)?;
-    let mut fixed = fixed(encoder, path, words)?;
-    if let Some(threads) = global.threads.filter(|_| fixed.knobs.iter().all(|(name, _)| *name != "threads")) {
-        fixed.knobs.push(("threads", threads.to_string()));
+    let (mut input, mut knobs) = fixed(encoder, path, words)?;
+    if let Some(threads) = global.threads.filter(|_| knobs.iter().all(|(name, _)| *name != "threads")) {
+        knobs.push(("threads", threads.to_string()));
     }
     let mut line: Vec<OsString> = [encoder, path, "-o", "point.lfold"].map(OsString::from).to_vec();
-    line.extend(fixed.encode.iter().map(OsString::from));
+    line.extend(input.encode.iter().map(OsString::from));
     // Other knobs do not affect modelling alone, and might require a setting that is swept.
     let of_tiles = [("effort", "fast"), ("depth-domain", "log")].map(|(name, usual)| {
-        let given = fixed.knobs.iter().find(|(other, _)| *other == name);
+        let given = knobs.iter().find(|(other, _)| *other == name);
         (name, given.map_or(usual, |(_, value)| value.as_str()))
     });
     let domain_too = if encoder == "encode-color" { 1 } else { 2 };
@@ -90,51 +81,37 @@ pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalA
     if let Some(missing) = kinds.iter().find(|kind| there.iter().all(|(other, _)| other != *kind)) {
         return refuse(format!("--stream {}: {path} has no such streams", missing.name()));
     }
-    let wanted = there.into_iter().filter(|(kind, _)| kinds.is_empty() || kinds.contains(kind)).collect();
-    let mut input = Input {
-        path: path.into(),
-        encoder,
-        kinds: wanted,
-        made_of: 0,
-        encode: fixed.encode,
-        diff: fixed.diff,
-        decode: fixed.decode,
-    };
+    input.kinds = there.into_iter().filter(|(kind, _)| kinds.is_empty() || kinds.contains(kind)).collect();
     input.made_of = made_of(&input, &source)?;
-    Ok(Footage { input, source, tiles, tiles_how, knobs: fixed.knobs })
+    Ok(Footage { input, source, tiles, tiles_how, knobs })
 }
 
-/// Sorts options after `--` by command.
-fn fixed(subcommand: &'static str, path: &str, words: &[String]) -> Result<Fixed> {
-    let mut fixed = Fixed::default();
+/// Sorts options after `--` by command, and returns those that are knobs.
+fn fixed(encoder: &'static str, path: &str, words: &[String]) -> Result<(Input, Vec<Setting>)> {
+    let mut input = Input { path: path.into(), encoder, ..Input::default() };
+    let mut knobs = Vec::new();
     if words.is_empty() {
-        return Ok(fixed);
+        return Ok((input, knobs));
     }
     let line = [path, "-o", "point.lfold"];
-    let also = Some(("decode", OF_DECODING));
-    let options = OptionsOf { command: subcommand, line: &line, own: OWN, also }.read(words, &[])?;
+    let options = read(encoder, words, &[], (&line, OWN), Some(("decode", OF_DECODING)))?;
     let root = Cli::command();
     let diff = root.find_subcommand("diff").into_iter();
     let of_diff: Vec<&str> = diff.flat_map(clap::Command::get_arguments).filter_map(clap::Arg::get_long).collect();
     for option in options {
         let name = option.name.as_str();
-        let value = option.value();
-        if let (Some(knob), Some(value)) = (CODING.knob(name), &value) {
-            fixed.knobs.push((knob.name, value.clone()));
-            continue;
+        let word = option.value().map_or_else(|| format!("--{name}"), |value| format!("--{name}={value}"));
+        match (CODING.knob(name), option.value()) {
+            (Some(knob), Some(value)) => knobs.push((knob.name, value)),
+            _ if OF_DECODING.contains(&name) => input.decode.push(word),
+            _ => {
+                input.diff.extend(of_diff.contains(&name).then(|| word.clone()));
+                input.encode.push(word);
+            }
         }
-        let word = value.map_or_else(|| format!("--{name}"), |value| format!("--{name}={value}"));
-        if OF_DECODING.contains(&name) {
-            fixed.decode.push(word);
-            continue;
-        }
-        if of_diff.contains(&name) {
-            fixed.diff.push(word.clone());
-        }
-        fixed.encode.push(word);
     }
-    fixed.knobs.sort_by_key(|(name, _)| CODING.knobs.iter().position(|knob| knob.name == *name));
-    Ok(fixed)
+    knobs.sort_by_key(|(name, _)| CODING.knobs.iter().position(|knob| knob.name == *name));
+    Ok((input, knobs))
 }
 
 pub fn check(input: &Input, points: &[Point]) -> Result<()> {
@@ -160,31 +137,18 @@ pub fn check(input: &Input, points: &[Point]) -> Result<()> {
 /// Returns the configuration hash of the footage, the fixed options, the program and the processor. Reads all files;
 /// their times do not count.
 pub fn made_of(input: &Input, source: &Source) -> Result<u32> {
-    let mut hasher = crc32fast::Hasher::new();
-    let mut add = |bytes: &[u8]| {
-        hasher.update(&(bytes.len() as u64).to_le_bytes());
-        hasher.update(bytes);
-    };
-    add(env!("CARGO_PKG_VERSION").as_bytes());
     // A rebuilt program may write other bytes.
     let program = std::env::current_exe().map_err(|error| Error::io(Path::new("lightfold"), error))?;
-    add(&crc_of(&program)?.to_le_bytes());
-    add(machine::processor().as_bytes());
     let full = input.path.canonicalize().unwrap_or_else(|_| input.path.clone());
-    add(full.as_os_str().as_encoded_bytes());
-    if source.manifest.is_some() {
-        add(&crc_of(&manifest::manifest_path(&full))?.to_le_bytes());
-    }
-    for word in input.encode.iter().chain(&input.diff).chain(&input.decode) {
-        add(word.as_bytes());
-    }
+    let manifest = source.manifest.is_some().then(|| crc_of(&manifest::manifest_path(&full))).transpose()?;
     let groups = source.groups().iter();
     let files: Vec<PathBuf> =
         groups.flat_map(|group| group.frames.iter().filter_map(|frame| source.file(group, frame).ok()?)).collect();
-    for (file, crc) in files.iter().zip(try_map_ordered(files.iter().collect(), |file: &PathBuf| crc_of(file))?) {
-        add(file.file_name().unwrap_or_default().as_encoded_bytes());
-        add(&crc.to_le_bytes());
-    }
+    let contents = try_map_ordered(files.iter().collect(), |file: &PathBuf| crc_of(file))?;
+    let names: Vec<_> = files.iter().map(|file| file.file_name()).collect();
+    let mut hasher = crc32fast::Hasher::new();
+    (env!("CARGO_PKG_VERSION"), crc_of(&program)?, machine::processor(), full, manifest).hash(&mut hasher);
+    (&input.encode, &input.diff, &input.decode, names, contents).hash(&mut hasher);
     Ok(hasher.finalize())
 }
 
@@ -207,36 +171,6 @@ const SHARE: f64 = 1.0 / 3.0;
 /// Message for statistics omitted for lack of time.
 const LATE: &str = "The statistics of tiles were left out: they did not fit into a third of the budget.";
 
-/// Monitor that interrupts work which will not finish in time.
-struct Until<'a> {
-    progress: &'a dyn Monitor,
-    start: Instant,
-    most: Option<Duration>,
-    steps: u64,
-    done: AtomicU64,
-}
-
-impl Until<'_> {
-    /// True if the time is exceeded, or will be at the rate of the steps so far.
-    fn is_late(&self) -> bool {
-        let Some(most) = self.most else { return false };
-        let (spent, done) = (self.start.elapsed(), self.done.load(Ordering::Relaxed));
-        let all = spent.as_secs_f64() * self.steps as f64 / done.max(1) as f64;
-        spent > most || (done > 0 && all > most.as_secs_f64())
-    }
-}
-
-impl Monitor for Until<'_> {
-    fn advance(&self, steps: u64) {
-        self.done.fetch_add(steps, Ordering::Relaxed);
-        self.progress.advance(steps);
-    }
-
-    fn interrupted(&self) -> bool {
-        self.progress.interrupted() || self.is_late()
-    }
-}
-
 /// Measures the PSNR of all depth tiles by modelling function. The inner error states why there is no result.
 pub fn model_tiles(
     footage: &Footage,
@@ -246,7 +180,7 @@ pub fn model_tiles(
     let steps = tile_quality::images(&footage.source);
     let progress = Progress::start(global, "modelling tiles", steps)?;
     let most = budget_seconds.map(|seconds| Duration::from_secs_f64((seconds * SHARE).min(1e9)));
-    let until = Until { progress: &progress, start: Instant::now(), most, steps, done: AtomicU64::new(0) };
+    let until = Until::new(&progress, most, steps);
     match tile_quality::measure(&footage.source, &footage.tiles, &until) {
         Ok(tiles) => Ok(Ok(tiles)),
         Err(Error::Interrupted) if progress.interrupted() => Err(Error::Interrupted),
@@ -260,13 +194,12 @@ mod tests {
     use clap::Parser;
 
     use super::*;
-    use codec::monitor::Silent;
 
     #[test]
     fn every_knob_is_an_option_of_its_command_and_takes_its_usual_values() {
         let root = crate::command();
         for knob in &CODING.knobs {
-            let commands: &[&str] = match (CODING.stage(knob), knob.is_general(), knob.streams[0]) {
+            let commands: &[&str] = match (knob.stage, knob.is_general(), knob.streams[0]) {
                 ("decode", ..) => &["decode"],
                 ("both", ..) => &["encode", "encode-depth", "encode-color", "decode"],
                 (_, true, _) => &["encode", "encode-depth", "encode-color"],
@@ -301,7 +234,7 @@ mod tests {
         let mut built = crate::command();
         built.build();
         for knob in &CODING.knobs {
-            let command = if CODING.stage(knob) == "decode" { "decode" } else { "encode" };
+            let command = if knob.stage == "decode" { "decode" } else { "encode" };
             let found = built.find_subcommand(command).unwrap();
             let option = found.get_arguments().find(|argument| argument.get_long() == Some(knob.name)).unwrap();
             // Other defaults are stated in the help text of the option.
@@ -315,8 +248,9 @@ mod tests {
     fn options_of_all_points_go_to_the_commands_that_have_them() {
         let words = |line: &str| line.split(' ').map(str::to_owned).collect::<Vec<_>>();
         let of = |line: &str| fixed("encode", "scene", &words(line));
-        let sorted = of("--hdr --frames 0-3 --psnr 40 --device gpu --gpu-index 1 --depth-channel Z --lzma2").unwrap();
-        let knobs: Vec<_> = sorted.knobs.iter().map(|(name, value)| format!("{name}={value}")).collect();
+        let (sorted, knobs) =
+            of("--hdr --frames 0-3 --psnr 40 --device gpu --gpu-index 1 --depth-channel Z --lzma2").unwrap();
+        let knobs: Vec<_> = knobs.iter().map(|(name, value)| format!("{name}={value}")).collect();
         assert_eq!(knobs, ["psnr=40", "lzma2=6", "device=gpu"]);
         let sort = |mut words: Vec<String>| {
             words.sort();
@@ -329,26 +263,8 @@ mod tests {
         assert!(said("--stream depth").contains("tradeoff sets this option"));
         assert!(said("--color-cell 0").contains("'0'"), "{}", said("--color-cell 0"));
         assert!(said("--colour").contains("unexpected argument '--colour'"));
-        let colour = of("--color-channel A").unwrap();
+        let (colour, _) = of("--color-channel A").unwrap();
         assert_eq!((colour.encode, colour.diff), (vec!["--color-channel=A".into()], vec!["--color-channel=A".into()]));
         assert!(!said("--color-cell 0").contains('\n'));
-    }
-
-    #[test]
-    fn what_will_be_late_is_stopped_after_its_first_step() {
-        let until = |most: Option<u64>, steps: u64| {
-            let start = Instant::now().checked_sub(Duration::from_secs(10)).unwrap();
-            Until { progress: &Silent, start, most: most.map(Duration::from_secs), steps, done: AtomicU64::new(0) }
-        };
-        let of = until(Some(100), 50);
-        assert!(!of.interrupted());
-        of.advance(1);
-        assert!(of.interrupted(), "50 steps of 10 s are more than 100 s");
-        of.advance(9);
-        assert!(!of.interrupted());
-        assert!(until(Some(9), 50).interrupted());
-        let free = until(None, 50);
-        free.advance(1);
-        assert!(!free.interrupted());
     }
 }

@@ -6,14 +6,14 @@ use std::time::Instant;
 use serde_json::{Map, Value};
 
 use super::args::Args;
-use super::child::Children;
 use super::text;
+use crate::child::{Children, shell_line};
 use crate::progress::Progress;
 use crate::report::machine;
 use crate::report::tradeoff::folder::Folder;
-use crate::report::tradeoff::json::{self as points, Report};
+use crate::report::tradeoff::json::report;
 use crate::report::tradeoff::page::{self, Extras};
-use crate::report::tradeoff::runner::{Bench, shell_line};
+use crate::report::tradeoff::runner::Bench;
 use crate::report::tradeoff::schedule::{self, Extent, FailedPoint, Lab};
 use crate::report::tradeoff::store::Store;
 use crate::report::tradeoff::study::{Results, Study, all_points};
@@ -121,16 +121,8 @@ impl<'a> Sweeping<'a> {
         names.extend(files.iter().filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned())));
         names.sort();
         names.dedup();
-        let report = Report {
-            results,
-            version: env!("CARGO_PKG_VERSION"),
-            points: rows.map(points::point).collect(),
-            findings: &extras.findings,
-            failed: &self.failed,
-            files: names,
-            more,
-        };
-        let all = serde_json::to_value(report).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
+        let told = (&extras.findings[..], &self.failed[..]);
+        let all = report(results, &rows.collect::<Vec<_>>(), told, &names, more)?;
         output::write_file(&folder.report(), &json::pretty(&all)?)?;
         output::print_either(args.json, &all, || {
             format!("{}{words}", text::report(results, &extras.findings, &files))

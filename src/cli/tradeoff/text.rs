@@ -1,14 +1,13 @@
 //! Results of sweeps as text.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
-
-use serde::Serialize;
 
 use crate::output;
 use crate::report::Table;
 use crate::report::tradeoff::findings::{Finding, Verdict};
-use crate::report::tradeoff::kind::{KINDS, Knob};
+use crate::report::tradeoff::kind::KINDS;
 use crate::report::tradeoff::page;
 use crate::report::tradeoff::point::words;
 use crate::report::tradeoff::recommend::{Advice, Aim};
@@ -86,41 +85,18 @@ pub fn advice(advice: &[Advice<'_>], unasked: &[StreamKind]) -> String {
     text
 }
 
-#[derive(Serialize)]
-struct KnobList {
-    knobs: Vec<KnobReport>,
-}
-
-#[derive(Serialize)]
-struct KnobReport {
-    name: &'static str,
-    label: &'static str,
-    kinds: Vec<&'static str>,
-    stage: &'static str,
-    default: &'static str,
-    usual: &'static [&'static str],
-}
-
 pub fn list_knobs(as_json: bool) -> Result<()> {
-    let streams = |knob: &Knob| knob.streams.iter().map(|stream| stream.name()).collect::<Vec<_>>();
     let all = || KINDS.iter().flat_map(|kind| kind.knobs.iter().map(move |knob| (kind, knob)));
-    let report = all().map(|(kind, knob)| KnobReport {
-        name: knob.name,
-        label: knob.label,
-        kinds: streams(knob),
-        stage: kind.stage(knob),
-        default: knob.default,
-        usual: &knob.usual,
-    });
-    output::print_either(as_json, &KnobList { knobs: report.collect() }, || {
+    let report = BTreeMap::from([("knobs", all().map(|(_, knob)| knob).collect::<Vec<_>>())]);
+    output::print_either(as_json, &report, || {
         let mut table = Table::new("Knob|Description|Kinds|Option of|Default|Default values of a sweep");
         for (kind, knob) in all() {
             let of = match (kind.points_of, knob.is_general()) {
                 ("", true) => "all".to_owned(),
-                ("", false) => streams(knob).join(", "),
+                ("", false) => knob.streams.iter().map(|stream| stream.name()).collect::<Vec<_>>().join(", "),
                 (of, _) => of.to_owned(),
             };
-            let cells = [knob.name, knob.label, &of, kind.stage(knob), knob.default, &knob.usual.join(",")];
+            let cells = [knob.name, knob.label, &of, knob.stage, knob.default, &knob.usual.join(",")];
             table.row(cells.map(str::to_owned));
         }
         table.to_string()

@@ -1,6 +1,5 @@
 //! Pictures composed of images, which are scaled by integer factors, with captions, keys and colour bars.
 
 pub mod contact_sheet;
-pub mod error_picture;
 pub mod raster;
 pub mod sheet;

@@ -1,10 +1,10 @@
 //! Sheet: a title, lines of facts, and images side by side, each with a key and a colour bar below. The content
 //! determines the size; nothing is clipped.
 
-use super::raster::is_hatched;
+use super::raster::{self, HALF_SIDE, Scale, is_hatched};
 use crate::report::plot::drawing::{Anchor, Stroke, Text};
 use crate::report::plot::font::{self, Weight};
-use crate::report::plot::palette::{INK, PAPER, Rgb, SOFT_INK, contrast, hatched};
+use crate::report::plot::palette::{INK, PAPER, Rgb, SOFT_INK, contrast, hatched, heat};
 use crate::report::plot::save::to_pixels;
 use crate::report::plot::{Drawing, Ink};
 use codec::error::Result;
@@ -265,6 +265,41 @@ fn wrap(words: &str, em: f64, weight: Weight, room: f64) -> Vec<String> {
         lines.push(font::fit(word, em, weight, room));
     }
     lines
+}
+
+/// Difference in display codes from which error pictures have the last colour.
+const MAX_CODES: u8 = 64;
+
+/// Draws a picture and its reference, both in display codes, and the largest component difference of each pixel.
+pub fn error_picture(title: &str, [shown, wanted]: [&Plane<Rgb>; 2], difference: &Plane<u8>) -> Result<Plane<Rgb>> {
+    let size = [shown.width(), shown.height()];
+    let scale = Scale::of(size, HALF_SIDE / 2);
+    let panel = |caption: &str, color: &dyn Fn(u32, u32) -> Rgb, bar: Option<Bar>| Panel {
+        caption: caption.to_owned(),
+        image: raster::render(size, scale, color),
+        key: Vec::new(),
+        bar,
+    };
+    let share = |code: u8| f64::from(code.min(MAX_CODES)) / f64::from(MAX_CODES);
+    let ticks = [0u8, 16, 32, 48, MAX_CODES]
+        .map(|code| (share(code), if code == MAX_CODES { format!("{code} or more") } else { code.to_string() }));
+    let bar =
+        Bar { color: heat, ticks: ticks.to_vec(), label: "largest difference in display codes".into(), mark: None };
+    let worst = difference.data().iter().copied().max().unwrap_or_default();
+    let far_off = difference.data().iter().filter(|code| **code >= 16).count();
+    let sheet = Sheet {
+        title: title.to_owned(),
+        facts: vec![format!(
+            "The largest difference is {worst} of 255; {:.1}% of the pixels differ by 16 or more.",
+            100.0 * far_off as f64 / difference.data().len().max(1) as f64
+        )],
+        panels: vec![
+            panel("rendered", &|x, y| shown.get(x, y), None),
+            panel("reference", &|x, y| wanted.get(x, y), None),
+            panel("difference", &|x, y| heat(share(difference.get(x, y))), Some(bar)),
+        ],
+    };
+    sheet.draw()
 }
 
 #[cfg(test)]

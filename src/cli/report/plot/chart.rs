@@ -2,10 +2,11 @@
 
 use super::axis::Axis;
 use super::drawing::{Anchor, Drawing, Ink, Spot, Stroke};
-use super::labels::Labels;
+use super::labels::{
+    LONGEST_LABEL, Labels, MARGIN, MARKER, NAME_EM, TICK_EM, TITLE_EM, name, tick, widest, write_title,
+};
 use super::legend::{Entry, Legend, Swatch};
 use super::marker::Look;
-use super::style::{LONGEST_LABEL, MARGIN, MARKER, NAME_EM, TICK_EM, TITLE_EM, name, tick, widest, write_title};
 use super::{font, palette};
 
 const CAP: f64 = 4.0;

@@ -117,6 +117,16 @@ pub struct Drawing {
     pub shapes: Vec<Shape>,
 }
 
+/// A drawing for a page.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// File name without extension.
+    pub name: String,
+    /// Sentences that explain the figure.
+    pub caption: String,
+    pub drawing: Drawing,
+}
+
 impl Drawing {
     pub fn new(width: u32, height: u32, title: impl Into<String>) -> Drawing {
         Drawing { width, height, title: title.into(), shapes: Vec::new() }

@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::drawing::{Anchor, Drawing, Stroke, Text};
 use super::font::{self, Weight};
-use super::style::{LONGEST_LABEL, MARGIN, NAME_EM, TICK_EM, TITLE_EM, name, tick, widest, write_title};
+use super::labels::{LONGEST_LABEL, MARGIN, NAME_EM, TICK_EM, TITLE_EM, name, tick, widest, write_title};
 use super::{number, palette};
 
 const SMALLEST_CELL: [f64; 2] = [30.0, 22.0];

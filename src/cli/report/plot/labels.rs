@@ -1,7 +1,69 @@
-//! Placement of short labels beside points so that they hide neither points nor each other.
+//! Labels: sizes and text styles shared by charts, heat maps and legends, titles above several drawings, and placement of short labels beside points so
+//! that they hide neither points nor each other.
 
 use super::drawing::{Anchor, Drawing, Spot, Stroke, Text};
-use super::{font, palette};
+use super::font::{self, Weight};
+use super::palette;
+
+/// Font sizes of titles, axis names and ticks in pixels.
+pub const TITLE_EM: f64 = 14.0;
+pub const NAME_EM: f64 = 12.0;
+pub const TICK_EM: f64 = 11.0;
+pub const MARKER: f64 = 4.0;
+pub const MARGIN: f64 = 12.0;
+/// Maximum width of a tick or row label in pixels.
+pub const LONGEST_LABEL: f64 = 110.0;
+
+pub fn tick(label: &str) -> Text {
+    Text::new(label, TICK_EM).ink(palette::TEXT)
+}
+
+/// Returns the text of an axis name, centred on its position and shortened to `room` pixels.
+pub fn name(label: &str, room: f64) -> Text {
+    Text::new(label, NAME_EM).ink(palette::TEXT).anchor(Anchor::Middle).fit(room)
+}
+
+pub fn write_title(drawing: &mut Drawing, title: &str, width: f64) {
+    let text = Text::new(title, TITLE_EM).bold().ink(palette::TEXT).fit(width - 2.0 * MARGIN);
+    drawing.text([MARGIN, MARGIN + TITLE_EM], text);
+}
+
+/// Returns the width in pixels of the widest tick label.
+pub fn widest<'a>(labels: impl IntoIterator<Item = &'a String>) -> f64 {
+    labels.into_iter().map(|label| font::width(label, TICK_EM, Weight::Regular)).fold(0.0, f64::max)
+}
+
+/// Heights of the title and of each line below it, in pixels.
+const HEAD: f64 = 30.0;
+const LINE: f64 = 16.0;
+const GAP: f64 = 8.0;
+
+/// Returns a drawing with a title, lines of text below it, and rows of drawings.
+pub fn sheet(title: &str, lines: &[String], rows: Vec<Vec<Drawing>>) -> Drawing {
+    let head = HEAD + LINE * lines.len() as f64;
+    let row_width = |row: &Vec<Drawing>| row.iter().map(|one| f64::from(one.width) + GAP).sum::<f64>();
+    let row_height = |row: &Vec<Drawing>| row.iter().map(|one| f64::from(one.height)).fold(0.0, f64::max) + GAP;
+    let width = rows.iter().map(row_width).fold(480.0, f64::max);
+    let height = head + rows.iter().map(row_height).sum::<f64>();
+    let mut all = Drawing::new(width.ceil() as u32, height.ceil() as u32, title);
+    let text_width = width - 24.0;
+    all.text([12.0, 24.0], Text::new(title, 17.0).bold().ink(palette::TEXT).fit(text_width));
+    for (at, line) in lines.iter().enumerate() {
+        let baseline = HEAD - 4.0 + LINE * (at + 1) as f64;
+        all.text([12.0, baseline], Text::new(line, 12.0).ink(palette::FAINT_TEXT).fit(text_width));
+    }
+    let mut y = head;
+    for row in rows {
+        let (mut x, below) = (0.0, y + row_height(&row));
+        for drawing in row {
+            let next = x + f64::from(drawing.width) + GAP;
+            all.place([x, y], drawing);
+            x = next;
+        }
+        y = below;
+    }
+    all
+}
 
 const EM: f64 = 11.0;
 

@@ -2,9 +2,9 @@
 
 use super::drawing::{Drawing, Ink, Spot, Stroke, Text};
 use super::font::{self, Weight};
+use super::labels::{MARKER, TICK_EM, tick};
 use super::marker::Look;
 use super::palette;
-use super::style::{MARKER, TICK_EM, tick};
 
 const LINE: f64 = 17.0;
 /// Width in pixels of a swatch and the gap after it.

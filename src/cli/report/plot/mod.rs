@@ -14,7 +14,6 @@ pub mod marker;
 pub mod number;
 pub mod palette;
 pub mod save;
-mod style;
 
-pub use drawing::{Drawing, Ink};
+pub use drawing::{Drawing, Figure, Ink};
 pub use save::save;

@@ -8,7 +8,8 @@ use serde_json::json;
 
 pub use super::kind::CODING;
 use super::point::{Measured, Point, Setting};
-use super::runner::{Bench, Cost, Report, Runner, Survey, shell_line};
+use super::runner::{Bench, Cost, Report, Survey};
+use crate::child::{Runner, shell_line};
 use codec::error::Result;
 use codec::image::StreamKind;
 use codec::streams::ColorBlocks;
@@ -29,7 +30,7 @@ pub fn decoder_passes(pass_seconds: f64) -> u32 {
 }
 
 /// The footage, and the options of all points that are not knobs.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Input {
     pub path: PathBuf,
     /// `encode`, or the encoder of a single sequence.
@@ -156,7 +157,7 @@ fn stream_of(point: &Point) -> StreamKind {
 fn knob_options(settings: &[Setting], stage: &'static str) -> impl Iterator<Item = OsString> {
     settings.iter().filter_map(move |(name, value)| {
         let knob = CODING.knob(name)?;
-        [stage, "both"].contains(&CODING.stage(knob)).then(|| knob.option(value))?.map(OsString::from)
+        [stage, "both"].contains(&knob.stage).then(|| knob.option(value))?.map(OsString::from)
     })
 }
 

@@ -6,6 +6,7 @@ use super::kind::{Claim, Limit, RowTest, fill};
 use super::point::{Measured, Point, Setting, compute};
 use super::study::{Results, all_points};
 use crate::report::plot::number::short;
+use crate::report::statistics::{geometric_mean, line_fit, mean, range};
 use codec::depth::tile_psnr::{BIN_DB, PsnrDistribution, TileModel, TilePsnr};
 use codec::image::StreamKind;
 
@@ -50,9 +51,10 @@ type Judged = (bool, Values);
 /// Tests all claims of a kind of sweep. `tiles` are statistics of depth tiles.
 pub fn judge(results: &Results, tiles: Option<&TilePsnr>) -> Vec<Finding> {
     let finding = |claim: &Claim| {
-        let judged = match &claim.rows {
-            Some(test) => test_rows(results, test),
-            None => test_by_function(results, claim.name, tiles),
+        let judged = match (&claim.rows, claim.most) {
+            (Some(test), _) => test_rows(results, test),
+            (None, Some((formula, limit))) => test_most(results, formula, limit),
+            (None, None) => test_by_function(results, claim.name, tiles),
         };
         let (verdict, rests_on) = match judged {
             Some((true, values)) => (Verdict::Found, fill(claim.rests_on, &values)),
@@ -74,12 +76,10 @@ fn test_by_function(results: &Results, name: &str, tiles: Option<&TilePsnr>) -> 
         "bc4w_few_bad_few_perfect" => bc4w_is_rarely_bad_and_rarely_perfect(tiles?),
         "functions_faster_than_codes" => functions_decode_faster_than_codes(results),
         "time_is_linear" => time_is_linear(results),
-        "peak_budget_kept_nearly" => peak_budget_kept_nearly(results),
         "area_improves_ssim" => area_improves_ssim(results),
         "quadtree_beats_grid" => quadtree_beats_grid(results),
         "grid_needs_area" => grid_needs_area(results),
         "adaptive_sizes_save_texels" => adaptive_sizes_save_texels(results),
-        "selection_converges" => selection_converges(results),
         _ => None,
     }
 }
@@ -131,19 +131,6 @@ pub fn in_boxes<'a>(results: &'a Results, others: &[Setting]) -> Option<&'a Meas
     let others = others.iter().filter(|(name, _)| *name != "depth-codec").cloned();
     let settings = others.chain([("depth-codec", "aabb".to_owned())]).collect();
     results.of(&Point::new(results.sweep, Some(StreamKind::Depth), settings))
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0u32), |(sum, count), value| (sum + value, count + 1));
-    sum / f64::from(count.max(1))
-}
-
-fn geometric_mean(values: impl Iterator<Item = f64>) -> f64 {
-    mean(values.map(|value| value.max(f64::MIN_POSITIVE).ln())).exp()
-}
-
-fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values.fold([f64::INFINITY, 0.0], |[low, high], of| [low.min(of), high.max(of)])
 }
 
 /// Returns true if most rows keep a rule, and the values with the number of rows and of those that do. `None` without
@@ -202,6 +189,12 @@ fn test_rows(results: &Results, test: &RowTest) -> Option<Judged> {
         ("last max", short(column(1).fold(0.0, f64::max))),
     ];
     majority(&rows, keeps, values)
+}
+
+fn test_most(results: &Results, formula: &str, limit: f64) -> Option<Judged> {
+    let value = |of: &Measured| compute(formula, |name| of.number(name).or_else(|| of.point.number(name)));
+    let most = results.measured.iter().filter_map(value).reduce(f64::max)?;
+    Some((most <= limit, vec![("most", short(most))]))
 }
 
 fn container(point: &Measured) -> f64 {
@@ -325,18 +318,6 @@ fn shares(psnr: &PsnrDistribution) -> [f64; 2] {
     [bad, good + psnr.exact].map(|count| count as f64 / psnr.tiles.max(1) as f64)
 }
 
-/// Least-squares line through points: returns its slope and R², the share of the variance that the line explains. R² is
-/// 1 if all y are equal.
-fn line_fit(x: &[f64], y: &[f64]) -> (f64, f64) {
-    let (mean_x, mean_y) = (mean(x.iter().copied()), mean(y.iter().copied()));
-    let sum =
-        |of: &dyn Fn(f64, f64) -> f64| -> f64 { x.iter().zip(y).map(|(&x, &y)| of(x - mean_x, y - mean_y)).sum() };
-    let (xx, xy, yy) = (sum(&|x, _| x * x), sum(&|x, y| x * y), sum(&|_, y| y * y));
-    let slope = if xx > 0.0 { xy / xx } else { 0.0 };
-    let explained = if yy > 0.0 { slope * xy / yy } else { 1.0 };
-    (slope, explained)
-}
-
 /// Maximum relative deviation of the slopes of the first and the last half of a row from their mean for time to count
 /// as linear.
 const STRAIGHT: f64 = 0.5;
@@ -360,22 +341,6 @@ fn time_is_linear(results: &Results) -> Option<Judged> {
     };
     let [first, last] = means(&rows).map(|seconds| short(1e3 * seconds));
     majority(&rows, is_straight, vec![("first", first), ("last", last)])
-}
-
-/// Ratio of the paper's peak overdraw to its budget: 5.6 for a budget of 5 (table 1).
-const EXCESS: f64 = 1.12;
-/// Maximum duality gap of a converged search.
-const CONVERGED: f64 = 0.01;
-
-fn peak_budget_kept_nearly(results: &Results) -> Option<Judged> {
-    let excess = |of: &Measured| Some(of.number("peak_overdraw_measured")? / of.point.number("peak-overdraw")?);
-    let most = results.measured.iter().filter_map(excess).reduce(f64::max)?;
-    Some((most <= EXCESS, vec![("most", short(most))]))
-}
-
-fn selection_converges(results: &Results) -> Option<Judged> {
-    let most = results.measured.iter().filter_map(|of| of.number("gap")).reduce(f64::max)?;
-    Some((most <= CONVERGED, vec![("most", short(100.0 * most))]))
 }
 
 fn area_improves_ssim(results: &Results) -> Option<Judged> {

@@ -1,42 +1,44 @@
 //! JSON reports of sweeps and recommendations. Keys are the names of the CSV columns.
 
-use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::findings::Finding;
-use super::point::{self, Measured};
+use super::point;
 use super::recommend::Advice;
 use super::schedule::FailedPoint;
 use super::store::StoredPoint;
 use super::study::Results;
-use codec::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TileModel, TilePsnr};
+use codec::error::{Error, Result};
 use footage::json::put;
 
-#[derive(Serialize)]
-pub struct Report<'a> {
-    #[serde(flatten)]
-    pub results: &'a Results,
-    pub version: &'static str,
-    /// One object per point, as written by [`point()`].
-    pub points: Vec<Value>,
-    pub findings: &'a [Finding],
-    pub failed: &'a [FailedPoint],
-    /// Names of all files of the folder that the sweep wrote.
-    pub files: Vec<String>,
-    #[serde(flatten)]
-    pub more: Map<String, Value>,
+/// Returns the report of a sweep. `rows` are its points, `files` the names of all files of the folder that it wrote, and
+/// `more` further keys.
+pub fn report(
+    results: &Results,
+    rows: &[&StoredPoint],
+    (findings, failed): (&[Finding], &[FailedPoint]),
+    files: &[String],
+    more: Map<String, Value>,
+) -> Result<Value> {
+    let mut all = serde_json::to_value(results).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
+    let points: Vec<Value> = rows.iter().map(|row| point(row)).collect();
+    let own = [
+        ("version", json!(env!("CARGO_PKG_VERSION"))),
+        ("points", json!(points)),
+        ("findings", json!(findings)),
+        ("failed", json!(failed)),
+        ("files", json!(files)),
+    ];
+    own.into_iter().for_each(|(key, value)| all[key] = value);
+    more.into_iter().for_each(|(key, value)| all[key] = value);
+    Ok(all)
 }
 
-pub fn point(row: &StoredPoint) -> Value {
-    let mut value = values(&row.measured);
-    value["studies"] = json!(row.studies);
-    value["command"] = json!(row.command);
-    value
-}
-
-fn values(of: &Measured) -> Value {
+fn point(row: &StoredPoint) -> Value {
+    let of = &row.measured;
     let settings = of.point.settings.iter().map(|(name, value)| ((*name).to_owned(), json!(value)));
-    let mut value = json!({ "settings": settings.collect::<Map<_, _>>() });
+    let settings: Map<_, _> = settings.collect();
+    let mut value = json!({ "settings": settings, "studies": row.studies, "command": row.command });
     if let Some(stream) = of.point.stream {
         value["kind"] = json!(stream.name());
     }
@@ -59,22 +61,4 @@ pub fn advice(advice: &Advice<'_>) -> Value {
         "command": advice.row.command,
         "point": point(advice.row),
     })
-}
-
-pub fn tile_psnr(found: &TilePsnr) -> Value {
-    let model = |psnr: &PsnrDistribution| {
-        let mut model = json!({
-            "mean_db": psnr.mean_db(),
-            "exact_tiles": psnr.exact,
-            "unmodelled_tiles": psnr.unmodelled,
-            "histogram": psnr.histogram(),
-        });
-        put(&mut model, "min_db", psnr.min_db);
-        for (key, share) in [("p05_db", 0.05), ("p50_db", 0.5), ("p95_db", 0.95)] {
-            put(&mut model, key, psnr.quantile_db(share));
-        }
-        model
-    };
-    let models: Map<_, _> = TileModel::ALL.into_iter().map(|of| (of.name().to_owned(), model(found.of(of)))).collect();
-    json!({ "count": found.tiles(), "bin_db": BIN_DB, "exact_counts_as_db": EXACT_DB, "models": models })
 }

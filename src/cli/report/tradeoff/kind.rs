@@ -5,7 +5,7 @@
 use std::sync::LazyLock;
 
 use serde::de::Error as _;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use codec::image::StreamKind;
 
@@ -20,7 +20,10 @@ pub static KINDS: [&LazyLock<SweepKind>; 5] = [&CODING, &PLACEMENT, &RENDERING, 
 
 /// Reads a table of this program. A test parses all of them.
 fn read(table: &'static str) -> SweepKind {
-    serde_json::from_str(table).unwrap_or_default()
+    let mut kind: SweepKind = serde_json::from_str(table).unwrap_or_default();
+    let unnamed = kind.knobs.iter_mut().filter(|knob| knob.stage.is_empty());
+    unnamed.for_each(|knob| knob.stage = kind.command);
+    kind
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -95,11 +98,6 @@ impl SweepKind {
         self.measures.iter().find(|measure| measure.name == name)
     }
 
-    /// Returns the command that a knob is an option of. `both` is encoding and decoding.
-    pub fn stage(&self, knob: &Knob) -> &'static str {
-        knob.stage.unwrap_or(self.command)
-    }
-
     pub fn knob_names(&self) -> String {
         self.knobs.iter().map(|knob| knob.name).collect::<Vec<_>>().join(", ")
     }
@@ -114,21 +112,25 @@ impl SweepKind {
 }
 
 /// Option that trades quality, bytes or time, under its command-line name.
-#[derive(Debug, Clone, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Knob {
     /// Option name without dashes.
     pub name: &'static str,
     pub label: &'static str,
     /// Kinds of streams that it affects. Empty in sweeps whose points have no stream.
-    #[serde(deserialize_with = "streams")]
+    #[serde(deserialize_with = "streams", rename(serialize = "kinds"), serialize_with = "names")]
     pub streams: Vec<StreamKind>,
-    stage: Option<&'static str>,
+    /// Command that it is an option of; `both` is encoding and decoding.
+    pub stage: &'static str,
     /// Settings that it requires. They are added unless they are swept or fixed.
+    #[serde(skip_serializing)]
     pub implies: Vec<(&'static str, &'static str)>,
     /// Value that stands for omitting the option, if the option itself has no such value.
+    #[serde(skip_serializing)]
     without: Option<&'static str>,
     /// Value that completes a command line in which the knob is swept, if the option is required.
+    #[serde(skip_serializing)]
     pub required: Option<&'static str>,
     pub default: &'static str,
     pub usual: Vec<&'static str>,
@@ -319,8 +321,10 @@ pub struct Claim {
     pub rule: &'static str,
     /// Measurements that the test needs.
     pub needs: &'static str,
-    /// Rows that the test compares. A claim without them has a function in [`super::findings`].
+    /// Rows that the test compares. A claim without them and without `most` has a function in [`super::findings`].
     pub rows: Option<RowTest>,
+    /// Formula of measures and knobs, and the limit of its largest value over all points.
+    pub most: Option<(&'static str, f64)>,
     /// Sentence with the values on which the verdict rests, in braces.
     pub rests_on: &'static str,
 }
@@ -373,6 +377,10 @@ pub fn fill(template: &str, values: &[(&str, String)]) -> String {
 fn streams<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<StreamKind>, D::Error> {
     let named = |name: &str| StreamKind::from_name(name).ok_or_else(|| D::Error::custom(format!("{name}: no stream")));
     Vec::<&str>::deserialize(from)?.into_iter().map(named).collect()
+}
+
+fn names<S: Serializer>(streams: &[StreamKind], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(streams.iter().map(|stream| stream.name()))
 }
 
 #[cfg(test)]

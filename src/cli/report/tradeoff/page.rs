@@ -3,16 +3,16 @@
 
 use std::path::{Path, PathBuf};
 
-use super::figures::{self, Figure};
+use super::figures;
 use super::findings::{Finding, Verdict};
 use super::kind::{Format, Measure, fill};
 use super::point::{Measured, words};
 use super::score::Scored;
 use super::study::{Axis, Results, Study};
 use crate::report::Table;
-use crate::report::plot::number;
 use crate::report::plot::save::{self, escape};
-use crate::report::timing::runs_in_words;
+use crate::report::plot::{Figure, number};
+use crate::report::statistics::runs_in_words;
 use codec::error::{Result, counted};
 use codec::image::StreamKind;
 use footage::files::write_whole;
@@ -185,15 +185,14 @@ fn tables(results: &Results) -> String {
         let title = stream.map_or_else(String::new, |stream| format!("<h3>{}</h3>\n", escape(stream.name())));
         let table = table_of(results, stream);
         let headings: String = table.headings.iter().map(|heading| format!("<th>{}</th>", escape(heading))).collect();
-        let cell = |cell: &Cell| {
-            let range = cell.range.as_ref();
-            let range = range.map_or_else(String::new, |range| format!("<small>{}</small>", escape(range)));
-            format!("<td>{}{range}</td>", escape(&cell.text))
+        let cell = |(text, range): &Cell| {
+            let range = range.as_ref().map_or_else(String::new, |range| format!("<small>{}</small>", escape(range)));
+            format!("<td>{}{range}</td>", escape(text))
         };
-        let row = |row: &PointRow<'_>| {
-            let is_best = best.iter().any(|best| std::ptr::eq(*best, row.point));
+        let row = |(point, cells): &(&Measured, Vec<Cell>)| {
+            let is_best = best.iter().any(|best| std::ptr::eq(*best, *point));
             let class = if is_best { " class=\"best\"" } else { "" };
-            format!("<tr{class}>{}</tr>\n", row.cells.iter().map(cell).collect::<String>())
+            format!("<tr{class}>{}</tr>\n", cells.iter().map(cell).collect::<String>())
         };
         let rows: String = table.rows.iter().map(row).collect();
         format!(
@@ -213,7 +212,7 @@ fn facts(results: &Results) -> String {
         ("Machine", escape(&results.machine)),
         ("Version", format!("lightfold {}", env!("CARGO_PKG_VERSION"))),
     ];
-    let commands = results.commands.iter().map(|command| (command.makes, code(&command.line)));
+    let commands = results.commands.iter().map(|(makes, line)| (*makes, code(line)));
     let fact = |(name, value)| format!("<dt>{}</dt><dd>{value}</dd>\n", escape(name));
     facts.into_iter().chain(commands).map(fact).collect()
 }
@@ -221,19 +220,11 @@ fn facts(results: &Results) -> String {
 /// Table of points, with columns for the knobs and measures that any of them has.
 pub struct PointTable<'a> {
     pub headings: Vec<&'a str>,
-    pub rows: Vec<PointRow<'a>>,
+    pub rows: Vec<(&'a Measured, Vec<Cell>)>,
 }
 
-pub struct PointRow<'a> {
-    pub point: &'a Measured,
-    pub cells: Vec<Cell>,
-}
-
-pub struct Cell {
-    pub text: String,
-    /// Shortest and longest run, if there are several.
-    pub range: Option<String>,
-}
+/// Text of a cell, and its shortest and longest run if there are several.
+type Cell = (String, Option<String>);
 
 pub fn table_of(results: &Results, stream: Option<StreamKind>) -> PointTable<'_> {
     let points: Vec<&Measured> = results.measured.iter().filter(|of| of.point.stream == stream).collect();
@@ -244,20 +235,19 @@ pub fn table_of(results: &Results, stream: Option<StreamKind>) -> PointTable<'_>
         shown.filter(|measure| points.iter().any(|of| of.number(measure.name).is_some())).collect();
     let row = |point: &&'_ Measured| {
         let values = knobs.iter().map(|name| point.point.value(name).unwrap_or("default").to_owned());
-        let values = values.map(|text| Cell { text, range: None });
-        values.chain(measures.iter().map(|measure| cell(point, measure))).collect()
+        values.map(|text| (text, None)).chain(measures.iter().map(|measure| cell(point, measure))).collect()
     };
-    let rows = points.iter().map(|point| PointRow { point, cells: row(point) }).collect();
+    let rows = points.iter().map(|point| (*point, row(point))).collect();
     let headings = knobs.iter().copied().chain(measures.iter().map(|measure| measure.heading)).collect();
     PointTable { headings, rows }
 }
 
 fn cell(point: &Measured, measure: &Measure) -> Cell {
-    let Some(value) = point.number(measure.name) else { return Cell { text: "–".to_owned(), range: None } };
+    let Some(value) = point.number(measure.name) else { return ("–".to_owned(), None) };
     let print = |value: f64| print(value, measure.format);
     let runs = measure.runs.map_or(0, |runs| point.runs(runs).len());
     let spread = point.spread(measure.name).filter(|_| runs > 1);
-    Cell { text: print(value), range: spread.map(|spread| format!("{}–{}", print(spread.low), print(spread.high))) }
+    (print(value), spread.map(|spread| format!("{}–{}", print(spread.low), print(spread.high))))
 }
 
 fn print(value: f64, format: Format) -> String {
@@ -273,8 +263,8 @@ fn print(value: f64, format: Format) -> String {
 impl PointTable<'_> {
     pub fn text(&self) -> String {
         let mut table = Table::new(&format!(">{}", self.headings.join("|>")));
-        for row in &self.rows {
-            table.row(row.cells.iter().map(|cell| cell.text.clone()));
+        for (_, cells) in &self.rows {
+            table.row(cells.iter().map(|(text, _)| text.clone()));
         }
         table.to_string()
     }
@@ -300,7 +290,7 @@ mod tests {
     fn extras(results: &Results) -> Extras {
         let tiles = sample::tiles();
         let mut figures = figures::bounds(results);
-        figures.extend(figures::tiles(&tiles, "effort fast, domain log"));
+        figures.extend(crate::report::tile_psnr::figure(&tiles, "effort fast, domain log"));
         Extras { figures, findings: findings::judge(results, Some(&tiles)) }
     }
 

@@ -49,15 +49,6 @@ pub enum Preset {
     Quick,
 }
 
-#[derive(Debug, Clone, Copy)]
-pub struct Request<'a> {
-    /// Kinds of streams of the input that were selected.
-    pub streams: &'a [StreamKind],
-    pub sweeps: &'a [Sweep],
-    pub preset: Option<Preset>,
-    pub fixed: &'a [Setting],
-}
-
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     pub studies: Vec<Study>,
@@ -67,8 +58,8 @@ pub struct Plan {
     pub left_out: Vec<String>,
 }
 
-fn preset_study(of: &PresetStudy, stream: StreamKind, request: &Request<'_>) -> Result<Study> {
-    let values = |axis: &PresetAxis| if request.preset == Some(Preset::Quick) { axis.quick } else { axis.paper };
+fn preset_study(of: &PresetStudy, stream: StreamKind, preset: Preset, fixed: &[Setting]) -> Result<Study> {
+    let values = |axis: &PresetAxis| if preset == Preset::Quick { axis.quick } else { axis.paper };
     let axis =
         |axis: &PresetAxis| Axis { knob: axis.knob, values: values(axis).split(',').map(str::to_owned).collect() };
     let is_reduced = of.axes.iter().any(|axis| values(axis) != axis.paper);
@@ -81,24 +72,25 @@ fn preset_study(of: &PresetStudy, stream: StreamKind, request: &Request<'_>) -> 
         axes: of.axes.iter().map(axis).collect(),
         fixed: of.fixed.iter().map(|&(name, value)| (name, value.to_owned())).collect(),
     };
-    with_fixed(study, request.fixed)
+    with_fixed(study, fixed)
 }
 
-/// Builds the studies: those of the preset first, then one of the swept knobs for each kind of stream.
-pub fn plan(request: &Request<'_>) -> Result<Plan> {
+/// Builds the studies: those of the preset first, then one of the swept knobs for each kind of stream. `wanted` are the
+/// kinds of streams of the input that were selected, `fixed` the settings of all points.
+pub fn plan(wanted: &[StreamKind], sweeps: &[Sweep], preset: Option<Preset>, fixed: &[Setting]) -> Result<Plan> {
     let mut plan = Plan { studies: Vec::new(), tiles: false, left_out: Vec::new() };
-    for study in CODING.presets.iter().filter(|_| request.preset.is_some()) {
+    for (study, preset) in CODING.presets.iter().filter_map(|study| Some((study, preset?))) {
         let streams = study.axes.iter().filter_map(|axis| CODING.knob(axis.knob)).flat_map(|knob| &knob.streams);
         let Some(&stream) = streams.into_iter().next() else { continue };
-        if request.streams.contains(&stream) {
-            plan.studies.push(preset_study(study, stream, request)?);
+        if wanted.contains(&stream) {
+            plan.studies.push(preset_study(study, stream, preset, fixed)?);
         } else {
             let (name, stream) = (study.name, stream.name());
             plan.left_out.push(format!("Study {name} was left out: no {stream} stream was chosen or is there."));
         }
     }
-    plan.tiles = request.preset == Some(Preset::Paper) && request.streams.contains(&StreamKind::Depth);
-    swept(request, &mut plan)?;
+    plan.tiles = preset == Some(Preset::Paper) && wanted.contains(&StreamKind::Depth);
+    plan.studies.extend(swept(wanted, sweeps, fixed)?);
     if plan.studies.is_empty() {
         return Err(Error::Usage(match plan.left_out.is_empty() {
             true => "nothing to measure: add --sweep or --preset".to_owned(),
@@ -108,13 +100,12 @@ pub fn plan(request: &Request<'_>) -> Result<Plan> {
     Ok(plan)
 }
 
-/// Adds a study of the swept knobs for each kind of stream that they affect.
-fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
-    let sweeps = request.sweeps;
+/// Returns a study of the swept knobs for each kind of stream that they affect.
+fn swept(wanted: &[StreamKind], sweeps: &[Sweep], fixed: &[Setting]) -> Result<Vec<Study>> {
     refuse_twice(sweeps)?;
     let of_a_kind: Vec<_> = sweeps.iter().filter(|sweep| !sweep.knob.is_general()).collect();
     for Sweep { kind, knob, .. } in &of_a_kind {
-        if request.streams.iter().any(|kind| knob.concerns(Some(*kind))) {
+        if wanted.iter().any(|kind| knob.concerns(Some(*kind))) {
             continue;
         }
         let kinds: Vec<_> = knob.streams.iter().map(|kind| kind.name()).collect();
@@ -124,18 +115,10 @@ fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
         };
         return Err(Error::Usage(format!("sweep of {}: {why}", knob.name)));
     }
-    for &kind in request.streams {
-        let joins = |sweep: &Sweep| sweep.knob.concerns(Some(kind));
-        let wanted = match of_a_kind.is_empty() {
-            true => !sweeps.is_empty(),
-            false => of_a_kind.iter().any(|sweep| joins(sweep)),
-        };
-        if !wanted {
-            continue;
-        }
-        let own = sweeps.iter().filter(|sweep| joins(sweep));
-        let mut axes: Vec<Axis> =
-            own.map(|sweep| Axis { knob: sweep.knob.name, values: sweep.values.clone() }).collect();
+    let study = |&kind: &StreamKind| {
+        let own = sweeps.iter().filter(|sweep| sweep.knob.concerns(Some(kind)));
+        let axis = |sweep: &Sweep| Axis { knob: sweep.knob.name, values: sweep.values.clone() };
+        let mut axes: Vec<Axis> = own.map(axis).collect();
         // Stream-specific knobs come first: the first two axes are those of heat maps.
         axes.sort_by_key(|axis| CODING.knob(axis.knob).is_some_and(Knob::is_general));
         // The name contains the swept knobs, so that sweeps of different knobs into one folder keep all their pictures.
@@ -143,9 +126,13 @@ fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
         let name = std::iter::once(kind.name()).chain(knobs).collect::<Vec<_>>().join("-");
         let title = title(&CODING, kind.name(), &axes);
         let study = Study { name, title, sweep: &CODING, stream: Some(kind), axes, fixed: Vec::new() };
-        plan.studies.push(with_fixed(study, request.fixed)?);
-    }
-    Ok(())
+        with_fixed(study, fixed)
+    };
+    let is_swept = |kind: &&StreamKind| match of_a_kind.is_empty() {
+        true => !sweeps.is_empty(),
+        false => of_a_kind.iter().any(|sweep| sweep.knob.concerns(Some(**kind))),
+    };
+    wanted.iter().filter(is_swept).map(study).collect()
 }
 
 fn refuse_twice(sweeps: &[Sweep]) -> Result<()> {
@@ -224,7 +211,7 @@ mod tests {
     fn of(kinds: &[StreamKind], sweeps: &[&str], fixed: &[(&'static str, &str)]) -> Result<Plan> {
         let sweeps: Vec<_> = sweeps.iter().map(|text| Sweep::parse(text).unwrap()).collect();
         let fixed: Vec<_> = fixed.iter().map(|&(name, value)| (name, value.to_owned())).collect();
-        plan(&Request { streams: kinds, sweeps: &sweeps, preset: None, fixed: &fixed })
+        plan(kinds, &sweeps, None, &fixed)
     }
 
     fn points(study: &Study) -> Vec<String> {
@@ -288,18 +275,18 @@ mod tests {
 
     #[test]
     fn the_presets_are_grids_of_the_figures_and_skip_kinds_that_are_missing() {
-        let request = Request { streams: &[Color, Depth], sweeps: &[], preset: Some(Preset::Paper), fixed: &[] };
-        let paper = plan(&request).unwrap();
+        let both = &[Color, Depth];
+        let paper = plan(both, &[], Some(Preset::Paper), &[]).unwrap();
         let counts: Vec<_> = paper.studies.iter().map(|study| (study.name.as_str(), study.points().len())).collect();
         assert_eq!(counts, [("boxes", 25), ("cells", 25), ("bound", 8), ("predictive", 8), ("codecs", 1)]);
         assert!(paper.tiles && paper.left_out.is_empty());
         assert_eq!(points(&paper.studies[0])[0], "depth-codec=aabb depth-window=1 max-aabbs=1");
-        let inverse = plan(&Request { fixed: &[("depth-domain", "inverse".to_owned())], ..request }).unwrap();
+        let inverse = plan(both, &[], Some(Preset::Paper), &[("depth-domain", "inverse".to_owned())]).unwrap();
         let of_domain = inverse.studies.iter().filter(|study| points(study)[0].contains("depth-domain=inverse"));
         assert_eq!(of_domain.map(|study| study.name.as_str()).collect::<Vec<_>>(), ["boxes", "bound", "codecs"]);
-        let color = plan(&Request { streams: &[Color], ..request }).unwrap();
+        let color = plan(&[Color], &[], Some(Preset::Paper), &[]).unwrap();
         assert_eq!((color.studies.len(), color.left_out.len(), color.tiles), (1, 4, false));
-        let quick = plan(&Request { preset: Some(Preset::Quick), ..request }).unwrap();
+        let quick = plan(both, &[], Some(Preset::Quick), &[]).unwrap();
         for (few, all) in quick.studies.iter().zip(&paper.studies) {
             let all = points(all);
             assert!(points(few).iter().all(|point| all.contains(point)), "{}", few.name);

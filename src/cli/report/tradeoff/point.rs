@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ffi::OsString;
 
 use super::kind::{Source, SweepKind};
-use crate::report::timing::{Spread, median, spread};
+use crate::report::statistics::{Spread, median, spread};
 use codec::image::StreamKind;
 
 pub type Setting = (&'static str, String);

@@ -5,26 +5,17 @@
 //! takes milliseconds and is not part of any time: commands report their own.
 
 use std::collections::BTreeMap;
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value as Json;
 
 use super::kind::{Measure, Source, SweepKind, concerns, fill};
 use super::point::{Measured, Point, Value, compute};
-use super::study::ExampleCommand;
+use crate::child::{Runner, shell_line};
 use codec::error::{Error, Result};
 use footage::json;
 use simplify::{selection, texture_sizes};
-
-/// Runs command lines of this program. Implemented by the command line.
-pub trait Runner {
-    /// Runs a command and returns the JSON that it printed. Errors name the command.
-    fn run(&self, words: &[OsString]) -> Result<Json>;
-
-    /// Returns the seconds since the program began.
-    fn now_seconds(&self) -> f64;
-}
 
 /// Measures the points of one kind of sweep.
 pub trait Bench {
@@ -119,11 +110,9 @@ impl CommandBench {
     }
 
     /// Returns commands that reproduce the preparation and the first point.
-    pub fn examples(&self, points: &[Point]) -> Vec<ExampleCommand> {
-        let before = self.preparation(Path::new(""));
-        let before = before.map(|words| ExampleCommand { makes: self.kind.makes, line: shell_line(&words) });
-        let first = points.first().map(|point| ExampleCommand { makes: "First point", line: self.command(point) });
-        before.into_iter().chain(first).collect()
+    pub fn examples(&self, points: &[Point]) -> Vec<(&'static str, String)> {
+        let before = self.preparation(Path::new("")).map(|words| (self.kind.makes, shell_line(&words)));
+        before.into_iter().chain(points.first().map(|point| ("First point", self.command(point)))).collect()
     }
 }
 
@@ -212,7 +201,7 @@ impl Report {
     /// Returns the number at a path, or that of a formula of paths.
     pub fn number(&self, formula: &str) -> Result<f64> {
         let number = |path: &str| {
-            let (object, key) = path.rsplit_once('/').map_or(("", path), |(object, key)| (object, key));
+            let (object, key) = path.rsplit_once('/').unwrap_or(("", path));
             let object = if object.is_empty() { String::new() } else { format!("/{object}") };
             json::read_number(self.value.pointer(&object)?, key)
         };
@@ -228,22 +217,6 @@ impl Report {
 
     fn no_number(&self, path: &str) -> Error {
         Error::invalid(format!("{}: its report has no number {}", self.command, path.replace('/', ".")))
-    }
-}
-
-/// Returns a command line of this program, quoted for a POSIX shell.
-pub fn shell_line<S: AsRef<OsStr>>(words: &[S]) -> String {
-    let words = words.iter().map(|word| shell_word(&word.as_ref().to_string_lossy()));
-    std::iter::once("lightfold".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
-}
-
-/// Returns a word for a POSIX shell. It is quoted if it contains special characters.
-pub fn shell_word(text: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+,:@%=".contains(c);
-    if !text.is_empty() && text.chars().all(plain) {
-        text.to_owned()
-    } else {
-        format!("'{}'", text.replace('\'', r"'\''"))
     }
 }
 

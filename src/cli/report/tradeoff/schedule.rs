@@ -10,9 +10,10 @@ use std::collections::{BTreeMap, VecDeque};
 use serde::Serialize;
 
 use super::point::Point;
-use super::runner::{Bench, Cost, Runner, Survey};
+use super::runner::{Bench, Cost, Survey};
 use super::store::{Store, StoredPoint};
 use super::study::{Axis, Study, all_points};
+use crate::child::Runner;
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
 

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use serde::Deserialize;
 use serde_json::json;
 
 use super::kind::{Measure, Source, SweepKind};
@@ -60,10 +61,9 @@ impl Store {
         if let Some(missing) = store.columns().iter().find(|column| heads.iter().all(|head| head != **column)) {
             return Err(foreign(format!("not a CSV file of this kind of tradeoff: it has no column {missing}")));
         }
-        for (at, record) in reader.records().enumerate() {
+        for (at, cells) in reader.deserialize::<Cells>().enumerate() {
             let wrong = |error: &dyn std::fmt::Display| foreign(format!("row {}: {error}", at + 2));
-            let record = record.map_err(|error| wrong(&error))?;
-            let cells = Cells(heads.iter().zip(record.iter()).collect());
+            let cells = cells.map_err(|error| wrong(&error))?;
             let hash = u32::from_str_radix(cells.text("made_of"), 16).ok();
             if made_of.is_some() && hash != made_of {
                 store.dropped += 1;
@@ -142,11 +142,13 @@ impl Store {
     }
 }
 
-struct Cells<'a>(BTreeMap<&'a str, &'a str>);
+/// Cells of a row by their headings.
+#[derive(Deserialize)]
+struct Cells(BTreeMap<String, String>);
 
-impl Cells<'_> {
+impl Cells {
     fn text(&self, name: &str) -> &str {
-        self.0.get(name).copied().unwrap_or_default()
+        self.0.get(name).map_or("", String::as_str)
     }
 
     fn parts(&self, name: &str) -> impl Iterator<Item = &str> {

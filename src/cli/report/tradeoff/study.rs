@@ -116,12 +116,6 @@ impl Default for Weights {
     }
 }
 
-#[derive(Debug, Clone)]
-pub struct ExampleCommand {
-    pub makes: &'static str,
-    pub line: String,
-}
-
 #[derive(Debug, Clone, Serialize)]
 pub struct Results {
     #[serde(skip)]
@@ -136,8 +130,9 @@ pub struct Results {
     pub measured: Vec<Measured>,
     pub left_out: Vec<String>,
     pub weights: Weights,
+    /// Example commands, by what they make.
     #[serde(skip)]
-    pub commands: Vec<ExampleCommand>,
+    pub commands: Vec<(&'static str, String)>,
 }
 
 impl Results {

@@ -1,23 +1,13 @@
-//! Shared parts of figures: sheets of charts with a title, axes of knobs, marks with their range.
+//! Shared parts of figures: axes of knobs, marks with their range, and words below titles.
 
 use crate::report::plot::chart::{Chart, Kind, Series};
-use crate::report::plot::drawing::Text;
-use crate::report::plot::{Drawing, axis, number, palette};
-use crate::report::timing::runs_in_words;
+use crate::report::plot::{axis, number};
+use crate::report::statistics::runs_in_words;
 use crate::report::tradeoff::kind::{PanelLine, Scale};
 use crate::report::tradeoff::point::{Measured, Point, Setting, words};
 use crate::report::tradeoff::study::{Axis, Results, Study};
 
 pub use crate::report::plot::chart::Mark;
-
-#[derive(Debug, Clone, PartialEq)]
-pub struct Figure {
-    /// File name without extension.
-    pub name: String,
-    /// Sentences that explain the figure.
-    pub caption: String,
-    pub drawing: Drawing,
-}
 
 /// Axis of a knob, with the position of each value.
 pub struct KnobAxis {
@@ -111,38 +101,6 @@ pub fn fixed_words(settings: &[Setting]) -> String {
         Some(words) => format!("with {words}, other settings by default"),
         None => "other settings by default".to_owned(),
     }
-}
-
-/// Heights of the title and of each line below it, in pixels.
-const HEAD: f64 = 30.0;
-const LINE: f64 = 16.0;
-const GAP: f64 = 8.0;
-
-/// Returns a drawing with a title, lines of text below it, and rows of drawings.
-pub fn sheet(title: &str, lines: &[String], rows: Vec<Vec<Drawing>>) -> Drawing {
-    let head = HEAD + LINE * lines.len() as f64;
-    let row_width = |row: &Vec<Drawing>| row.iter().map(|one| f64::from(one.width) + GAP).sum::<f64>();
-    let row_height = |row: &Vec<Drawing>| row.iter().map(|one| f64::from(one.height)).fold(0.0, f64::max) + GAP;
-    let width = rows.iter().map(row_width).fold(480.0, f64::max);
-    let height = head + rows.iter().map(row_height).sum::<f64>();
-    let mut all = Drawing::new(width.ceil() as u32, height.ceil() as u32, title);
-    let text_width = width - 24.0;
-    all.text([12.0, 24.0], Text::new(title, 17.0).bold().ink(palette::TEXT).fit(text_width));
-    for (at, line) in lines.iter().enumerate() {
-        let baseline = HEAD - 4.0 + LINE * (at + 1) as f64;
-        all.text([12.0, baseline], Text::new(line, 12.0).ink(palette::FAINT_TEXT).fit(text_width));
-    }
-    let mut y = head;
-    for row in rows {
-        let (mut x, below) = (0.0, y + row_height(&row));
-        for drawing in row {
-            let next = x + f64::from(drawing.width) + GAP;
-            all.place([x, y], drawing);
-            x = next;
-        }
-        y = below;
-    }
-    all
 }
 
 pub fn subtitle<'a>(

@@ -2,14 +2,12 @@
 
 mod common;
 mod study;
-mod tiles;
 mod trade;
 
-pub use common::Figure;
 pub use study::bounds;
-pub use tiles::figure as tiles;
 
 use super::study::Results;
+use crate::report::plot::Figure;
 
 pub fn all(results: &Results) -> Vec<Figure> {
     let studies = results.studies.iter().flat_map(|of| study::figures(results, of));

@@ -1,13 +1,12 @@
 //! Figures of studies: all panels along one varied knob; heat maps and lines of two (CALF figures 7 and 8); decoding by
 //! error bound (GDC figure 8).
 
-use super::common::{
-    Figure, KnobAxis, Mark, PanelUnit, axis_of, chart, extents, fixed_words, mark, point_at, sheet, subtitle,
-};
+use super::common::{KnobAxis, Mark, PanelUnit, axis_of, chart, extents, fixed_words, mark, point_at, subtitle};
 use crate::report::plot::chart::{Chart, Rule, Series};
 use crate::report::plot::heat::{Cell, HeatMap};
+use crate::report::plot::labels::sheet;
 use crate::report::plot::marker::Look;
-use crate::report::plot::{Drawing, number};
+use crate::report::plot::{Drawing, Figure, number};
 use crate::report::tradeoff::findings::in_boxes;
 use crate::report::tradeoff::kind::{Better, Panel, PanelLine, concerns};
 use crate::report::tradeoff::point::{Measured, Setting};

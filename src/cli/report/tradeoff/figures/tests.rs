@@ -6,6 +6,7 @@ use super::common::{Mark, extents};
 use super::*;
 use crate::report::plot::drawing::{Anchor, Direction, Shape, Text};
 use crate::report::plot::{Drawing, font, save};
+use crate::report::tile_psnr;
 use crate::report::tradeoff::point::{Measured, Point, Value};
 use crate::report::tradeoff::tests::sample;
 use codec::image::StreamKind;
@@ -89,7 +90,7 @@ fn check_all(results: &Results) -> Vec<Figure> {
 #[test]
 fn the_papers_figures_are_drawn() {
     let mut figures = check_all(&sample::paper());
-    figures.extend(tiles(&sample::tiles(), "effort fast, domain log"));
+    figures.extend(tile_psnr::figure(&sample::tiles(), "effort fast, domain log"));
     let names: Vec<&str> = figures.iter().map(|figure| figure.name.as_str()).collect();
     let expected = [
         "boxes",

@@ -1,8 +1,10 @@
 //! Figures of one measure against another: all points of a kind of stream with their Pareto front, whose points are
 //! labelled (CALF figure 9, GDC figure 5).
 
-use super::common::{Figure, Mark, axis_of, sheet, times};
+use super::common::{Mark, axis_of, times};
+use crate::report::plot::Figure;
 use crate::report::plot::chart::{Chart, Kind, Series};
+use crate::report::plot::labels::sheet;
 use crate::report::plot::marker::Look;
 use crate::report::tradeoff::kind::{Better, Trade, TradeAxis};
 use crate::report::tradeoff::point::{Measured, words};
@@ -132,14 +134,10 @@ fn front_of(points: &[(f64, f64)]) -> Vec<usize> {
         (0..points.len()).filter(|&at| !points[at].0.is_nan() && !points[at].1.is_nan()).collect();
     // Sorts by cost, then by decreasing quality. The sort is stable: the first of equal points stays first.
     order.sort_by(|&a, &b| points[a].0.total_cmp(&points[b].0).then(points[b].1.total_cmp(&points[a].1)));
-    let mut best = f64::NEG_INFINITY;
-    let mut first = true;
+    let mut best = None;
     order.retain(|&at| {
-        let leads = first || points[at].1 > best;
-        if leads {
-            best = points[at].1;
-            first = false;
-        }
+        let leads = best.is_none_or(|best| points[at].1 > best);
+        best = if leads { Some(points[at].1) } else { best };
         leads
     });
     order

@@ -79,16 +79,6 @@ fn what_curves_upwards_need_not_be_exponential() {
 }
 
 #[test]
-fn straight_lines_are_fitted() {
-    let (slope, explained) = line_fit(&[1.0, 2.0, 3.0], &[3.0, 5.0, 7.0]);
-    assert!((slope - 2.0).abs() < 1e-12 && (explained - 1.0).abs() < 1e-12);
-    let (slope, explained) = line_fit(&[1.0, 2.0, 3.0], &[1.0, 0.0, 1.0]);
-    assert!(slope.abs() < 1e-12 && explained.abs() < 1e-12);
-    assert_eq!(line_fit(&[1.0, 2.0], &[4.0, 4.0]), (0.0, 1.0));
-    assert_eq!(line_fit(&[2.0, 2.0], &[1.0, 4.0]), (0.0, 0.0));
-}
-
-#[test]
 fn tiles_are_judged_by_both_ends() {
     let findings = judge_all(&sample::paper());
     let finding = findings.iter().find(|finding| finding.name == "bc4w_few_bad_few_perfect").unwrap();

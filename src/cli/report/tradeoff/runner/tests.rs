@@ -12,13 +12,6 @@ use crate::report::tradeoff::study::{Results, Study, Weights};
 use codec::monitor::Silent;
 
 #[test]
-fn words_of_a_shell() {
-    assert_eq!(shell_word("a/b-c_1.%04d"), "a/b-c_1.%04d");
-    assert_eq!(shell_word("it's"), r"'it'\''s'");
-    assert_eq!(shell_word(""), "''");
-}
-
-#[test]
 fn a_report_without_a_number_is_refused() {
     let value = json!({ "a": { "b": null, "c": null, "c_is": "inf" }, "d": [7, 8], "e": 4 });
     let report = Report { value, command: "lightfold x".to_owned() };
@@ -152,7 +145,7 @@ fn one_container_serves_all_points_and_each_is_rendered_in_every_round() {
          8,64,31.5,,0.25,64.0,9000,500.0,1.5\n8,256,inf,,0.25,256.0,9000,2000.0,1.5\n"
     );
     let examples = examples.examples(&study.points());
-    assert!(examples[1].line.starts_with("lightfold render field.lfold --reference set"), "{examples:?}");
+    assert!(examples[1].1.starts_with("lightfold render field.lfold --reference set"), "{examples:?}");
 }
 
 /// Simplifies, with reports like those of `simplify`. The point with the fewest triangles fails.

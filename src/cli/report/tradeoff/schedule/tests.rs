@@ -6,10 +6,10 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use super::*;
+use crate::child::shell_line;
 use crate::report::tradeoff::coding::{CODING, CodingBench, Input};
-use crate::report::tradeoff::plan::{Request, Sweep, plan};
+use crate::report::tradeoff::plan::{Sweep, plan};
 use crate::report::tradeoff::point::Value as Stored;
-use crate::report::tradeoff::runner::shell_line;
 use codec::error::Error;
 use codec::image::StreamKind;
 use codec::monitor::Silent;
@@ -95,7 +95,7 @@ fn input() -> Input {
 fn studies(sweeps: &[&str]) -> Vec<Study> {
     let sweeps: Vec<_> = sweeps.iter().map(|text| Sweep::parse(text).unwrap()).collect();
     let kinds = [StreamKind::Color, StreamKind::Depth];
-    plan(&Request { streams: &kinds, sweeps: &sweeps, preset: None, fixed: &[] }).unwrap().studies
+    plan(&kinds, &sweeps, None, &[]).unwrap().studies
 }
 
 /// Measures into a folder, starting from its existing results.

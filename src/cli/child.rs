@@ -1,6 +1,6 @@
-//! Runs commands of this program as child processes.
+//! Runs commands of this program as child processes, and quotes them for a shell.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::process::{Command, ExitStatus, Stdio};
@@ -10,7 +10,6 @@ use serde_json::Value;
 
 use crate::EXIT_INTERRUPTED;
 use crate::global::EXIT_RETRY;
-use crate::report::tradeoff::runner::{Runner, shell_line};
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
 
@@ -30,6 +29,15 @@ pub fn end_with_parent() {
             std::process::exit(EXIT_INTERRUPTED.into());
         });
     }
+}
+
+/// Runs command lines of this program.
+pub trait Runner {
+    /// Runs a command and returns the JSON that it printed. Errors name the command.
+    fn run(&self, words: &[OsString]) -> Result<Value>;
+
+    /// Returns the seconds since the program began.
+    fn now_seconds(&self) -> f64;
 }
 
 /// Runs children one after another, and ends them when the user asks to stop.
@@ -110,7 +118,22 @@ fn was_stopped(status: ExitStatus) -> bool {
     }
 }
 
-#[cfg(unix)]
+/// Returns a command line of this program, quoted for a POSIX shell.
+pub fn shell_line<S: AsRef<OsStr>>(words: &[S]) -> String {
+    let words = words.iter().map(|word| shell_word(&word.as_ref().to_string_lossy()));
+    std::iter::once("lightfold".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}
+
+/// Returns a word for a POSIX shell. It is quoted if it contains special characters.
+pub fn shell_word(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+,:@%=".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', r"'\''"))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -118,6 +141,7 @@ mod tests {
     use codec::monitor::Silent;
 
     #[test]
+    #[cfg(unix)]
     fn what_a_child_may_try_again_its_parent_may_too() {
         let shell = Children { program: "/bin/sh".into(), monitor: &Silent, start: Instant::now() };
         let run = |script: &str| shell.run(&["-c".into(), script.into()]);
@@ -131,5 +155,12 @@ mod tests {
             );
         }
         assert_eq!(run("echo '{\"a\": 1}'").unwrap()["a"], 1);
+    }
+
+    #[test]
+    fn words_of_a_shell() {
+        assert_eq!(shell_word("a/b-c_1.%04d"), "a/b-c_1.%04d");
+        assert_eq!(shell_word("it's"), r"'it'\''s'");
+        assert_eq!(shell_word(""), "''");
     }
 }

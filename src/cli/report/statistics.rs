@@ -1,4 +1,4 @@
-//! Medians and ranges of timed runs.
+//! Medians and ranges of timed runs; means, ranges and line fits of measured values.
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
@@ -35,6 +35,32 @@ pub fn runs_in_words(counts: impl IntoIterator<Item = usize>) -> Option<String> 
     })
 }
 
+pub fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0u32), |(sum, count), value| (sum + value, count + 1));
+    sum / f64::from(count.max(1))
+}
+
+pub fn geometric_mean(values: impl Iterator<Item = f64>) -> f64 {
+    mean(values.map(|value| value.max(f64::MIN_POSITIVE).ln())).exp()
+}
+
+/// Returns the smallest and the largest of positive values.
+pub fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, 0.0], |[low, high], of| [low.min(of), high.max(of)])
+}
+
+/// Least-squares line through points: returns its slope and R², the share of the variance that the line explains. R² is
+/// 1 if all y are equal.
+pub fn line_fit(x: &[f64], y: &[f64]) -> (f64, f64) {
+    let (mean_x, mean_y) = (mean(x.iter().copied()), mean(y.iter().copied()));
+    let sum =
+        |of: &dyn Fn(f64, f64) -> f64| -> f64 { x.iter().zip(y).map(|(&x, &y)| of(x - mean_x, y - mean_y)).sum() };
+    let (xx, xy, yy) = (sum(&|x, _| x * x), sum(&|x, y| x * y), sum(&|_, y| y * y));
+    let slope = if xx > 0.0 { xy / xx } else { 0.0 };
+    let explained = if yy > 0.0 { slope * xy / yy } else { 1.0 };
+    (slope, explained)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -54,5 +80,15 @@ mod tests {
         assert_eq!(runs_in_words([1, 1, 0]).as_deref(), Some("a single run"));
         assert_eq!(runs_in_words([3, 3]).as_deref(), Some("medians of 3 runs"));
         assert_eq!(runs_in_words([3, 1]).as_deref(), Some("medians of 1 to 3 runs"));
+    }
+
+    #[test]
+    fn straight_lines_are_fitted() {
+        let (slope, explained) = line_fit(&[1.0, 2.0, 3.0], &[3.0, 5.0, 7.0]);
+        assert!((slope - 2.0).abs() < 1e-12 && (explained - 1.0).abs() < 1e-12);
+        let (slope, explained) = line_fit(&[1.0, 2.0, 3.0], &[1.0, 0.0, 1.0]);
+        assert!(slope.abs() < 1e-12 && explained.abs() < 1e-12);
+        assert_eq!(line_fit(&[1.0, 2.0], &[4.0, 4.0]), (0.0, 1.0));
+        assert_eq!(line_fit(&[2.0, 2.0], &[1.0, 4.0]), (0.0, 0.0));
     }
 }

@@ -1,10 +1,14 @@
 //! PSNR of tiles of 8x8 pixels by modelling function: histograms above, sorted curves below (GDC figure 6).
 
-use super::common::{Figure, Mark, sheet};
-use crate::report::plot::axis::Axis;
-use crate::report::plot::chart::{Chart, Kind, Series};
-use crate::report::plot::marker::Look;
-use codec::depth::tile_psnr::{BIN_COUNT, BIN_DB, PsnrDistribution, TILE_SIDE, TileModel, TilePsnr};
+use serde_json::{Map, Value, json};
+
+use super::plot::Figure;
+use super::plot::axis::Axis;
+use super::plot::chart::{Chart, Kind, Mark, Series};
+use super::plot::labels::sheet;
+use super::plot::marker::Look;
+use codec::depth::tile_psnr::{BIN_COUNT, BIN_DB, EXACT_DB, PsnrDistribution, TILE_SIDE, TileModel, TilePsnr};
+use footage::json::put;
 
 const HISTOGRAM: [u32; 2] = [340, 280];
 const CURVES: [u32; 2] = [1732, 400];
@@ -86,4 +90,22 @@ fn words(model: TileModel) -> &'static str {
         TileModel::PlateletOrBiquadratic => "platelet or biquadratic",
         TileModel::BestOf => "best of all",
     }
+}
+
+pub fn json(found: &TilePsnr) -> Value {
+    let model = |psnr: &PsnrDistribution| {
+        let mut model = json!({
+            "mean_db": psnr.mean_db(),
+            "exact_tiles": psnr.exact,
+            "unmodelled_tiles": psnr.unmodelled,
+            "histogram": psnr.histogram(),
+        });
+        put(&mut model, "min_db", psnr.min_db);
+        for (key, share) in [("p05_db", 0.05), ("p50_db", 0.5), ("p95_db", 0.95)] {
+            put(&mut model, key, psnr.quantile_db(share));
+        }
+        model
+    };
+    let models: Map<_, _> = TileModel::ALL.into_iter().map(|of| (of.name().to_owned(), model(found.of(of)))).collect();
+    json!({ "count": found.tiles(), "bin_db": BIN_DB, "exact_counts_as_db": EXACT_DB, "models": models })
 }
