@@ -377,3 +377,36 @@ fn panoramas_keep_their_resolution() {
     assert_eq!((open(None).width, open(Some(200)).width), (352, 200));
     assert_eq!(open(None).frames, FrameRange { first: 0, last: 0 });
 }
+
+#[test]
+fn depth_channels_of_distance() {
+    for (name, kind) in [
+        ("dd.T", FileDepth::Distance),
+        ("dist.Y", FileDepth::Distance),
+        ("cam.depth.T", FileDepth::Distance),
+        ("Z", FileDepth::Planar),
+    ] {
+        let set = Set::new();
+        let constant = |name: &str| exr::prelude::AnyChannel::new(name, exr::prelude::FlatSamples::F32(vec![0.5; 48]));
+        let channels = ["R", "G", "B", name].into_iter().map(constant).collect();
+        let image = Image::from_channels((8, 6), exr::prelude::AnyChannels::sort(channels));
+        image.write().non_parallel().to_file(set.file("a.1.exr")).unwrap();
+        let (_, found) = set.init("");
+        assert_eq!(found.depth.map(|depth| depth.kind), Some(kind), "{name}");
+    }
+}
+
+#[test]
+fn pictures_are_compared_without_their_kind() {
+    let set = Set::new();
+    color(&set.file("a.exr"), 0.5);
+    color(&set.file("b.exr"), 0.5);
+    ImageBuffer::from_pixel(8, 6, Rgb([9u8; 3])).save(set.file("c.png")).unwrap();
+    depth_png(&set.file("gray.png"));
+    ours::write_depth(&set.file("z.exr"), &Plane::filled(8, 6, 2.0)).unwrap();
+    for pair in ["a.exr b.exr", "c.png c.png", "z.exr z.exr"] {
+        let [a, b] = pair.split_once(' ').map(<[&str; 2]>::from).unwrap();
+        fine(&format!("diff in/{a} in/{b}"), set.0.path());
+    }
+    assert_says(&refused("diff in/gray.png in/gray.png", set.0.path()), &["the kind of images is unknown", "--stream"]);
+}

@@ -28,6 +28,13 @@ pub const DEPTH_CHANNELS: &[&str] = &[
     "distance",
     "distance.Y",
     "distance.V",
+    "distance.T",
+    "dist",
+    "dist.Y",
+    "dist.V",
+    "dist.T",
+    "depth.T",
+    "dd.T",
     "Pz",
 ];
 
@@ -35,7 +42,7 @@ pub const DEPTH_CHANNELS: &[&str] = &[
 pub const DEPTH_LAYERS: &[&str] = &["VRayZDepth", "ZDepth", "Depth", "Z"];
 
 /// Suffixes of depth channels, used if exactly one channel of the file has one.
-pub const DEPTH_ENDINGS: &[&str] = &[".depth.z", ".depth.v", ".depth.y", ".depth"];
+pub const DEPTH_ENDINGS: &[&str] = &[".depth.z", ".depth.v", ".depth.y", ".depth.t", ".depth"];
 
 /// Colour layers (prefixes of channel names) in order of preference; the first entry is no prefix.
 pub const COLOR_LAYERS: &[&str] = &[

@@ -6,10 +6,12 @@ use crate::compare::manifest_coding::ManifestCoding;
 use crate::compare::side::{Coding, Content, Place, Side, SideForm, SideStream, StreamId};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::dataset::{Arrangement, SequenceLayout, Source, SourceOptions};
+use crate::image_files::{exr, png};
 use codec::container::header::is_container;
 use codec::decode::{Decoder, Selection};
 use codec::error::{Error, Result};
-use codec::image::{DepthKind, Pattern, Projection, StreamKind};
+use codec::image::channels::{find_color, find_depth};
+use codec::image::{ChannelSelect, DepthKind, Pattern, Projection, ReadLimits, Sequence, StreamKind};
 use codec::streams::{CodecHeader, StreamInfo};
 
 #[derive(Debug, Clone, Default)]
@@ -215,15 +217,31 @@ fn open_sequence(path: &str, options: &SideOptions, other: &Other<'_>) -> Result
     from_source(path, SideForm::Sequence, source, &ManifestCoding::default())
 }
 
-/// Returns the kind of an image sequence, from the options, its name, or the other side.
+/// Returns the kind of an image sequence, from the options, its name, the other side, or the channels of its first file.
 fn sequence_kind(path: &str, options: &SideOptions, other: &Other<'_>) -> Result<StreamKind> {
     if let [kind] = options.selection.kinds.as_slice() {
         return Ok(*kind);
     }
     let of_streams = || only_one(other.streams.iter().map(|stream| stream.id.kind));
-    kind_in_name(path).or_else(|| kind_in_name(other.path)).or_else(of_streams).ok_or_else(|| {
+    let in_file = || kind_in_file(path, &options.source.limits);
+    kind_in_name(path).or_else(|| kind_in_name(other.path)).or_else(of_streams).or_else(in_file).ok_or_else(|| {
         Error::Usage(format!("{path}: the kind of images is unknown: set `stream` to depth, color, material or alpha"))
     })
+}
+
+/// Returns colour for a first file with red, green and blue, depth for an EXR file with a depth channel and no colour. Gray files may
+/// be either. Reading reports errors of the file.
+fn kind_in_file(path: &str, limits: &ReadLimits) -> Option<StreamKind> {
+    let sequence = Sequence::find_with_gaps(path, None).ok()?;
+    let file = sequence.path(sequence.frames.first);
+    if png::has_codes(&file) {
+        return png::has_color(&file, limits).ok()?.then_some(StreamKind::Color);
+    }
+    let channels = exr::read_header(&file, limits).ok()?.channels;
+    match find_color(&channels, &ChannelSelect::Auto) {
+        Ok([red, green, _]) => (red != green).then_some(StreamKind::Color),
+        Err(_) => find_depth(&channels, &ChannelSelect::Auto).ok().map(|_| StreamKind::Depth),
+    }
 }
 
 fn only_one<T: PartialEq>(mut values: impl Iterator<Item = T>) -> Option<T> {

@@ -421,7 +421,7 @@ impl Draft<'_> {
         let first = files[0];
         let mut info =
             DepthInfo { unit: None, channel: is_stereo.then(|| "{probe}".to_owned()), ..DepthInfo::default() };
-        if projection == Projection::Perspective {
+        if projection == Projection::Perspective && !first.has_distance() {
             info.kind = FileDepth::Planar;
         }
         if let Some(channel) = first.depth_channel.as_ref().filter(|_| !is_stereo) {

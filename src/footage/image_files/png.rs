@@ -126,6 +126,11 @@ pub fn read_size(path: &Path, limits: &ReadLimits) -> Result<(u32, u32)> {
     Ok(open(path, limits)?.dimensions())
 }
 
+/// Returns true if the file has red, green and blue.
+pub fn has_color(path: &Path, limits: &ReadLimits) -> Result<bool> {
+    Ok(open(path, limits)?.color_type().has_color())
+}
+
 /// Returns the largest code of a channel: 255 or 65535.
 pub fn largest_code(path: &Path, limits: &ReadLimits) -> Result<f64> {
     let color = open(path, limits)?.color_type();

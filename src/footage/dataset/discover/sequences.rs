@@ -84,6 +84,14 @@ impl Found {
         }
     }
 
+    /// True if the name of the depth channel says that it holds distance along rays.
+    pub fn has_distance(&self) -> bool {
+        let Some(header) = &self.header else { return false };
+        let Ok(depth) = find_depth(&header.channels, &self.select()) else { return false };
+        let name = header.channels[depth.channel].full().to_ascii_lowercase();
+        name.contains("dist") || name.ends_with(".t")
+    }
+
     /// True if the name says that the files hold positions.
     pub fn is_position(&self) -> bool {
         words(&self.text).iter().any(|word| POSITION_WORDS.contains(&word.as_str()))
