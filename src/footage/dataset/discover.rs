@@ -523,7 +523,11 @@ impl Draft<'_> {
             of_normals.contains(&of.text.as_str()) || self.unsure.iter().any(|note| note.contains(of.text.as_str()))
         };
         let silent: Vec<&Found> = self.found.iter().filter(|of| !of.kinds.is_empty() || !is_noted(of)).collect();
-        let left_out = left_out::sentences(&silent, &self.kinds);
+        let used_as = |of: &Found| {
+            let is_read = |(files, named): &OfKind<'_>| named.members.values().any(|at| files[*at].text == of.text);
+            self.kinds.iter().filter(|(_, kind)| is_read(kind)).map(|(kind, _)| *kind).collect()
+        };
+        let left_out = left_out::sentences(&silent, used_as);
         self.unsure.extend(left_out);
         Ok(named.map(|named| named.text))
     }

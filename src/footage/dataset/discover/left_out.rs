@@ -2,8 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::OfKind;
-use super::sequences::Found;
+use super::sequences::{EYES, Found};
 use crate::dataset::manifest::MaterialChannels;
 use codec::image::channels::{find_alpha, find_color, find_depth, find_named};
 use codec::image::{ChannelSelect, StreamKind};
@@ -12,16 +11,11 @@ use codec::image::{ChannelSelect, StreamKind};
 const MAX_LISTED: usize = 12;
 
 /// Returns one sentence for each set of channels that is not used, and for each EXR sequence of which nothing is used. `found`
-/// has the sequences that are not noted otherwise.
-pub fn sentences(found: &[&Found], kinds: &BTreeMap<StreamKind, OfKind<'_>>) -> Vec<String> {
+/// has the sequences that are not noted otherwise, `used_as` returns the streams that read a sequence.
+pub fn sentences(found: &[&Found], used_as: impl Fn(&Found) -> Vec<StreamKind>) -> Vec<String> {
     let mut channels: BTreeMap<Vec<String>, Vec<&str>> = BTreeMap::new();
     for of in found.iter().filter(|of| of.header.is_some()) {
-        let used_as = |kind: &StreamKind| {
-            let (files, named) = &kinds[kind];
-            named.members.values().any(|at| files[*at].text == of.text)
-        };
-        let used: BTreeSet<usize> =
-            kinds.keys().filter(|kind| used_as(kind)).flat_map(|kind| used(of, *kind)).collect();
+        let used: BTreeSet<usize> = used_as(of).into_iter().flat_map(|kind| used(of, kind)).collect();
         let names = of.header.iter().flat_map(|header| header.channels.iter().enumerate());
         let left: Vec<String> = names.filter(|(at, _)| !used.contains(at)).map(|(_, name)| name.full()).collect();
         if !left.is_empty() {
@@ -44,7 +38,7 @@ pub fn sentences(found: &[&Found], kinds: &BTreeMap<StreamKind, OfKind<'_>>) -> 
 /// Returns the channels that a stream reads from a file.
 fn used(of: &Found, kind: StreamKind) -> Vec<usize> {
     let names = of.header.as_ref().map_or(&[][..], |header| &header.channels);
-    let eyes = if of.has_eyes { super::EYES.to_vec() } else { Vec::new() };
+    let eyes = if of.has_eyes { EYES.to_vec() } else { Vec::new() };
     let selects = match eyes.is_empty() {
         true => vec![of.select()],
         false => eyes.into_iter().map(|eye| ChannelSelect::Named(eye.into())).collect(),
