@@ -365,5 +365,8 @@ fn manifests_go_elsewhere_and_bad_folders_are_refused() {
     fine("init in -o a.json", folder.path());
     fine("encode a.json -o film.lfold --clip --quiet", folder.path());
     ours::write_color(&set.join("y.1.exr"), &gray(4, 3, |x, _| x as f32)).unwrap();
-    assert_says(&refused("init in", folder.path()), &["x.%d.exr is 8x6", "y.%d.exr is 4x3", "the same size"]);
+    assert_says(&init(folder.path()), &["y.%d.exr was left out: it is 4x3 pixels, others are 8x6"]);
+    ours::write_depth(&set.join("z.1.exr"), &Plane::filled(5, 5, 1.0)).unwrap();
+    let said = refused("init in --force", folder.path());
+    assert_says(&said, &["x.%d.exr is 8x6", "z.%d.exr is 5x5", "the same size"]);
 }

@@ -168,12 +168,12 @@ fn equirect_images_become_a_cube() {
         ours::write_depth(&set.path(&format!("z.{frame}.exr")), &depth).unwrap();
     }
     let source = set.open().unwrap();
-    assert_eq!((source.projection(), source.groups()[0].width), (Projection::Cubemap, 64));
+    assert_eq!((source.projection(), source.groups()[0].width), (Projection::Cubemap, 96));
     let colors = source.read_color(&source.groups()[0], 0).unwrap();
     let depths = source.read_depth(&source.groups()[1], 0).unwrap();
     for (face, (color, found)) in Face::CUBE.into_iter().zip(colors.iter().zip(&depths)) {
-        for (y, x) in (0..64).flat_map(|y| (0..64).map(move |x| (y, x))) {
-            let direction = face.direction(x, y, 64).normalize();
+        for (y, x) in (0..96).flat_map(|y| (0..96).map(move |x| (y, x))) {
+            let direction = face.direction(x, y, 96).normalize();
             let expected = face_color(direction);
             for (a, b) in color.get(x, y).into_iter().zip(expected) {
                 assert!((a.to_f32() - b.to_f32()).abs() < 0.008, "{face:?} {x},{y}");

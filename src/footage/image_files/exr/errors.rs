@@ -16,8 +16,8 @@ pub(super) fn translate(error: exr::error::Error) -> Error {
 /// Returns how to convert a file, by the reason why it cannot be read.
 fn way_out(reason: &str) -> &'static str {
     let hints = [
-        ("compression", "; save it as ZIP, as with `oiiotool IN.exr --compression zip -o OUT.exr`"),
-        ("deep", "; flatten it, as with `oiiotool IN.exr --flatten -o OUT.exr`"),
+        ("compression", "; save it as ZIP, as with `oiiotool IN.exr -compression zip -o OUT.exr`"),
+        ("deep", "; flatten it, as with `oiiotool IN.exr -flatten -o OUT.exr`"),
         ("subsampling", "; save luminance and chroma as RGB, as with `oiiotool IN.exr -o OUT.exr`"),
     ];
     hints.into_iter().find(|(word, _)| reason.contains(word)).map_or("", |(_, hint)| hint)
