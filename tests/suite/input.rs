@@ -190,7 +190,7 @@ fn equirect_images_become_a_cube() {
     };
     assert_eq!(sized(5).unwrap().groups()[0].height, 5);
     assert_eq!(sized(128).unwrap().groups()[0].height, 128);
-    assert_says(&message(sized(129)), &["lightfield.json", "129", "256", "64"]);
+    assert_says(&message(sized(129)), &["lightfield.json", "129", "256", "96"]);
 }
 
 #[test]
