@@ -101,20 +101,15 @@ fn checked(manifest: &Manifest, file: &Path, global: &GlobalArgs) -> Result<(Man
     let mut doubts: Vec<String> =
         report.suspected().map(|finding| format!("{}: {}", finding.check, finding.says)).collect();
     let is_settled = report.findings.iter().any(|of| of.check.starts_with("depth.kind") && of.verdict == Verdict::Fine);
-    if let Some(depth) = manifest.depth.as_ref().filter(|_| !is_settled && manifest.projection != Projection::Equirect)
-    {
-        doubts.push(match depth.kind {
-            FileDepth::Planar => {
-                "depth was assumed to be Z along the camera axis; if it is distance along rays, set \"kind\": \
-                \"distance\""
-                    .into()
-            }
-            FileDepth::Disparity => "depth was assumed to be disparity".into(),
-            FileDepth::Distance => "depth was assumed to be distance along rays; if it is Z, set \"kind\": \
-                \"planar\""
-                .into(),
-        });
-    }
+    let kind = manifest.depth.as_ref().map(|depth| depth.kind);
+    let assumed = match kind.filter(|_| !is_settled && manifest.projection != Projection::Equirect) {
+        Some(FileDepth::Planar) => Some(["Z along the camera axis", "distance along rays", "distance"]),
+        Some(FileDepth::Distance) => Some(["distance along rays", "Z", "planar"]),
+        Some(FileDepth::Disparity) | None => None,
+    };
+    doubts.extend(assumed.map(|[assumed, other, word]| {
+        format!("depth was assumed to be {assumed}; if it is {other}, set \"kind\": \"{word}\"")
+    }));
     Ok((manifest, doubts))
 }
 

@@ -17,7 +17,8 @@ pub const REACH: usize = 2;
 pub const MOVE_BITS: u32 = 8;
 /// Maximum difference between the move of a pixel within a surface and the mean: one column.
 pub const TOLERANCE: i32 = 1 << MOVE_BITS;
-/// Maximum move of a pixel in columns. A larger move leaves every image, and five times this fits 32 bits.
+/// Maximum move of a pixel in columns. A larger move leaves every image. The sum of five moves, in 1/256 pixels, fits 32
+/// bits.
 const MAX_COLUMNS: f64 = (1 << 18) as f64;
 
 /// Moves of the pixels of scanlines to another source, in 1/256 pixels.

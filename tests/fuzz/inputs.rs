@@ -52,6 +52,7 @@ impl Inputs {
             "manifest" => (Kind::Json, seeds::manifests()),
             "seurat" => (Kind::Json, seeds::seurat_manifests()),
             "cameras" => (Kind::Json, seeds::cameras()),
+            "jpeg" => (Kind::Header(700), seeds::jpeg()),
             "texture" => (Kind::Header(700), seeds::textures()),
             "seurat-exr" => (Kind::Exr, seeds::exr()),
             "seurat-png" => (Kind::Png, seeds::png()),

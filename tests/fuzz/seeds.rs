@@ -334,8 +334,8 @@ pub fn cameras() -> Vec<Vec<u8>> {
     .to_vec()
 }
 
-/// Returns textures: PNG and JPEG files, in colour and in grey.
-pub fn textures() -> Vec<Vec<u8>> {
+/// Returns JPEG files, in colour and in grey.
+pub fn jpeg() -> Vec<Vec<u8>> {
     let pixels: Vec<u8> = (0..3 * 24 * 17u32).map(|at| (at / 5 * 7 % 251) as u8).collect();
     let jpeg = |size: [u32; 2], color: ExtendedColorType, quality: u8| {
         let bytes = size[0] as usize * size[1] as usize * if color == ExtendedColorType::Rgb8 { 3 } else { 1 };
@@ -344,11 +344,13 @@ pub fn textures() -> Vec<Vec<u8>> {
         encoder.encode(&pixels[..bytes], size[0], size[1], color).expect("a JPEG file");
         file
     };
-    let mut all = png();
-    all.push(jpeg([24, 17], ExtendedColorType::Rgb8, 90));
-    all.push(jpeg([16, 16], ExtendedColorType::Rgb8, 20));
-    all.push(jpeg([9, 31], ExtendedColorType::L8, 75));
-    all
+    let rgb = ExtendedColorType::Rgb8;
+    vec![jpeg([24, 17], rgb, 90), jpeg([16, 16], rgb, 20), jpeg([9, 31], ExtendedColorType::L8, 75)]
+}
+
+/// Returns textures: PNG and JPEG files.
+pub fn textures() -> Vec<Vec<u8>> {
+    [png(), jpeg()].concat()
 }
 
 /// Returns the camera files of [`cameras`] in another program's format.

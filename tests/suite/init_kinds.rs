@@ -123,7 +123,7 @@ fn depth_in_false_colours_or_jpeg_is_left_out() {
     picture.save(set.file("z.0001.png")).unwrap();
     picture.save(set.file("distance.0001.jpg")).unwrap();
     let (said, found) = set.init("");
-    assert_says(&said, &["z.%04d.png was left out", "distance.%04d.jpg was left out"]);
+    assert_says(&said, &["z.%04d.png was left out", "distance.%04d.jpg was left out", "depth.%04d.exr was left out"]);
     assert_eq!(found.files.depth, None);
 }
 
@@ -142,6 +142,12 @@ fn disparity_by_scale_and_by_range() {
     let read = set.depth();
     assert!((read.get(0, 0) - 10.0).abs() < 1e-5 && (read.get(7, 0) - 0.5).abs() < 1e-4, "{read:?}");
     assert_eq!(set.source().depth_in_files, DepthKind::Planar);
+    set.encodes();
+    // Near and far define the values; along rays, surfaces are farther than far.
+    let lens = manifest(r#"{"kind": "disparity", "near": 0.5, "far": 10}"#, "d.%d.png");
+    let lens = lens.replace("\"position\"", "\"fov_y_deg\": 60, \"position\"");
+    std::fs::write(set.file("lightfield.json"), lens).unwrap();
+    assert!(set.depth().get(0, 0) > 10.5);
     set.encodes();
     // In pixels, from stereo: 60 pixel metres. 0 is no match.
     ours::write_depth(&set.file("d.0.exr"), &Plane::from_fn(8, 6, |x, _| 10.0 * x as f32)).unwrap();
@@ -409,4 +415,40 @@ fn pictures_are_compared_without_their_kind() {
         fine(&format!("diff in/{a} in/{b}"), set.0.path());
     }
     assert_says(&refused("diff in/gray.png in/gray.png", set.0.path()), &["the kind of images is unknown", "--stream"]);
+}
+
+#[test]
+fn passes_that_are_no_lengths_are_left_out() {
+    let set = Set::new();
+    color(&set.file("Image0001.exr"), 0.5);
+    color(&set.file("Mist0001.exr"), 0.5);
+    ours::write_depth(&set.file("Depth0001.exr"), &Plane::filled(8, 6, 2.0)).unwrap();
+    let (said, found) = set.init("");
+    assert_says(&said, &["Mist%04d.exr was left out"]);
+    assert_eq!((found.files.depth.as_deref(), found.probes.len()), (Some("Depth%04d.exr"), 1));
+
+    // Y of a vector is no gray, and positions are no normals.
+    let set = Set::new();
+    color(&set.file("rgb.0001.exr"), 0.5);
+    let constant = |name: &str| exr::prelude::AnyChannel::new(name, exr::prelude::FlatSamples::F32(vec![0.5; 48]));
+    for name in ["P.0001.exr", "position.0001.exr", "depth.0001.exr"] {
+        let channels = ["X", "Y", "Z"].into_iter().map(constant).collect();
+        let image = Image::from_channels((8, 6), exr::prelude::AnyChannels::sort(channels));
+        image.write().non_parallel().to_file(set.file(name)).unwrap();
+    }
+    let (said, found) = set.init("");
+    assert_eq!((found.files.color.as_deref(), found.files.depth.as_deref()), (Some("rgb.%04d.exr"), None));
+    assert_says(&said, &["the channels", "X, Y, Z"].map(|words| words.trim_start_matches("the ")));
+}
+
+#[test]
+fn frame_numbers_below_zero_and_labels() {
+    let set = Set::new();
+    [-2, -1].iter().for_each(|frame| color(&set.file(&format!("a.{frame:04}.exr")), 0.5));
+    assert_says(&set.refused(), &["a.-001.exr and 1 more left out", "below 0"]);
+    let set = Set::new();
+    (0..3).for_each(|frame| color(&set.file(&format!("s_{frame:03}_2k.exr")), 0.5));
+    let (_, found) = set.init("");
+    assert_eq!((found.files.color.as_deref(), found.frames), (Some("s_%03d_2k.exr"), [0, 2]));
+    set.encodes();
 }

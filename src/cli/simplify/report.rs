@@ -57,7 +57,7 @@ pub struct Report {
 /// Comparison of rendered pictures of the scene with those of the capture.
 #[derive(Debug, Serialize)]
 struct EvaluationReport {
-    /// Largest mean overdraw of a picture of the capture.
+    /// Maximum over all rendered pictures of the mean number of triangles per pixel.
     peak_overdraw_measured: f64,
     overdraw_mean: f64,
     fragments_per_pixel_max: u32,

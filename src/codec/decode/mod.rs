@@ -1,7 +1,7 @@
 //! Decodes any (stream, unit, frame) of a container, reading only the chunks that it needs.
 //!
 //! Input: an open container. Output: pixels of a unit ([`UnitDecoder`]) or of an image ([`FaceDecoder`]), in slices of the caller
-//! ([`PixelsMut`]) or in files (`export` of the package `lightfold`).
+//! ([`PixelsMut`]) or in files (`export` of the package `footage`).
 
 mod cell;
 mod chunk_source;

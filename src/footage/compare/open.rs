@@ -10,8 +10,8 @@ use crate::image_files::{exr, png};
 use codec::container::header::is_container;
 use codec::decode::{Decoder, Selection};
 use codec::error::{Error, Result};
-use codec::image::channels::{find_color, find_depth};
-use codec::image::{ChannelSelect, DepthKind, Pattern, Projection, ReadLimits, Sequence, StreamKind};
+use codec::image::channels::{find_alpha, find_color, find_depth};
+use codec::image::{AlphaPlane, ChannelSelect, DepthKind, Pattern, Projection, ReadLimits, Sequence, StreamKind};
 use codec::streams::{CodecHeader, StreamInfo};
 
 #[derive(Debug, Clone, Default)]
@@ -223,24 +223,32 @@ fn sequence_kind(path: &str, options: &SideOptions, other: &Other<'_>) -> Result
         return Ok(*kind);
     }
     let of_streams = || only_one(other.streams.iter().map(|stream| stream.id.kind));
-    let in_file = || kind_in_file(path, &options.source.limits);
+    let in_file = || kind_in_file(path, &options.source.limits).filter(|_| options.selection.kinds.is_empty());
     kind_in_name(path).or_else(|| kind_in_name(other.path)).or_else(of_streams).or_else(in_file).ok_or_else(|| {
         Error::Usage(format!("{path}: the kind of images is unknown: set `stream` to depth, color, material or alpha"))
     })
 }
 
-/// Returns colour for a first file with red, green and blue, depth for an EXR file with a depth channel and no colour. Gray files may
-/// be either. Reading reports errors of the file.
+/// Returns colour for a first file with red, green and blue, depth for an EXR file with a depth channel. Gray files may be either;
+/// files with both, or with alpha, hold more than one kind. Reading reports errors of the file.
 fn kind_in_file(path: &str, limits: &ReadLimits) -> Option<StreamKind> {
     let sequence = Sequence::find_with_gaps(path, None).ok()?;
     let file = sequence.path(sequence.frames.first);
+    let is_opaque = |alpha: Result<AlphaPlane>| alpha.is_ok_and(|alpha| alpha.data().iter().all(|alpha| *alpha == 1.0));
     if png::has_codes(&file) {
-        return png::has_color(&file, limits).ok()?.then_some(StreamKind::Color);
+        let is_color = png::has_color(&file, limits).ok()?;
+        let is_alone = !png::has_alpha(&file, limits).ok()? || is_opaque(png::read_alpha(&file, limits));
+        return (is_color && is_alone).then_some(StreamKind::Color);
     }
-    let channels = exr::read_header(&file, limits).ok()?.channels;
-    match find_color(&channels, &ChannelSelect::Auto) {
-        Ok([red, green, _]) => (red != green).then_some(StreamKind::Color),
-        Err(_) => find_depth(&channels, &ChannelSelect::Auto).ok().map(|_| StreamKind::Depth),
+    let (channels, auto) = (exr::read_header(&file, limits).ok()?.channels, ChannelSelect::Auto);
+    match (find_color(&channels, &auto), find_depth(&channels, &auto)) {
+        (Ok([red, green, _]), Err(_)) if red != green => {
+            let is_alone =
+                find_alpha(&channels, red).is_none() || is_opaque(exr::read_alpha(&file, &auto, &auto, limits));
+            is_alone.then_some(StreamKind::Color)
+        }
+        (Err(_), Ok(_)) => Some(StreamKind::Depth),
+        _ => None,
     }
 }
 

@@ -30,6 +30,7 @@ mod values;
 
 use std::collections::BTreeMap;
 
+use crate::dataset::manifest::DepthInfo;
 use crate::dataset::manifest::Manifest;
 use crate::dataset::{Projection, Source, StreamKind};
 use crate::image_files::ColorSpace;
@@ -87,9 +88,8 @@ pub fn check_values(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> 
 /// Returns the depth rules of the source, and near and far of the manifest.
 fn stated(source: &Source) -> values::Stated {
     let depth = source.manifest.as_ref().and_then(|manifest| manifest.depth.as_ref());
-    let near = depth.and_then(|depth| depth.near).unwrap_or(0.0);
-    let far = depth.and_then(|depth| depth.far).unwrap_or(f64::INFINITY);
-    values::Stated { rules: source.depth_rules(), range_m: [near, far] }
+    let [near, far] = depth.map_or([None; 2], DepthInfo::stated_range);
+    values::Stated { rules: source.depth_rules(), range_m: [near.unwrap_or(0.0), far.unwrap_or(f64::INFINITY)] }
 }
 
 fn check_light(source: &Source, values: &light::ColorValues) -> Finding {

@@ -198,7 +198,7 @@ fn background(values: &DepthValues, stated: &Stated) -> Finding {
     } else if often && max == 1.0 {
         let buffer = "that is the depth buffer of a graphics library, not a length";
         (Verdict::Suspect, format!("no value is above 1 and {} are exactly 1: {buffer}", percent(at_max)))
-    } else if often && (gap || usual) {
+    } else if often && (gap || usual) && stated.rules.disparity.is_none() {
         let exactly = format!("{} of all pixels are exactly {max}", percent(at_max));
         (Verdict::Suspect, format!("{exactly}: if nothing is there, \"background\" is {max}"))
     } else if values.too_far > 0.0 {

@@ -2,7 +2,7 @@
 //!
 //! Input: a folder. Output: a manifest, and a sentence for each property that the images do not determine.
 //!
-//! 1. `sequences` finds files with frame numbers, and the kinds of images that the first file of each sequence holds.
+//! 1. `sequences` finds files with frame numbers (`numbers`), and the kinds of images that the first file of each sequence holds.
 //! 2. `names` derives for each kind one pattern with `{probe}` and `{face}`.
 //! 3. `poses` reads cameras, if EXR files state them.
 //! 4. `panoramas` detects two eyes in one image.
@@ -10,6 +10,7 @@
 
 mod left_out;
 mod names;
+mod numbers;
 mod panoramas;
 mod poses;
 mod sequences;
@@ -20,7 +21,7 @@ use std::path::Path;
 use names::Named;
 use sequences::{EYES, Found};
 
-pub use sequences::Numbers;
+pub use numbers::Numbers;
 
 use super::manifest::{
     Background, ColorInfo, DepthInfo, FaceFiles, FileDepth, Files, Keep, MANIFEST_VERSION, Manifest, NORMAL_CHANNELS,
@@ -79,10 +80,6 @@ pub fn propose(folder: &Path, numbers: Numbers) -> Result<Proposal> {
         return Err(Error::invalid(message).in_file(folder));
     }
     leave_out_previews(&mut found, &mut unsure);
-    let nothing = found.iter().filter(|of| of.kinds.is_empty() && of.header.is_none());
-    unsure.extend(
-        nothing.map(|of| format!("{} was left out: its name says depth, but it is no gray PNG or EXR", of.text)),
-    );
     let mut kinds = BTreeMap::new();
     for kind in StreamKind::ALL {
         let chosen = choose(&found, kind);
@@ -123,12 +120,20 @@ fn leave_out_previews(found: &mut [Found], unsure: &mut Vec<String>) {
     }
 }
 
-/// Returns the sequences of a kind. Files with only depth take precedence over files with depth and colour.
+/// Returns the sequences of a kind. Metric depth takes precedence over disparity, and files
+/// with only depth over files with depth and colour.
 fn choose(found: &[Found], kind: StreamKind) -> Vec<&Found> {
     let of_kind: Vec<&Found> = found.iter().filter(|of| of.kinds.contains(&kind)).collect();
+    if kind != StreamKind::Depth {
+        return of_kind;
+    }
     let alone = |of: &&&Found| of.kinds.len() == 1;
-    let some_alone = of_kind.iter().any(|of| alone(&of));
-    of_kind.into_iter().filter(|of| kind != StreamKind::Depth || !some_alone || alone(&of)).collect()
+    let metric = |of: &&&Found| !of.is_disparity();
+    let some = |is: &dyn Fn(&&&Found) -> bool| of_kind.iter().any(|of| is(&of));
+    let (some_metric, some_alone) =
+        (some(&metric), some(&|of| alone(of) && metric(of)) || !some(&metric) && some(&alone));
+    let is_chosen = |of: &&Found| (!some_metric || metric(&of)) && (!some_alone || alone(&of));
+    of_kind.iter().copied().filter(is_chosen).collect()
 }
 
 /// The sequences of a kind, and their common pattern.
@@ -428,12 +433,22 @@ impl Draft<'_> {
             info.channel = Some(channel.clone());
         }
         if first.is_disparity() {
-            (info.kind, info.near, info.far) = (FileDepth::Disparity, Some(0.5), Some(100.0));
-            self.unsure.push(format!(
-                "{} was taken for disparity, of 100 m at 0 and 0.5 m at its largest value: set \"near\" and \"far\", or \
-                 \"scale\" to baseline times focal length instead",
-                first.text
-            ));
+            info.kind = FileDepth::Disparity;
+            let is_normal =
+                png::has_codes(&first.first) || self.read_depth(first)?.data().iter().all(|value| *value <= 1.0);
+            let text = &first.text;
+            self.unsure.push(if is_normal {
+                (info.near, info.far) = (Some(0.5), Some(100.0));
+                format!(
+                    "{text} was taken for disparity from 0 (100 m) to 1 or the largest code (0.5 m): set \"near\" and \
+                     \"far\", or \"scale\" to baseline times focal length instead"
+                )
+            } else {
+                info.scale = Some(1.0);
+                format!(
+                    "{text} was taken for disparity: set \"scale\" to baseline in metres times focal length in pixels"
+                )
+            });
             return Ok(Some(info));
         }
         if png::has_codes(&first.first) {
@@ -508,7 +523,7 @@ impl Draft<'_> {
             let header = of.header.as_ref();
             let has_normals = header
                 .is_some_and(|header| NORMAL_CHANNELS.iter().all(|name| find_named(&header.channels, name).is_ok()));
-            of.kinds.is_empty() && has_normals && !of.is_position()
+            of.kinds.is_empty() && has_normals && !of.is_position() && !of.is_named_depth()
         };
         let texts: Vec<&str> = self.found.iter().filter(is_normal).map(|of| of.text.as_str()).collect();
         let named = if texts.is_empty() { None } else { names::name(&texts).ok() };

@@ -186,6 +186,15 @@ impl DepthInfo {
         self.scale.or(self.unit.map(Unit::metres))
     }
 
+    /// Returns the nearest and farthest distance of surfaces in metres, where stated. Those of normalised disparity define its
+    /// values and bound nothing.
+    pub fn stated_range(&self) -> [Option<f64>; 2] {
+        match self.disparity() {
+            Some(Disparity::Range(_)) => [None; 2],
+            _ => [self.near, self.far],
+        }
+    }
+
     /// Returns the range of normalised disparity, if the files store it: `near` is 1, the largest code, and `far` is 0.
     pub fn disparity(&self) -> Option<Disparity> {
         match (self.kind, self.scale, self.near, self.far) {

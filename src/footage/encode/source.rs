@@ -157,7 +157,7 @@ impl FrameSource for Source {
 
     fn stated_range(&self) -> [Option<f32>; 2] {
         let depth = self.manifest.as_ref().and_then(|manifest| manifest.depth.as_ref());
-        depth.map_or([None; 2], |depth| [depth.near, depth.far].map(|bound| bound.map(|metres| metres as f32)))
+        depth.map_or([None; 2], |depth| depth.stated_range().map(|bound| bound.map(|metres| metres as f32)))
     }
 
     fn reading_bytes(&self, group: &SourceGroup) -> u64 {

@@ -137,7 +137,7 @@ impl PartialFile {
         }
     }
 
-    /// Makes drop keep the file and its journal, also if this call fails because bytes may not have reached the disk.
+    /// Keeps the file and its journal when this value is dropped, and flushes them to disk. They are kept also if the flush fails.
     pub fn keep(&mut self) -> std::io::Result<()> {
         self.keep = true;
         // Fails on a full disk; chunks that the journal lists were flushed before.

@@ -124,13 +124,14 @@ impl Library<'_> {
             specular * 2.0 / (exponent + 2.0)
         };
         let holes = is_opaque && (masked || alpha < 1.0);
-        if is_opaque && alpha < CUTOFF {
+        if is_opaque && alpha < 1.0 {
             let name: String = material.name.chars().take(80).collect();
             self.notes.push(format!(
-                "“{name}” uses alpha blending with alpha {alpha}, which is not supported: alpha \
-                below {CUTOFF} is transparent"
+                "“{name}” uses alpha blending with alpha {alpha:.3}, which is not supported: alpha \
+                below {CUTOFF} is transparent, the rest opaque"
             ));
         }
+        self.note_ignored_maps(material);
         // A map is multiplied by the file's factor, which defaults to 1.
         let default = if material.diffuse_texture.is_some() { DVec3::ONE } else { DVec3::splat(0.8) };
         let base_color = color(material.diffuse).unwrap_or(default);
@@ -159,6 +160,28 @@ impl Library<'_> {
         MeshMaterial { plain, phong: Phong { weight, exponent }, metal: DVec3::ZERO, optics }
     }
 
+    /// Notes the maps of a material that are not read.
+    fn note_ignored_maps(&mut self, material: &tobj::Material) {
+        let known = [
+            ("map_Ka", &material.ambient_texture),
+            ("map_Ks", &material.specular_texture),
+            ("map_Ns", &material.shininess_texture),
+            ("map_Bump", &material.normal_texture),
+        ];
+        let of_known = known.into_iter().filter(|(_, map)| map.is_some()).map(|(name, _)| name);
+        let is_map = |name: &&str| {
+            let others = ["bump", "norm", "disp", "decal", "refl"];
+            name.starts_with("map_") && *name != "map_Ke" || others.contains(name)
+        };
+        let others = material.unknown_param.keys().map(String::as_str).filter(is_map);
+        let mut names: Vec<&str> = of_known.chain(others).collect();
+        names.sort_unstable();
+        if !names.is_empty() {
+            let material: String = material.name.chars().take(80).collect();
+            self.notes.push(format!("maps of “{material}” are ignored: {}", names.join(", ")));
+        }
+    }
+
     fn texture(&mut self, statement: &str) -> Option<Arc<ImageTexture>> {
         if let Some(known) = self.textures.get(statement) {
             return known.clone();
@@ -182,20 +205,23 @@ impl Library<'_> {
     }
 }
 
-/// Rewrites every colour to have three numbers: otherwise the parser returns an error or panics.
+/// Rewrites every colour to have three numbers, or none where they are not RGB, and opacity to be one number: otherwise the parser
+/// returns an error or panics.
 fn plain(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for line in text.lines() {
         let words: Vec<&str> = line.split_whitespace().take(4).collect();
         match words[..] {
             [color @ ("Ka" | "Kd" | "Ks" | "Ke"), ..] => {
+                let is_rgb = words[1..].iter().all(|word| word.parse::<f32>().is_ok());
                 let [r, g, b] = match words[1..] {
-                    [r, g, b] => [r, g, b],
-                    [gray] => [gray; 3],
+                    [r, g, b] if is_rgb => [r, g, b],
+                    [gray] if is_rgb => [gray; 3],
                     _ => ["none"; 3],
                 };
                 plain.push_str(&format!("{color} {r} {g} {b}"));
             }
+            ["d", "-halo", alpha, ..] => plain.push_str(&format!("d {alpha}")),
             _ => plain.push_str(line),
         }
         plain.push('\n');
@@ -296,8 +322,8 @@ mod tests {
     #[test]
     fn colours_have_three_numbers() {
         assert_eq!(
-            plain("Kd 1 2 3 4\n Ks 0.5\nKe\nKa 1 2\nNs 3"),
-            "Kd 1 2 3\nKs 0.5 0.5 0.5\nKe none none none\nKa none none none\nNs 3\n"
+            plain("Kd 1 2 3 4\n Ks 0.5\nKe\nKa 1 2\nNs 3\nKd xyz 1 2 3\nKs spectral a.rfl\nd -halo 0.5"),
+            "Kd 1 2 3\nKs 0.5 0.5 0.5\nKe none none none\nKa none none none\nNs 3\nKd none none none\nKs none none none\nd 0.5\n"
         );
     }
 

@@ -14,6 +14,7 @@ use super::{Judged, Verdict, judge, refused};
 thread_local! {
     static FILE: NamedTempFile = new_file(".exr");
     static PNG_FILE: NamedTempFile = new_file(".png");
+    static JPEG_FILE: NamedTempFile = new_file(".jpg");
 }
 
 /// Creates a temporary file, in memory if the system has `/dev/shm`.
@@ -83,6 +84,21 @@ pub fn run_png(bytes: &[u8]) -> Judged {
             judge(&png::is_gray16(path, &limits)),
             judge(&png::read_rgba8(path, &limits)),
             judge(&png::read_rgba16(path, &limits)),
+        ])
+    })
+}
+
+/// Reads a JPEG file by every reader.
+pub fn run_jpeg(bytes: &[u8]) -> Judged {
+    let limits = ReadLimits::default();
+    JPEG_FILE.with(|file| {
+        let path = file.path();
+        std::fs::write(path, bytes).expect("the temporary file is written");
+        all([
+            judge(&png::read_size(path, &limits)),
+            judge(&png::read_color(path, ColorSpace::Srgb, &limits)),
+            judge(&png::has_color(path, &limits)),
+            judge(&png::read_rgba8(path, &limits)),
         ])
     })
 }

@@ -77,6 +77,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "journal", execs: 4000, run: journal::run, bound: journal::bound },
     Target { name: "exr", execs: 2000, run: images::run_exr, bound: images::bound_exr },
     Target { name: "png", execs: 4000, run: images::run_png, bound: images::bound },
+    Target { name: "jpeg", execs: 2000, run: images::run_jpeg, bound: images::bound },
     Target { name: "texture", execs: 2000, run: images::run_texture, bound: images::bound },
     Target { name: "seurat-exr", execs: 1000, run: images::run_seurat_exr, bound: images::bound_seurat },
     Target { name: "seurat-png", execs: 2000, run: images::run_seurat_png, bound: images::bound_seurat },

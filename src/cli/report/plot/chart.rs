@@ -56,7 +56,8 @@ pub struct Chart {
     pub legend: String,
     pub series: Vec<Series>,
     pub rules: Vec<Rule>,
-    /// Points of a line without markers, such as a Pareto front. It is drawn below the series.
+    /// Points of a line without markers, such as a Pareto front. It is drawn over the lines and bars of
+    /// the series, and under their markers.
     pub front: Vec<Spot>,
     /// Short names of points with explanations, listed below the legend.
     pub key: Vec<(String, String)>,

@@ -29,8 +29,8 @@ pub fn sentences(found: &[&Found], used_as: impl Fn(&Found) -> Vec<StreamKind>) 
     };
     let sentence = |(names, texts): (Vec<String>, Vec<&str>)| {
         let others = if texts.len() > 1 { format!(" and {} more", texts.len() - 1) } else { String::new() };
-        let channels = if names.len() == 1 { "the channel" } else { "the channels" };
-        format!("{channels} {} of {}{others} left out", shown(&names), texts[0])
+        let (channels, were) = if names.len() == 1 { ("channel", "was") } else { ("channels", "were") };
+        format!("{channels} {} of {}{others} {were} left out", shown(&names), texts[0])
     };
     channels.into_iter().map(sentence).collect()
 }

@@ -1,14 +1,14 @@
 //! Finds the image sequences below a folder, and the kinds of images in their first files.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use crate::dataset::manifest::MaterialChannels;
+use super::numbers::{Numbers, Sorted};
+use crate::dataset::manifest::{MaterialChannels, NORMAL_CHANNELS};
 use crate::image_files::exr::FileHeader;
 use crate::image_files::{exr, png};
 use codec::error::{Error, Result};
 use codec::image::channels::{find_color, find_depth, find_named};
-use codec::image::sequence::split_number;
 use codec::image::{ChannelSelect, Pattern, ReadLimits, StreamKind};
 
 /// Names of the parts or views of stereo files.
@@ -20,7 +20,9 @@ const MAX_FILES: usize = 2_000_000;
 /// Words that mark depth files by name.
 const DEPTH_WORDS: [&str; 6] = ["depth", "zdepth", "z", "dist", "distance", "range"];
 /// Words that mark files of disparity or inverse depth by name.
-const DISPARITY_WORDS: [&str; 6] = ["disparity", "disp", "invdepth", "inversedepth", "idepth", "inverse"];
+const DISPARITY_WORDS: [&str; 7] = ["disparity", "disp", "invdepth", "inversedepth", "idepth", "inverse", "inv"];
+/// Words that mark files of values that look like depth but are no lengths.
+const SHADE_WORDS: [&str; 3] = ["mist", "fog", "displacement"];
 /// Words that mark files of positions by name.
 const POSITION_WORDS: [&str; 4] = ["position", "positions", "pos", "worldpos"];
 /// Words in the names of files that look like colour but hold another render pass.
@@ -92,14 +94,24 @@ impl Found {
         name.contains("dist") || name.ends_with(".t")
     }
 
+    /// True if the name has one of these words.
+    fn is_named(&self, names: &[&str]) -> bool {
+        words(&self.text).iter().any(|word| names.contains(&word.as_str()))
+    }
+
     /// True if the name says that the files hold positions.
     pub fn is_position(&self) -> bool {
-        words(&self.text).iter().any(|word| POSITION_WORDS.contains(&word.as_str()))
+        self.is_named(&POSITION_WORDS)
+    }
+
+    /// True if the name says that the files hold depth, disparity or inverse depth.
+    pub fn is_named_depth(&self) -> bool {
+        self.is_named(&DEPTH_WORDS) || self.is_disparity()
     }
 
     /// True if the name says that the files hold disparity or inverse depth.
     pub fn is_disparity(&self) -> bool {
-        words(&self.text).iter().any(|word| DISPARITY_WORDS.contains(&word.as_str()))
+        self.is_named(&DISPARITY_WORDS)
     }
 
     /// Returns the file of a frame.
@@ -110,39 +122,10 @@ impl Found {
     }
 }
 
-/// How file names are read.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Numbers {
-    /// As frames of a film, if any name has a number.
-    #[default]
-    Frames,
-    /// As names of views that were taken at one moment.
-    Views,
-}
-
 /// Finds all sequences, sorted by name. Files that cannot be part of a sequence are noted in `unsure`. Files are stills, each a
 /// sequence of frame 0, if no name has a number or numbers are names of views.
 pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits, unsure: &mut Vec<String>) -> Result<Vec<Found>> {
-    let mut groups: BTreeMap<[String; 3], BTreeMap<u32, String>> = BTreeMap::new();
-    let mut unnumbered = Vec::new();
-    let mut times = Vec::new();
-    for file in images_below(folder)? {
-        let (place, name) = file.rsplit_once('/').unwrap_or(("", file.as_str()));
-        let split = split_number(name).filter(|_| numbers == Numbers::Frames);
-        if let Some((before, number, _)) = split
-            && is_time(before, number)
-        {
-            times.push(file);
-            continue;
-        }
-        let numbered = split.and_then(|(before, number, after)| {
-            Some(([place.to_owned(), before.to_owned(), after.to_owned()], number.parse::<u32>().ok()?, number))
-        });
-        match numbered {
-            Some((group, frame, number)) => drop(groups.entry(group).or_default().insert(frame, number.to_owned())),
-            None => unnumbered.push(file),
-        }
-    }
+    let Sorted { groups, mut unnumbered, times, negative } = Sorted::of(images_below(folder)?, numbers);
     if let [first, others @ ..] = times.as_slice() {
         let message = format!(
             "{first} and {} more are named by times, not by frames: pair colour and depth by the nearest time, as \
@@ -151,8 +134,12 @@ pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits, unsure: &mut V
         );
         return Err(Error::unsupported(message).in_file(folder));
     }
+    if let [first, others @ ..] = negative.as_slice() {
+        let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
+        unsure.push(format!("{first}{more} left out: frame numbers below 0 are not supported, number them from 0"));
+    }
     let mut found = Vec::new();
-    if groups.is_empty() {
+    if groups.is_empty() && negative.is_empty() {
         for file in std::mem::take(&mut unnumbered) {
             let text = file.replace('%', "%%");
             match is_pattern(&text) && Pattern::parse(&text).is_ok_and(|pattern| !pattern.has_field()) {
@@ -186,6 +173,15 @@ pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits, unsure: &mut V
         }
         found.push(look(text, first, frames, limits)?);
     }
+    for of in found.iter_mut().filter(|of| of.is_named(&SHADE_WORDS)) {
+        of.kinds.clear();
+        unsure.push(format!("{} was left out: its name says that it holds no lengths", of.text));
+    }
+    let no_depth = found.iter().filter(|of| of.kinds.is_empty() && of.is_named_depth() && !of.is_named(&SHADE_WORDS));
+    unsure
+        .extend(no_depth.map(|of| {
+            format!("{} was left out: its name says depth, but its channels differ, or it is JPEG", of.text)
+        }));
     // Other render passes, such as albedo, are used as colour only if no other colour is found.
     let is_other = |of: &Found| words(&of.text).iter().any(|word| OTHER_WORDS.contains(&word.as_str()));
     if found.iter().any(|of| of.kinds.contains(&StreamKind::Color) && !is_other(of)) {
@@ -203,12 +199,6 @@ const NO_PATTERN: &str = "its name cannot be written as a pattern";
 /// True if nothing in a text would be replaced by the name of a probe or face.
 fn is_pattern(text: &str) -> bool {
     !["{probe}", "{face}"].iter().any(|mark| text.contains(mark))
-}
-
-/// True if the number in a name is a time: seconds with a fraction, or nano- or microseconds.
-fn is_time(before: &str, number: &str) -> bool {
-    let seconds = before.strip_suffix('.').filter(|seconds| seconds.len() >= 9);
-    number.len() >= 15 || seconds.is_some_and(|seconds| seconds.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
 /// Returns the image files below a folder, sorted, as paths relative to it with `/` between folders.
@@ -269,7 +259,9 @@ fn look(text: String, first: PathBuf, frames: BTreeSet<u32>, limits: &ReadLimits
     let header = exr::read_header(&first, limits)?;
     let names = &header.channels;
     let eyes = EYES.map(|eye| find_color(names, &ChannelSelect::Named(eye.into())).is_ok());
-    let color = find_color(names, &ChannelSelect::Auto).ok();
+    // Y of a vector is no gray.
+    let is_vector = NORMAL_CHANNELS.iter().all(|name| find_named(names, name).is_ok());
+    let color = find_color(names, &ChannelSelect::Auto).ok().filter(|[r, g, _]| !is_vector || r != g);
     let has_eyes = eyes == [true; 2];
     let gray = color.filter(|[r, g, _]| r == g).map(|[gray, ..]| gray);
     let of_eye = ChannelSelect::Named(EYES[0].into());
@@ -281,7 +273,7 @@ fn look(text: String, first: PathBuf, frames: BTreeSet<u32>, limits: &ReadLimits
         _ => None,
     };
     let mut kinds = BTreeSet::new();
-    if has_eyes || color.is_some() && depth_channel.is_none() && !(gray.is_some() && is_named_depth) {
+    if has_eyes || color.is_some() && !(is_named_depth && (gray.is_some() || depth.is_none())) {
         kinds.insert(StreamKind::Color);
     }
     if depth.is_some() || depth_channel.is_some() {

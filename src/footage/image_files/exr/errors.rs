@@ -14,7 +14,7 @@ pub(super) fn translate(error: exr::error::Error) -> Error {
 }
 
 /// Returns how to convert a file, by the reason why it cannot be read.
-fn way_out(reason: &str) -> &'static str {
+pub(super) fn way_out(reason: &str) -> &'static str {
     let hints = [
         ("compression", "; save it as ZIP, as with `oiiotool IN.exr -compression zip -o OUT.exr`"),
         ("deep", "; flatten it, as with `oiiotool IN.exr -flatten -o OUT.exr`"),

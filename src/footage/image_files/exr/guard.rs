@@ -12,7 +12,7 @@ use exr::meta::attribute::LevelMode;
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
 
-use super::errors::translate;
+use super::errors::{translate, way_out};
 use super::work::Work;
 use codec::error::{Error, Result};
 use codec::image::ReadLimits;
@@ -196,7 +196,7 @@ pub(super) fn check(opened: &Opened, wanted_bytes: u64, limits: &ReadLimits) -> 
     let mut total = 0u64;
     for header in opened.headers() {
         if header.deep {
-            return Err(Error::unsupported("deep EXR images are not supported: flatten the image first"));
+            return Err(Error::unsupported(format!("deep EXR images are not supported{}", way_out("deep"))));
         }
         let tile = header.max_block_pixel_size();
         let display = header.shared_attributes.display_window.size;
