@@ -515,12 +515,16 @@ mod tests {
             ("b.<f4>.exr", "b.0012.exr"),
             ("b$HIP<UDIM>.#.exr", "b$HIP<UDIM>.0012.exr"),
             ("b$<.exr", "b$<.exr"),
+            // Of several marks, that with a percent sign is the field, else the last.
+            ("#.#.exr", "#.0012.exr"),
+            ("%d@.exr", "12@.exr"),
+            ("a#1_%03d_$F.exr", "a#1_012_$F.exr"),
+            ("$F.#", "$F.0012"),
+            ("<f>$F", "<f>12"),
         ] {
             assert_eq!(Pattern::parse(text).unwrap().path(12), Path::new(expected), "{text}");
         }
-        for bad in
-            ["", "a/", "#.#.exr", "%d@.exr", "%4d.exr", "%s.exr", "%", "%0xd", "%99d", "%099d", "$F.#", "$F99", "<f>$F"]
-        {
+        for bad in ["", "a/", "%d.%d.exr", "%4d.exr", "%s.exr", "%", "%0xd", "%99d", "%099d", "$F99"] {
             assert!(Pattern::parse(bad).is_err(), "{bad}");
         }
         for text in [
