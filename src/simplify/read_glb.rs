@@ -30,11 +30,12 @@ pub fn read_glb(path: &Path) -> Result<QuadScene> {
     read(&bytes, Folder::of(path)).map_err(|error| error.in_file(path))
 }
 
-/// Checks that a binary glTF file was written by simplification, without reading its geometry.
+/// Checks that a binary glTF file was written by simplification, without reading its geometry. Damaged files pass.
 pub fn check_glb(path: &Path) -> Result<()> {
     let bytes = folder::read(path)?;
-    let parsed = document::parse(&bytes).and_then(|parsed| own_extras(&parsed).map(drop));
-    parsed.map_err(|error| error.in_file(path))
+    // Viewers report damaged files.
+    let Ok(parsed) = document::parse(&bytes) else { return Ok(()) };
+    own_extras(&parsed).map(drop).map_err(|error| error.in_file(path))
 }
 
 /// Returns what simplification wrote into the extras of a document.
