@@ -16,6 +16,7 @@ use codec::metrics::psnr::SquaredError;
 use codec::monitor::Silent;
 use codec::streams::{CodecHeader, ColorBlocks, convert};
 use footage::dataset::source::{Source, SourceOptions};
+use footage::dataset::{Manifest, Projection};
 use footage::encode::{
     ColorBlockSettings, ColorCodec, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode,
 };
@@ -81,7 +82,10 @@ fn coded() -> Vec<(&'static str, EncodeSettings)> {
 }
 
 fn measure(name: &str, folder: &Path) -> Vec<Row> {
-    let source = Source::open(folder, &SourceOptions::default()).unwrap();
+    // Baselines of panoramas have faces of a quarter of the width.
+    let manifest = Manifest::read(folder).unwrap();
+    let face_size = (manifest.projection == Projection::Equirect).then_some(manifest.size[0] / 4);
+    let source = Source::open(folder, &SourceOptions { face_size, ..SourceOptions::default() }).unwrap();
     let mut rows = Vec::new();
     for (label, settings) in coded() {
         let kind = settings.kinds[0];
