@@ -33,7 +33,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         return refuse(format!("{path}: the camera file would be overwritten: specify another folder"));
     }
     let (cameras, viewers) = args.read_cameras()?;
-    let play = args.animation.as_deref().map_or(Play::All, Play::Named);
+    let play = Play::of(args.animation.as_deref());
     let (scene, notes) = Scene::open(&args.scene, play)?;
     notes.iter().for_each(|note| global.note(note));
     let plan = args.plan(&scene, cameras, viewers)?;

@@ -5,9 +5,8 @@ mod cameras;
 use std::path::{Path, PathBuf};
 
 use crate::progress::Progress;
-use crate::report::coding_map::counted;
 use crate::{ExitStatus, GlobalArgs, output, refuse};
-use codec::error::{Error, Result};
+use codec::error::{Error, Result, counted};
 use codec::image::StreamKind;
 use footage::convention::{self, Verdict};
 use footage::dataset::discover::{self, Numbers, Proposal};

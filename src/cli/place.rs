@@ -30,7 +30,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let begun = Instant::now();
     let region = Region::parse(&args.region)?;
     let start = args.start.as_deref().map(CameraSet::read).transpose()?;
-    let play = args.animation.as_deref().map_or(Play::All, Play::Named);
+    let play = Play::of(args.animation.as_deref());
     let (scene, notes) = Scene::open(&args.scene, play)?;
     notes.iter().for_each(|note| global.note(note));
     let settings = args.settings();

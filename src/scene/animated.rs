@@ -23,10 +23,10 @@ impl Scene {
     pub fn open(text: &str, play: Play) -> Result<(Scene, Vec<String>)> {
         if let Some(kind) = built_in(text) {
             return match play {
-                Play::Named(name) if name != "all" => Err(Error::Usage(format!(
+                Play::Named(name) => Err(Error::Usage(format!(
                     "{text}: there is no animation “{name}”: the animation of a built-in scene has no name"
                 ))),
-                _ => Ok((Scene::Procedural(DemoScene::new(kind)), Vec::new())),
+                Play::All => Ok((Scene::Procedural(DemoScene::new(kind)), Vec::new())),
             };
         }
         let path = Path::new(text);

@@ -243,10 +243,17 @@ fn times_are_no_frame_numbers() {
         let set = Set::new();
         names.iter().for_each(|name| depth_png(&set.file(name)));
         match is_time {
-            true => assert_says(&set.refused(), &[names[0], "are named by times", "associate.py"]),
+            true => assert_says(&set.refused(), &[names[0], "the name is a time", "associate.py"]),
             false => assert_eq!(set.init("").1.frames, [25, 50]),
         }
     }
+    // A stray picture costs itself alone.
+    let set = Set::new();
+    color(&set.file("a.1.exr"), 0.5);
+    depth_png(&set.file("Screenshot_20240501123456.png"));
+    let (said, found) = set.init("");
+    assert_says(&said, &["Screenshot_20240501123456.png: the name is a time", "left out"]);
+    assert_eq!(found.files.color.as_deref(), Some("a.%d.exr"));
 }
 
 #[test]

@@ -47,7 +47,9 @@ fn animations_of_different_objects_play_together() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.glb");
         std::fs::write(&path, file.glb()).unwrap();
-        Model::open(&path, Play::Named(name)).map(|(model, _)| corners(&model, 1.0)).map_err(|error| error.to_string())
+        Model::open(&path, Play::of(Some(name)))
+            .map(|(model, _)| corners(&model, 1.0))
+            .map_err(|error| error.to_string())
     };
     assert_eq!(named("two").unwrap(), [[0.0; 3], [6.0, 0.0, 0.0]]);
     assert_eq!(named("again").unwrap(), [[0.0; 3], [9.0, 0.0, 0.0]]);

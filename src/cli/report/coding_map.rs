@@ -20,7 +20,6 @@ use footage::image_files::png;
 use footage::inspect::{self, Survey, coding_map, survey};
 
 use crate::report::picture::sheet::Sheet;
-pub use codec::error::counted;
 use subject::Subject;
 pub use subject::What;
 

@@ -515,7 +515,7 @@ mod tests {
             ("b.<f4>.exr", "b.0012.exr"),
             ("b$HIP<UDIM>.#.exr", "b$HIP<UDIM>.0012.exr"),
             ("b$<.exr", "b$<.exr"),
-            // Of several marks, that with a percent sign is the field, else the last.
+            // The field is the mark with a percent sign, else the last mark.
             ("#.#.exr", "#.0012.exr"),
             ("%d@.exr", "12@.exr"),
             ("a#1_%03d_$F.exr", "a#1_012_$F.exr"),

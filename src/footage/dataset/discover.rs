@@ -27,6 +27,7 @@ use super::manifest::{
     Background, ColorInfo, DepthInfo, FaceFiles, FileDepth, Files, Keep, MANIFEST_VERSION, Manifest, NORMAL_CHANNELS,
     Probe, Unit,
 };
+use super::normals;
 use crate::image_files::{ColorSpace, exr, png};
 use codec::error::{Error, Result};
 use codec::image::channels::find_named;
@@ -523,7 +524,7 @@ impl Draft<'_> {
             let header = of.header.as_ref();
             let has_normals = header
                 .is_some_and(|header| NORMAL_CHANNELS.iter().all(|name| find_named(&header.channels, name).is_ok()));
-            of.kinds.is_empty() && has_normals && !of.is_position() && !of.is_named_depth()
+            of.kinds.is_empty() && has_normals && normals::are_unit_vectors(&of.first, &self.limits)
         };
         let texts: Vec<&str> = self.found.iter().filter(is_normal).map(|of| of.text.as_str()).collect();
         let named = if texts.is_empty() { None } else { names::name(&texts).ok() };

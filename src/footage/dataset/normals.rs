@@ -49,6 +49,16 @@ pub fn read(path: &Path, limits: &ReadLimits) -> Result<NormalPlane> {
     }
 }
 
+/// True if at least half of the vectors of an EXR file that are not zero have length 1 within 5%: edges are averages. False for
+/// positions, and for files that cannot be read.
+pub fn are_unit_vectors(path: &Path, limits: &ReadLimits) -> bool {
+    let Ok(plane) = read(path, limits) else { return false };
+    let lengths = plane.data().iter().map(|normal| normal.iter().map(|part| part * part).sum::<f32>().sqrt());
+    let lengths: Vec<f32> = lengths.filter(|length| *length > 0.0).collect();
+    let units = lengths.iter().filter(|length| (**length - 1.0).abs() < 0.05).count();
+    units > 0 && 2 * units >= lengths.len()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -60,6 +70,9 @@ mod tests {
         let mut plane = NormalPlane::filled(3, 2, [0.0, 1.0, 0.0]);
         exr::write_material(&path, &plane, NORMAL_CHANNELS).unwrap();
         assert_eq!(read(&path, &ReadLimits::default()).unwrap(), plane);
+        assert!(are_unit_vectors(&path, &ReadLimits::default()));
+        exr::write_material(&path, &plane.map(|normal| normal.map(|part| 3.0 * part)), NORMAL_CHANNELS).unwrap();
+        assert!(!are_unit_vectors(&path, &ReadLimits::default()));
         plane.data_mut()[4][1] = f32::NAN;
         exr::write_material(&path, &plane, NORMAL_CHANNELS).unwrap();
         let said = read(&path, &ReadLimits::default()).unwrap_err().to_string();

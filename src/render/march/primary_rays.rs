@@ -46,7 +46,7 @@ pub(crate) trait March<const N: usize>: Sized {
         std::array::from_fn(|lane| FirstHits { nearest_m: nearest_m[lane], all_m: all_m[lane] })
     }
 
-    /// Answers the queries of walks until all of them are done.
+    /// Walks through layers, each until it is done, by answering its queries.
     fn follow(&mut self, walks: &mut [Option<LayerWalk<'_, '_>>; N], counters: &mut Counters) {
         while walks.iter().flatten().any(|walk| walk.query != Query::Done) {
             let queries = walks.each_ref().map(|walk| walk.as_ref().map_or(Query::Done, |walk| walk.query));

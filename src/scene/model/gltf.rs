@@ -88,7 +88,6 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
         Play::All => 0..animations.len(),
         Play::Named(name) => match of_name(name) {
             Some(at) => at..at + 1,
-            None if name == "all" => 0..animations.len(),
             None => {
                 let all = animations[..animations.len().min(20)].join(", ");
                 let all = if animations.is_empty() { "none".to_string() } else { all };

@@ -69,9 +69,7 @@ impl Model {
         if extension.is_none_or(|extension| extension != "obj") {
             return Err(Error::unsupported("neither glTF nor GLB nor OBJ; save the scene as one of these"));
         }
-        if let Play::Named(name) = play
-            && name != "all"
-        {
+        if let Play::Named(name) = play {
             let path = path.display();
             return Err(Error::Usage(format!("{path}: there is no animation “{name}”: OBJ files have no animations")));
         }

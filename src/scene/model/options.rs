@@ -8,8 +8,15 @@ pub enum Play<'a> {
     /// All animations that do not move what an earlier one moves.
     #[default]
     All,
-    /// The first animation of this name, as listed in `Model::animations`; `all` for all, unless one has that name.
+    /// The first animation of this name, as listed in `Model::animations`.
     Named(&'a str),
+}
+
+impl<'a> Play<'a> {
+    /// Returns the choice of a command line: the name of an animation; `all` or nothing for all.
+    pub fn of(name: Option<&'a str>) -> Play<'a> {
+        name.filter(|name| *name != "all").map_or(Play::All, Play::Named)
+    }
 }
 
 /// Escapes control characters in a note, which quotes names from the file.

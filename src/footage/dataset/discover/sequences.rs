@@ -23,8 +23,6 @@ const DEPTH_WORDS: [&str; 6] = ["depth", "zdepth", "z", "dist", "distance", "ran
 const DISPARITY_WORDS: [&str; 7] = ["disparity", "disp", "invdepth", "inversedepth", "idepth", "inverse", "inv"];
 /// Words that mark files of values that look like depth but are no lengths.
 const SHADE_WORDS: [&str; 3] = ["mist", "fog", "displacement"];
-/// Words that mark files of positions by name.
-const POSITION_WORDS: [&str; 4] = ["position", "positions", "pos", "worldpos"];
 /// Words in the names of files that look like colour but hold another render pass.
 const OTHER_WORDS: [&str; 22] = [
     "albedo",
@@ -99,13 +97,8 @@ impl Found {
         words(&self.text).iter().any(|word| names.contains(&word.as_str()))
     }
 
-    /// True if the name says that the files hold positions.
-    pub fn is_position(&self) -> bool {
-        self.is_named(&POSITION_WORDS)
-    }
-
     /// True if the name says that the files hold depth, disparity or inverse depth.
-    pub fn is_named_depth(&self) -> bool {
+    fn is_named_depth(&self) -> bool {
         self.is_named(&DEPTH_WORDS) || self.is_disparity()
     }
 
@@ -127,12 +120,16 @@ impl Found {
 pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits, unsure: &mut Vec<String>) -> Result<Vec<Found>> {
     let Sorted { groups, mut unnumbered, times, negative } = Sorted::of(images_below(folder)?, numbers);
     if let [first, others @ ..] = times.as_slice() {
-        let message = format!(
-            "{first} and {} more are named by times, not by frames: pair colour and depth by the nearest time, as \
-             associate.py of TUM RGB-D does, and give the files numbers from 0",
-            others.len()
-        );
-        return Err(Error::unsupported(message).in_file(folder));
+        let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
+        let named = format!("{first}{more}: the name is a time, not a frame number");
+        if groups.is_empty() {
+            let message = format!(
+                "{named}; pair colour and depth by the nearest time, as associate.py of TUM RGB-D does, and give the \
+                 files numbers from 0"
+            );
+            return Err(Error::unsupported(message).in_file(folder));
+        }
+        unsure.push(format!("{named}; left out"));
     }
     if let [first, others @ ..] = negative.as_slice() {
         let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
