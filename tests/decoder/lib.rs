@@ -1,5 +1,6 @@
-//! Tests of the decoder alone, through the public API: `cargo test --test decoder --no-default-features`.
+//! Tests of the decoder alone, through the public API: `cargo test -p lightfold-decoder-tests`.
 
+#![cfg(test)]
 #![allow(clippy::disallowed_methods)]
 
 use std::fs;
@@ -9,7 +10,7 @@ use lightfold::{Decoder, PixelsMut, StreamInfo, StreamKind, f16};
 
 /// Returns the frozen containers of a folder of tests/vectors, sorted by path.
 fn vectors(folder: &str) -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors").join(folder);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors").join(folder);
     let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let mut files: Vec<_> = files.filter(|path| path.extension().is_some_and(|name| name == "lfold")).collect();
     files.sort();
