@@ -41,6 +41,9 @@ const USUAL_FPS: f64 = 24.0;
 /// Depth values from this one on, in units of the file, mark the background.
 const NOTHING_FROM: f32 = 1e10;
 
+/// Metres per unit of depth in data sets in the format of TUM RGB-D.
+const TUM_SCALE: f64 = 0.0002;
+
 /// A proposed manifest for the files of a folder.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proposal {
@@ -157,7 +160,7 @@ impl Draft<'_> {
         let (projection, layout, stereo) = self.projection(size, &faces, names.len())?;
         let frames = self.frames(&names)?;
         let all = frames.values().copied().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or_default();
-        let depth = self.depth(projection, stereo_parts)?;
+        let depth = self.depth(projection, stereo_parts)?.map(|depth| self.sized(depth, size));
         let mut probes = Vec::new();
         for name in &names {
             let frames = (frames[name] != all).then_some(frames[name]);
@@ -236,11 +239,14 @@ impl Draft<'_> {
         if name.is_empty() || name.contains(char::is_control) { "footage".into() } else { name.into() }
     }
 
-    /// Returns the common size of all images. Fails if sizes differ.
+    /// Returns the common size of all images. Fails if sizes differ, except for depth of another size and of the same shape.
     fn size(&self) -> Result<(u32, u32)> {
         let mut all = self.kinds.values().flat_map(|(files, _)| files);
         let first = all.next().map_or(&self.found[0], |of| *of);
-        match all.find(|of| of.size != first.size) {
+        let depth = self.kinds.get(&StreamKind::Depth).map(|(files, _)| files[0]);
+        let may_differ = depth.filter(|of| has_shape_of(of.size, first.size)).map_or(first.size, |of| of.size);
+        let is_depth = |of: &Found| of.kinds.len() == 1 && of.kinds.contains(&StreamKind::Depth);
+        match all.find(|of| of.size != if is_depth(of) { may_differ } else { first.size }) {
             Some(other) => Err(Error::invalid(format!(
                 "{} is {}x{} pixels, {} is {}x{}: all images of a dataset must have the same size; move others to \
                 another folder",
@@ -297,22 +303,22 @@ impl Draft<'_> {
                     named.members.iter().filter(|((of, _), _)| of == name).map(|(_, at)| files[*at])
                 })
                 .collect();
-            let first = files.iter().filter_map(|of| of.frames.first()).max().copied().unwrap_or(0);
-            let last = files.iter().filter_map(|of| of.frames.last()).min().copied().unwrap_or(0);
+            let files = self.paired(files);
+            let first = files.iter().filter_map(|(_, frames)| frames.first()).max().copied().unwrap_or(0);
+            let last = files.iter().filter_map(|(_, frames)| frames.last()).min().copied().unwrap_or(0);
             if first > last {
                 let message = format!("the files of probe {name} have no frame in common");
                 return Err(Error::invalid(message).in_file(self.folder));
             }
-            for of in files {
-                let [own_first, own_last] =
-                    [of.frames.first(), of.frames.last()].map(|frame| frame.copied().unwrap_or(0));
+            for (of, own) in files {
+                let [own_first, own_last] = [own.first(), own.last()].map(|frame| frame.copied().unwrap_or(0));
                 if [own_first, own_last] != [first, last] {
                     let text = &of.text;
                     self.unsure.push(format!(
                         "{text} has the frames {own_first}-{own_last}, of which {first}-{last} are used"
                     ));
                 }
-                let missing: Vec<u32> = (first..=last).filter(|frame| !of.frames.contains(frame)).collect();
+                let missing: Vec<u32> = (first..=last).filter(|frame| !own.contains(frame)).collect();
                 if let Some(frame) = missing.first() {
                     let more =
                         if missing.len() > 1 { format!(" and {} more", missing.len() - 1) } else { String::new() };
@@ -323,6 +329,28 @@ impl Draft<'_> {
             frames.insert(name.clone(), [first, last]);
         }
         Ok(frames)
+    }
+
+    /// Returns the frames of sequences of one probe. Where files are named by times, frames are the files of the first sequence, and
+    /// the others are paired with it by time.
+    fn paired<'f>(&mut self, files: Vec<&'f Found>) -> Vec<(&'f Found, &'f BTreeSet<u32>)> {
+        let first = files.iter().copied().find_map(|of| Some((of, of.timed.as_ref()?)));
+        let mut all = Vec::new();
+        for of in files {
+            let Some(((first, times), own)) = first.zip(of.timed.as_ref()) else {
+                all.push((of, &of.frames));
+                continue;
+            };
+            all.push((of, &first.frames));
+            if of.text != first.text {
+                let apart = (own.farthest(&times.times()) * 1e3).ceil();
+                self.unsure.push(format!(
+                    "{} was paired with {} by the nearest time, at most {apart} ms apart",
+                    of.text, first.text
+                ));
+            }
+        }
+        all
     }
 
     fn projection(
@@ -452,7 +480,12 @@ impl Draft<'_> {
             });
             return Ok(Some(info));
         }
-        if png::has_codes(&first.first) {
+        // Both lists are part of data sets in the format of TUM RGB-D.
+        let is_tum = ["rgb.txt", "depth.txt"].iter().all(|name| self.folder.join(name).is_file());
+        if png::has_codes(&first.first) && first.timed.is_some() && is_tum {
+            info.scale = Some(TUM_SCALE);
+            self.unsure.push(format!("{} was assumed to have 5000 units per metre, as TUM RGB-D has", first.text));
+        } else if png::has_codes(&first.first) {
             info.unit = Some(Unit::Mm);
             self.unsure.push(format!("{} has integer depth, which was assumed to be in millimetres", first.text));
         }
@@ -477,9 +510,27 @@ impl Draft<'_> {
         Ok(Some(info))
     }
 
+    /// States the size of depth files, if it is not that of the others.
+    fn sized(&mut self, depth: DepthInfo, size: (u32, u32)) -> DepthInfo {
+        let Some(of) = self.kinds.get(&StreamKind::Depth).map(|(files, _)| files[0]).filter(|of| of.size != size) else {
+            return depth;
+        };
+        self.unsure.push(format!(
+            "{} is {}x{} pixels, others are {}x{}: it was assumed to show the same picture, and becomes as large by nearest \
+             neighbour",
+            of.text, of.size.0, of.size.1, size.0, size.1
+        ));
+        DepthInfo { size: Some(of.size.into()), ..depth }
+    }
+
     fn fps(&mut self) -> f64 {
         let stated = self.found.iter().find_map(|of| of.header.as_ref()?.fps);
-        stated.unwrap_or_else(|| {
+        let timed = || {
+            let times = self.kinds.values().find_map(|(files, _)| files[0].timed.as_ref())?.times();
+            let rate = (times.len() - 1) as f64 / (times.last()? - times.first()?);
+            Some((rate * 1e3).round() / 1e3).filter(|rate| rate.is_finite() && *rate > 0.0)
+        };
+        stated.or_else(timed).unwrap_or_else(|| {
             self.unsure.push(format!("no file states its frame rate: \"fps\" is {USUAL_FPS}"));
             USUAL_FPS
         })
@@ -547,6 +598,12 @@ impl Draft<'_> {
         self.unsure.extend(left_out);
         Ok(named.map(|named| named.text))
     }
+}
+
+/// True if two sizes have the same aspect, within 1%.
+fn has_shape_of((width, height): (u32, u32), (other, high): (u32, u32)) -> bool {
+    let [one, two] = [(width, high), (other, height)].map(|(a, b)| u64::from(a) * u64::from(b));
+    100 * one.abs_diff(two) <= one.max(two)
 }
 
 fn unsure_of_cameras(probes: &[Probe], projection: Projection) -> Vec<String> {

@@ -10,6 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::dataset::missing::Missing;
 use crate::dataset::pixels::Disparity;
+use crate::dataset::timed::TIME;
 use crate::image_files::ColorSpace;
 use crate::{json, text};
 use codec::error::{Error, Result};
@@ -164,6 +165,10 @@ pub struct DepthInfo {
     /// Farthest depth in metres, at least `near`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub far: Option<f64>,
+    /// Width and height of depth files in pixels, if it is not that of the other files: they show the same picture, and are
+    /// resampled to the size of the others by nearest neighbour.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<[u32; 2]>,
 }
 
 impl Default for DepthInfo {
@@ -176,6 +181,7 @@ impl Default for DepthInfo {
             background: Background::default(),
             near: None,
             far: None,
+            size: None,
         }
     }
 }
@@ -290,7 +296,7 @@ impl Default for MaterialChannels {
 }
 
 /// File patterns, relative to the manifest. `{probe}` and `{face}` are replaced by names; `%04d`, `####`, `$F4` or `<frame04>` is
-/// the frame number.
+/// the frame number, `{time}` a time.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Files {
@@ -529,6 +535,12 @@ impl Manifest {
     /// Returns the file pattern of a stream, relative to the manifest's folder; `None` if the dataset has no such stream.
     pub fn pattern(&self, kind: StreamKind, probe: &str, face: Face) -> Result<Option<Pattern>> {
         self.files.get(kind).map(|text| file_pattern(text, probe, self.face_name(face))).transpose()
+    }
+
+    /// Returns the file pattern of a stream whose frames are named by times, with [`TIME`]; `None` for other streams.
+    pub fn timed_pattern(&self, kind: StreamKind, probe: &str, face: Face) -> Option<String> {
+        let text = self.files.get(kind).filter(|text| text.contains(TIME))?;
+        Some(text.replace("{probe}", probe).replace("{face}", self.face_name(face)))
     }
 
     /// As [`Self::pattern`], for normal maps.

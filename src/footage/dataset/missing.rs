@@ -36,14 +36,21 @@ impl Missing {
 
 /// Files of the frames of a stream. Memory and time are proportional to the number of existing files, not of frames.
 #[derive(Debug, Clone)]
-pub(super) struct FrameFiles {
-    sequence: Sequence,
-    gaps: Option<Gaps>,
+pub(super) enum FrameFiles {
+    Numbered {
+        sequence: Sequence,
+        gaps: Option<Gaps>,
+    },
+    /// One file for each of the frames, by their times.
+    Listed {
+        files: Vec<PathBuf>,
+        frames: FrameRange,
+    },
 }
 
 /// Frames without a file.
 #[derive(Debug, Clone)]
-struct Gaps {
+pub(super) struct Gaps {
     /// Frames with a file, ascending; not empty.
     there: Vec<u32>,
     /// True if missing frames are black; else the last earlier frame with a file replaces them, or the first one.
@@ -82,8 +89,13 @@ impl FrameFiles {
         }
     }
 
+    /// Creates the files of `frames`, one for each.
+    pub fn listed(files: Vec<PathBuf>, frames: FrameRange) -> FrameFiles {
+        FrameFiles::Listed { files, frames }
+    }
+
     fn whole(sequence: Sequence) -> FrameFiles {
-        FrameFiles { sequence, gaps: None }
+        FrameFiles::Numbered { sequence, gaps: None }
     }
 
     fn with_gaps(mut sequence: Sequence, missing: Missing, folders: &mut FolderNames) -> Result<FrameFiles> {
@@ -110,32 +122,49 @@ impl FrameFiles {
         there.shrink_to_fit();
         let has_all = there.len() as u64 == sequence.frames.count();
         let gaps = (!has_all).then_some(Gaps { there, are_black: missing == Missing::Black });
-        Ok(FrameFiles { sequence, gaps })
+        Ok(FrameFiles::Numbered { sequence, gaps })
     }
 
     pub fn frames(&self) -> FrameRange {
-        self.sequence.frames
+        match self {
+            FrameFiles::Numbered { sequence, .. } => sequence.frames,
+            FrameFiles::Listed { frames, .. } => *frames,
+        }
+    }
+
+    fn gaps(&self) -> Option<&Gaps> {
+        match self {
+            FrameFiles::Numbered { gaps, .. } => gaps.as_ref(),
+            FrameFiles::Listed { .. } => None,
+        }
     }
 
     /// Returns the file of a frame, or of the frame that replaces it; `None` for black.
     pub fn path(&self, frame: u32) -> Option<PathBuf> {
         let is_missing = |gaps: &&Gaps| gaps.there.binary_search(&frame).is_err();
-        let from = self.gaps.as_ref().filter(is_missing).map_or(Some(frame), |gaps| gaps.stand_in(frame));
-        from.map(|frame| self.sequence.path(frame))
+        let from = self.gaps().filter(is_missing).map_or(Some(frame), |gaps| gaps.stand_in(frame));
+        match self {
+            FrameFiles::Numbered { sequence, .. } => from.map(|frame| sequence.path(frame)),
+            FrameFiles::Listed { files, frames } => files.get(frame.checked_sub(frames.first)? as usize).cloned(),
+        }
     }
 
     /// The existing files.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
-        let sequence = &self.sequence;
-        let all = self.gaps.is_none().then(|| sequence.files()).into_iter().flatten();
-        let there = self.gaps.iter().flat_map(|gaps| &gaps.there).map(|&frame| sequence.path(frame));
-        all.chain(there)
+        let (sequence, listed) = match self {
+            FrameFiles::Numbered { sequence, .. } => (Some(sequence), &[][..]),
+            FrameFiles::Listed { files, .. } => (None, files.as_slice()),
+        };
+        let gaps = self.gaps();
+        let all = sequence.filter(|_| gaps.is_none()).into_iter().flat_map(Sequence::files);
+        let there = gaps.into_iter().flat_map(|gaps| &gaps.there);
+        all.chain(there.filter_map(move |&frame| Some(sequence?.path(frame)))).chain(listed.iter().cloned())
     }
 
     /// Frames without a file, each with the frame that replaces it; `None` for black.
     pub fn stand_ins(&self) -> impl Iterator<Item = (u32, Option<u32>)> {
         let FrameRange { first, last } = self.frames();
-        self.gaps.iter().flat_map(move |gaps| {
+        self.gaps().into_iter().flat_map(move |gaps| {
             let mut there = gaps.there.iter().copied().peekable();
             let is_missing = move |frame: &u32| there.next_if_eq(frame).is_none();
             (first..=last).filter(is_missing).map(move |frame| (frame, gaps.stand_in(frame)))

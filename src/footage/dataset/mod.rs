@@ -9,6 +9,7 @@ mod normals;
 mod pixels;
 pub mod seurat;
 pub mod source;
+mod timed;
 
 pub use cameras::{CameraSet, PlacedCamera};
 pub use codec::image::{DepthKind, Projection, StreamKind};

@@ -292,6 +292,25 @@ pub(super) fn linear_from_srgb(plane: &mut ColorPlane) {
     }
 }
 
+/// Fails if an image has another size than the given width and height.
+pub(super) fn check_plane<T>(plane: &Plane<T>, (width, height): (u32, u32)) -> Result<()> {
+    if (plane.width(), plane.height()) == (width, height) {
+        return Ok(());
+    }
+    let found = format!("{}x{}", plane.width(), plane.height());
+    Err(Error::invalid(format!("the image is {found} pixels, expected {width}x{height}")))
+}
+
+/// Resamples an image to another size by nearest neighbour: each pixel is the one that contains its centre.
+pub(super) fn resized<T: Copy>(plane: &Plane<T>, (width, height): (u32, u32)) -> Plane<T> {
+    let place = |at: u32, size: u32, own: u32| {
+        let at = (2 * u64::from(at) + 1) * u64::from(own) / (2 * u64::from(size));
+        at as u32
+    };
+    let (wide, high) = (plane.width(), plane.height());
+    Plane::from_fn(width, height, |x, y| plane.get(place(x, width, wide), place(y, height, high)))
+}
+
 /// Selects the planes of the `wanted` faces; `all` has all six faces in cube order.
 pub(super) fn keep_faces<T>(all: Vec<Plane<T>>, wanted: &[Face]) -> Vec<Plane<T>> {
     Face::CUBE.into_iter().zip(all).filter(|(face, _)| wanted.contains(face)).map(|(_, plane)| plane).collect()
@@ -363,5 +382,14 @@ mod tests {
         assert!(said.contains("pixel (1, 0) is positive (3)") && said.contains("negative"), "{said}");
         let said = checked(&[-2.0], DepthRules::default()).unwrap_err().to_string();
         assert!(said.contains("Pz") && said.contains("depth.scale to -1"), "{said}");
+    }
+
+    #[test]
+    fn resized_images_take_the_pixel_at_the_centre_of_each() {
+        let plane = Plane::from_fn(2, 1, |x, _| x);
+        let wide: Vec<u32> = resized(&plane, (4, 2)).data().to_vec();
+        assert_eq!(wide, [0, 0, 1, 1, 0, 0, 1, 1]);
+        let small = resized(&Plane::from_fn(4, 3, |x, y| 10 * y + x), (2, 1));
+        assert_eq!(small.data(), [11, 13]);
     }
 }

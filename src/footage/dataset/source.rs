@@ -13,8 +13,8 @@ use super::manifest::{Manifest, Pose};
 use super::missing::{FrameFiles, Missing};
 use super::normals::{self, NormalFiles};
 use super::pixels::{
-    DepthRules, InvalidColor, InvalidDepth, check_alpha, check_color, check_depth, check_material, from_camera,
-    keep_faces, linear_from_srgb, planar_to_distance,
+    DepthRules, InvalidColor, InvalidDepth, check_alpha, check_color, check_depth, check_material, check_plane,
+    from_camera, keep_faces, linear_from_srgb, planar_to_distance, resized,
 };
 use crate::image_files::{ColorSpace, exr, png};
 use codec::error::{Error, Result};
@@ -219,7 +219,8 @@ impl Source {
     /// Upper bound in bytes of the memory for reading a frame of a group, including the returned planes: the file, which is
     /// decoded as a whole, and the parts cut from it.
     pub fn reading_bytes(&self, group: &SourceGroup) -> u64 {
-        let file_pixels = u64::from(self.file_size.0) * u64::from(self.file_size.1);
+        let count = |size: [u32; 2]| size.map(u64::from).iter().product::<u64>();
+        let file_pixels = count(self.file_size.into());
         let pixels = u64::from(group.width) * u64::from(group.height) * group.faces.len() as u64;
         let value = match group.kind {
             StreamKind::Depth | StreamKind::Alpha => 4,
@@ -231,15 +232,17 @@ impl Source {
         let decoding = match (is_png, group.kind) {
             (false, _) => path.as_deref().map_or(0, |path| exr::reading_bytes(path, 0, &self.limits).unwrap_or(0)),
             // The codes of the file, and 16 bits for each requested channel.
-            (true, StreamKind::Depth) => 2 * file_pixels,
+            (true, StreamKind::Depth) => 2 * self.depth_size().map_or(file_pixels, count),
             (true, _) => (8 + 8) * file_pixels,
         };
         // Codes or values of alpha, and colour before and after multiplication.
         let is_multiplied = is_png && group.kind == StreamKind::Color && self.group_beside(group).is_some();
         let alpha = if is_multiplied { 16 * file_pixels } else { 0 };
+        // Depth of another size, before it is resampled.
+        let resized = self.depth_size().filter(|_| group.kind == StreamKind::Depth).map_or(0, |size| value * count(size));
         let is_cut = self.stereo.is_some() || self.content != Content::Face;
         let cut = if is_cut { pixels * value } else { 0 };
-        file_pixels * value + decoding.max(alpha).max(cut)
+        file_pixels * value + resized + decoding.max(alpha).max(cut)
     }
 
     /// The groups, sorted by kind (colour, depth, material, alpha), probe and face.
@@ -525,8 +528,15 @@ impl Source {
         } else {
             exr::read_depth(path, &self.select(&self.depth_channel, group), &self.limits)?
         };
-        self.check_size(&plane)?;
-        Ok(plane)
+        let Some([width, height]) = self.depth_size() else { return self.check_size(&plane).map(|()| plane) };
+        check_plane(&plane, (width, height))?;
+        Ok(resized(&plane, self.file_size))
+    }
+
+    /// Returns the size of depth files, if it is not that of the others.
+    fn depth_size(&self) -> Option<[u32; 2]> {
+        let size = self.manifest.as_ref()?.depth.as_ref()?.size?;
+        (self.file_size != size.into()).then_some(size)
     }
 
     /// Returns the depth rules of the first depth file; for footage without depth, or a file that cannot be opened, those of
@@ -545,12 +555,7 @@ impl Source {
     }
 
     fn check_size<T>(&self, plane: &Plane<T>) -> Result<()> {
-        let (width, height) = self.file_size;
-        if (plane.width(), plane.height()) == (width, height) {
-            return Ok(());
-        }
-        let found = format!("{}x{}", plane.width(), plane.height());
-        Err(Error::invalid(format!("the image is {found} pixels, expected {width}x{height}")))
+        check_plane(plane, self.file_size)
     }
 
     /// Names and values of all settings that affect pixels. Sources with equal values read equal pixels from equal files.
@@ -560,6 +565,7 @@ impl Source {
             ("what an image shows", self.content.words().to_owned()),
             ("the place of the eyes", self.stereo.map_or("none", StereoLayout::name).to_owned()),
             ("the size of the image files", format!("{}x{}", self.file_size.0, self.file_size.1)),
+            ("the size of depth files", format!("{:?}", self.depth_size())),
             ("the size of the faces", format!("{}x{}", self.delivered_size.0, self.delivered_size.1)),
             ("`background`", self.rules.background.to_string()),
             ("`depth_scale`", self.rules.scale.to_string()),

@@ -5,6 +5,7 @@ pub mod budget;
 pub mod bvh;
 pub mod folder;
 pub mod gltf;
+mod ktx2;
 pub mod material;
 pub mod polygon;
 pub mod ray;

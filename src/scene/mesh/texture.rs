@@ -8,6 +8,7 @@ use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Image
 use glam::{DVec2, DVec3, DVec4};
 
 use super::budget::Budget;
+use super::ktx2;
 use codec::error::{Error, Result};
 use codec::image::{ReadLimits, Transfer};
 
@@ -81,13 +82,17 @@ impl Wrap {
 }
 
 impl ImageTexture {
-    /// Decodes a PNG, JPEG, BMP, TGA or WebP image. 16-bit samples are reduced to 8 bits; grey becomes three equal channels.
+    /// Decodes a PNG, JPEG, BMP, TGA, WebP or KTX2 image. 16-bit samples are reduced to 8 bits; grey becomes three equal channels.
     pub fn decode(bytes: &[u8], wrap: [Wrap; 2], budget: &mut Budget) -> Result<ImageTexture> {
+        let cap = ReadLimits::default().believable(bytes.len() as u64, PIXEL_FLOOR);
+        if ktx2::is_ktx2(bytes) {
+            let ([width, height], pixels) = ktx2::decode(bytes, cap, budget)?;
+            return Ok(ImageTexture { width, height, pixels, wrap });
+        }
         let format = ::image::guess_format(bytes).ok().filter(|format| FORMATS.contains(format));
         let format = format.or_else(|| is_tga(bytes).then_some(ImageFormat::Tga));
-        let format = format.ok_or_else(|| Error::unsupported("this is no PNG, JPEG, BMP, TGA or WebP image"))?;
+        let format = format.ok_or_else(|| Error::unsupported("this is no PNG, JPEG, BMP, TGA, WebP or KTX2 image"))?;
         let damaged = |error: ::image::ImageError| Error::invalid(format!("the image is damaged: {error}"));
-        let cap = ReadLimits::default().believable(bytes.len() as u64, PIXEL_FLOOR);
         let mut limits = Limits::default();
         limits.max_alloc = Some(cap);
         let mut reader = ImageReader::with_format(Cursor::new(bytes), format);

@@ -14,7 +14,7 @@ pub enum Numbers {
     Views,
 }
 
-/// Folder, text before and text behind the frame number.
+/// Folder, text before and text behind the number.
 type Group = [String; 3];
 
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -22,8 +22,8 @@ pub struct Sorted {
     /// Digits of each frame, by files whose names differ only in them.
     pub groups: BTreeMap<Group, BTreeMap<u32, String>>,
     pub unnumbered: Vec<String>,
-    /// Files named by times.
-    pub times: Vec<String>,
+    /// Files named by times, by folder and text before and behind the time.
+    pub times: BTreeMap<Group, Vec<String>>,
     /// Files with frame numbers below 0.
     pub negative: Vec<String>,
 }
@@ -44,8 +44,9 @@ impl Sorted {
             };
             if is_negative(before) {
                 sorted.negative.push(file);
-            } else if is_time(before, number) {
-                sorted.times.push(file);
+            } else if let Some(start) = time_start(before, number) {
+                let group = [place, &name[..start], after].map(str::to_owned);
+                sorted.times.entry(group).or_default().push(file);
             } else if let Ok(frame) = number.parse() {
                 let group = [place, before, after].map(str::to_owned);
                 sorted.groups.entry(group).or_default().insert(frame, number.to_owned());
@@ -91,11 +92,15 @@ fn is_negative(before: &str) -> bool {
     sign.is_some_and(|before| before.is_empty() || before.ends_with(['.', '_', ' ']))
 }
 
-/// True if the number in a name is a time since 1970: seconds with a fraction, or milli-, micro- or nanoseconds.
-fn is_time(before: &str, number: &str) -> bool {
+/// Returns the start of the time in a name whose last number is a time since 1970: seconds with a fraction, or milli-, micro- or
+/// nanoseconds; `None` for other numbers.
+fn time_start(before: &str, number: &str) -> Option<usize> {
     let is_digit = |byte: &u8| byte.is_ascii_digit();
     let seconds = before.strip_suffix('.').map_or(0, |text| text.bytes().rev().take_while(is_digit).count());
-    number.len() >= 12 || seconds >= 9
+    match seconds {
+        9.. => Some(before.len() - seconds - 1),
+        _ => (number.len() >= 12).then_some(before.len()),
+    }
 }
 
 #[cfg(test)]
@@ -128,8 +133,10 @@ mod tests {
     #[test]
     fn times_and_negative_numbers_are_no_frames() {
         for time in ["1305031102.175304.png", "c_1714564800.164.png", "1714564800164.png", "1403636579763555584.exr"] {
-            assert_eq!(sorted(&[time]).times, [time]);
+            assert_eq!(sorted(&[time]).times.into_values().flatten().collect::<Vec<_>>(), [time]);
         }
+        let group = ["", "c_", ".png"].map(str::to_owned);
+        assert!(sorted(&["c_1714564800.164.png"]).times.contains_key(&group));
         for negative in ["a.-005.exr", "a/-1.exr", "a_-0003.png"] {
             assert_eq!(sorted(&[negative]).negative, [negative]);
         }

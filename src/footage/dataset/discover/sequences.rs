@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 
 use super::numbers::{Numbers, Sorted};
 use crate::dataset::manifest::{MaterialChannels, NORMAL_CHANNELS};
+use crate::dataset::timed::{TIME, TimedFiles};
 use crate::image_files::exr::FileHeader;
 use crate::image_files::{exr, png};
 use codec::error::{Error, Result};
 use codec::image::channels::{find_color, find_depth, find_named};
-use codec::image::{ChannelSelect, Pattern, ReadLimits, StreamKind};
+use codec::image::{ChannelSelect, FolderNames, Pattern, ReadLimits, StreamKind};
 
 /// Names of the parts or views of stereo files.
 pub const EYES: [&str; 2] = ["left", "right"];
@@ -65,6 +66,8 @@ pub struct Found {
     pub depth_channel: Option<String>,
     /// EXR header of the first file; `None` for files of integer codes.
     pub header: Option<FileHeader>,
+    /// Files named by times; `frames` are their places in this order.
+    pub timed: Option<TimedFiles>,
 }
 
 impl Found {
@@ -109,6 +112,9 @@ impl Found {
 
     /// Returns the file of a frame.
     pub fn file(&self, frame: u32) -> Result<PathBuf> {
+        if let Some(files) = &self.timed {
+            return Ok(files.file(frame as usize).unwrap_or(&self.first).to_path_buf());
+        }
         let name = self.text.rsplit('/').next().unwrap_or_default();
         let folder = self.first.parent().unwrap_or(Path::new(""));
         Ok(Pattern::parse(name)?.below(folder).path(frame))
@@ -119,24 +125,30 @@ impl Found {
 /// sequence of frame 0, if no name has a number or numbers are names of views.
 pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits, unsure: &mut Vec<String>) -> Result<Vec<Found>> {
     let Sorted { groups, mut unnumbered, times, negative } = Sorted::of(images_below(folder)?, numbers);
-    if let [first, others @ ..] = times.as_slice() {
-        let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
-        let named = format!("{first}{more}: the name is a time, not a frame number");
-        if groups.is_empty() {
-            let message = format!(
-                "{named}; pair colour and depth by the nearest time, as associate.py of TUM RGB-D does, and give the \
-                 files numbers from 0"
-            );
-            return Err(Error::unsupported(message).in_file(folder));
+    let mut found = Vec::new();
+    if groups.is_empty() {
+        for [place, before, after] in times.into_keys() {
+            let name = format!("{before}{TIME}{after}");
+            let text = if place.is_empty() { name } else { format!("{place}/{name}") };
+            if !is_pattern(&text.replace(TIME, "")) {
+                unsure.push(format!("{text} was left out: {NO_PATTERN}"));
+                continue;
+            }
+            let files = TimedFiles::list(&folder.join(&text), &mut FolderNames::default())?;
+            let Some(first) = files.file(0).map(Path::to_path_buf) else { continue };
+            let frames = (0..files.times().len() as u32).collect();
+            found.push(Found { timed: Some(files), ..look(text, first, frames, limits)? });
         }
-        unsure.push(format!("{named}; left out"));
+    } else if let Some(first) = times.values().flatten().next() {
+        let count = times.values().map(Vec::len).sum::<usize>();
+        let more = if count > 1 { format!(" and {} more", count - 1) } else { String::new() };
+        unsure.push(format!("{first}{more} left out: the name is a time, not a frame number"));
     }
     if let [first, others @ ..] = negative.as_slice() {
         let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
         unsure.push(format!("{first}{more} left out: frame numbers below 0 are not supported, number them from 0"));
     }
-    let mut found = Vec::new();
-    if groups.is_empty() && negative.is_empty() {
+    if groups.is_empty() && negative.is_empty() && found.is_empty() {
         for file in std::mem::take(&mut unnumbered) {
             let text = file.replace('%', "%%");
             match is_pattern(&text) && Pattern::parse(&text).is_ok_and(|pattern| !pattern.has_field()) {
@@ -251,7 +263,7 @@ fn look(text: String, first: PathBuf, frames: BTreeSet<u32>, limits: &ReadLimits
             false => (!is_named_depth).then_some(StreamKind::Color),
         };
         let kinds = kind.into_iter().collect();
-        return Ok(Found { text, first, frames, size, kinds, has_eyes: false, depth_channel: None, header: None });
+        return Ok(Found { text, first, frames, size, kinds, has_eyes: false, depth_channel: None, header: None, timed: None });
     }
     let header = exr::read_header(&first, limits)?;
     let names = &header.channels;
@@ -279,7 +291,7 @@ fn look(text: String, first: PathBuf, frames: BTreeSet<u32>, limits: &ReadLimits
     if MaterialChannels::default().names().iter().all(|name| find_named(names, name).is_ok()) {
         kinds.insert(StreamKind::Material);
     }
-    Ok(Found { text, first, frames, size: header.size, kinds, has_eyes, depth_channel, header: Some(header) })
+    Ok(Found { text, first, frames, size: header.size, kinds, has_eyes, depth_channel, header: Some(header), timed: None })
 }
 
 /// True if red, green and blue of an EXR file are equal in every pixel.

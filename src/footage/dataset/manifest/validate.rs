@@ -6,6 +6,7 @@ use super::{
     Background, FileDepth, MANIFEST_VERSION, MAX_SIDE, Manifest, Probe, Unit, check_intrinsics, file_pattern,
     pose_fault,
 };
+use crate::dataset::timed::TIME;
 use codec::error::{Error, Result};
 use codec::image::layout::eye_size;
 use codec::image::{Face, Projection, StreamKind};
@@ -98,6 +99,9 @@ impl Manifest {
             }
             _ => {}
         }
+        if let Some([width, height]) = depth.size.filter(|size| size.iter().any(|side| !(1..=MAX_SIDE).contains(side))) {
+            return wrong(format!("depth \"size\" is {width}x{height}, each side must be 1 to {MAX_SIDE} pixels"));
+        }
         let metric = |value: Option<f64>| value.is_none_or(|value| value.is_finite() && value > 0.0);
         if depth.scale.is_some_and(|scale| !scale.is_finite() || scale == 0.0) {
             return wrong("depth \"scale\" is metres per unit, it must not be 0".into());
@@ -154,8 +158,19 @@ impl Manifest {
             if !self.has_face_files() && text.contains("{face}") {
                 return wrong(format!("\"{text}\" has {{face}}, but one image holds them all"));
             }
+            let is_timed = text.contains(TIME);
+            let file = text.rsplit('/').next().unwrap_or_default();
+            if is_timed && (text.matches(TIME).count() > 1 || !file.contains(TIME)) {
+                return wrong(format!("\"{text}\" must have {TIME} once, in the file name"));
+            }
+            if is_timed && *name == "normal" {
+                return wrong(format!("\"{text}\" has {TIME}: number normal maps by frame"));
+            }
             let pattern = file_pattern(text, "0", "px").map_err(|error| Error::invalid(error.to_string()))?;
-            if !pattern.has_field() && self.frames[0] != self.frames[1] {
+            if is_timed && pattern.has_field() {
+                return wrong(format!("\"{text}\" has both {TIME} and a place for the frame number"));
+            }
+            if !pattern.has_field() && !is_timed && self.frames[0] != self.frames[1] {
                 return wrong(format!("\"{text}\" has no place for the frame number, such as %04d"));
             }
         }

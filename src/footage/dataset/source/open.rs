@@ -11,6 +11,7 @@ use crate::dataset::manifest::{
 use crate::dataset::missing::FrameFiles;
 use crate::dataset::normals::NormalFiles;
 use crate::dataset::pixels::{DepthRules, FARTHEST_M};
+use crate::dataset::timed::TimedFiles;
 use crate::image_files::{exr, png};
 use codec::error::{Error, Result};
 use codec::image::equirect::{FaceMap, check_face_size, full_face_size};
@@ -118,7 +119,7 @@ impl Source {
         let faces = manifest.faces();
         let together: Vec<&[Face]> =
             if manifest.has_one_face_per_file() { faces.chunks(1).collect() } else { vec![faces.as_slice()] };
-        let mut folders = FolderNames::default();
+        let (mut folders, mut times) = (FolderNames::default(), BTreeMap::new());
         for kind in StreamKind::ALL {
             for probe in 0..source.probes.len() {
                 let frames = source.probes[probe].frames;
@@ -127,8 +128,16 @@ impl Source {
                 }
                 for faces in &together {
                     let name = source.probes[probe].name.clone();
-                    let Some(pattern) = manifest.pattern(kind, &name, faces[0])? else { continue };
-                    let files = FrameFiles::known(pattern.below(folder), frames, source.missing, &mut folders)?;
+                    let files = if let Some(pattern) = manifest.timed_pattern(kind, &name, faces[0]) {
+                        let files = TimedFiles::list(&folder.join(pattern), &mut folders)?;
+                        // Frames are the files of the first kind, in order.
+                        let times = times.entry((probe, faces[0])).or_insert_with(|| files.times());
+                        let whole = manifest.frames_of(&manifest.probes[probe]);
+                        files.frames(times, whole, frames).map_err(|error| error.in_file(file))?
+                    } else {
+                        let Some(pattern) = manifest.pattern(kind, &name, faces[0])? else { continue };
+                        FrameFiles::known(pattern.below(folder), frames, source.missing, &mut folders)?
+                    };
                     source.add(kind, probe, faces, files);
                 }
             }

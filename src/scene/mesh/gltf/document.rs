@@ -23,11 +23,9 @@ const KNOWN: &[&str] = &[
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_node_visibility",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
 ];
-
-/// Extensions that a file may require although the textures that they describe are left out, each with a note.
-const LEFT_OUT: &[&str] = &["KHR_texture_basisu"];
 
 /// Maximum number of elements of a list: an element `{}` takes a few hundred bytes of memory.
 const MAX_COUNT: usize = 1 << 18;
@@ -99,6 +97,8 @@ pub struct Transforms {
 struct TextureExtensions {
     #[serde(rename = "EXT_texture_webp")]
     webp: Option<Source>,
+    #[serde(rename = "KHR_texture_basisu")]
+    basisu: Option<Source>,
 }
 
 #[derive(Deserialize)]
@@ -141,8 +141,9 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed> {
     root.extensions_required.clear();
     let Preview { textures, nodes, used, .. } = preview;
     for (texture, extended) in root.textures.iter_mut().zip(textures) {
-        if let (true, Some(webp)) = (is_without_image(texture), extended.extensions.and_then(|of| of.webp)) {
-            texture.source = json::Index::new(webp.source);
+        let other = extended.extensions.and_then(|of| of.webp.or(of.basisu));
+        if let (true, Some(other)) = (is_without_image(texture), other) {
+            texture.source = json::Index::new(other.source);
         }
     }
     check(&root)?;
@@ -153,8 +154,7 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed> {
         }
         instanced.extend(extensions.instances.map(|of| (number, of.attributes)));
     }
-    let is_ignored = |name: &String| !KNOWN.contains(&name.as_str()) && !LEFT_OUT.contains(&name.as_str());
-    let ignored = used.into_iter().filter(is_ignored).collect();
+    let ignored = used.into_iter().filter(|name| !KNOWN.contains(&name.as_str())).collect();
     let document = Document::from_json_without_validation(root);
     Ok(Parsed { document, blob: blob.map(<[u8]>::to_vec), hidden, instanced, ignored })
 }
@@ -201,8 +201,7 @@ fn check_preview(preview: &Preview) -> Result<()> {
         let version: String = version.chars().take(20).collect();
         return Err(Error::unsupported(format!("glTF version “{version}”; save it as version 2.0")));
     }
-    let may = |name: &str| KNOWN.contains(&name) || LEFT_OUT.contains(&name);
-    if let Some(unknown) = preview.required.iter().find(|name| !may(name)) {
+    if let Some(unknown) = preview.required.iter().find(|name| !KNOWN.contains(&name.as_str())) {
         let name: String = unknown.chars().take(80).collect();
         let compressed = matches!(unknown.as_str(), "KHR_draco_mesh_compression" | "EXT_meshopt_compression");
         let advice = if compressed { "save it without compression of meshes" } else { "save it without that" };

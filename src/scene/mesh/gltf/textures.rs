@@ -26,8 +26,7 @@ impl Textures {
     pub fn get(&mut self, texture: &Texture, buffers: &mut Buffers) -> Option<Arc<ImageTexture>> {
         let Some(image) = source(texture, buffers) else {
             let number = texture.index();
-            let note =
-                format!("texture {number} is ignored: it has no PNG, JPEG or WebP image; save KTX2 images as PNG");
+            let note = format!("texture {number} is ignored: it has no PNG, JPEG, WebP or KTX2 image");
             if !self.notes.contains(&note) {
                 self.notes.push(note);
             }

@@ -1,0 +1,70 @@
+//! KTX2 images of Basis Universal (ETC1S and UASTC), as glTF files have them (KHR_texture_basisu).
+
+use basisu::{DecodeFlags, TargetFormat, Transcoder};
+use footage::guard::guarded;
+
+use super::budget::Budget;
+use codec::error::{Error, Result};
+
+/// First bytes of a KTX2 file (KTX 2.0, section 3.1).
+const IDENTIFIER: &[u8] = b"\xABKTX 20\xBB\r\n\x1A\n";
+/// Bytes of the header and of the index of its sections; entries of the levels follow (KTX 2.0, section 3).
+const HEADER_BYTES: usize = 80;
+/// Bytes of the entry of a level: offset, size, and size without supercompression.
+const LEVEL_BYTES: usize = 24;
+/// Maximum number of levels: those of 2^31 pixels a side.
+const MAX_LEVELS: usize = 32;
+
+pub fn is_ktx2(bytes: &[u8]) -> bool {
+    bytes.starts_with(IDENTIFIER)
+}
+
+/// Returns width, height and RGBA codes of the largest level. `cap` is the maximum of bytes that an image of this size in the
+/// file may take.
+pub fn decode(bytes: &[u8], cap: u64, budget: &mut Budget) -> Result<([u32; 2], Vec<[u8; 4]>)> {
+    let [width, height] = claimed_size(bytes, cap)?;
+    let pixels = u64::from(width) * u64::from(height);
+    // Pixels as transcoded, and as returned.
+    budget.take(pixels, 8, "an image")?;
+    // The crate reads files of all kinds of tools, and does not promise that it never panics.
+    let transcoded = guarded(|| {
+        let transcoder = Transcoder::new(bytes)?;
+        transcoder.transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE)
+    });
+    let rgba = match transcoded {
+        Some(Ok(rgba)) => rgba,
+        Some(Err(error)) => {
+            let message = format!("the KTX2 image is no ETC1S or UASTC image of Basis Universal: {error:?}; save it as PNG");
+            return Err(Error::unsupported(message));
+        }
+        None => return Err(Error::invalid("the KTX2 image is damaged")),
+    };
+    let rgba = rgba.as_chunks::<4>().0.to_vec();
+    if rgba.len() as u64 != pixels {
+        return Err(Error::invalid(format!("the KTX2 image has {} pixels, its header {width}x{height}", rgba.len())));
+    }
+    Ok(([width, height], rgba))
+}
+
+/// Returns the size that the header states, if it and the levels fit in `cap` bytes.
+fn claimed_size(bytes: &[u8], cap: u64) -> Result<[u32; 2]> {
+    let ends = || Error::invalid(format!("the KTX2 image ends early, after {} bytes", bytes.len()));
+    let word = |at: usize| bytes.get(at..)?.first_chunk::<4>().map(|word| u32::from_le_bytes(*word));
+    let [Some(width), Some(height), Some(levels)] = [20, 24, 40].map(word) else { return Err(ends()) };
+    let long = |at: usize| bytes.get(at..)?.first_chunk::<8>().map(|word| u64::from_le_bytes(*word));
+    let mut claimed = 4 * u64::from(width) * u64::from(height);
+    if levels as usize > MAX_LEVELS {
+        return Err(Error::invalid(format!("the KTX2 image has {levels} levels, at most {MAX_LEVELS} are possible")));
+    }
+    for level in 0..levels.max(1) as usize {
+        claimed = claimed.saturating_add(long(HEADER_BYTES + LEVEL_BYTES * level + 16).ok_or_else(ends)?);
+    }
+    match (width, height, claimed) {
+        (0, ..) | (_, 0, _) => Err(Error::invalid("the image has no pixels")),
+        (.., claimed) if claimed > cap => {
+            let claims = format!("the image claims {width}x{height} pixels");
+            Err(Error::invalid(format!("{claims} and {claimed} bytes, more than its {} bytes can hold", bytes.len())))
+        }
+        _ => Ok([width, height]),
+    }
+}
