@@ -5,6 +5,7 @@
 // Tests write their inputs with `std::fs` (`clippy.toml`).
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
+pub mod account;
 pub mod compare;
 pub mod convention;
 pub mod dataset;

@@ -232,28 +232,108 @@ fn marks_in_file_names() {
     assert_says(&set.refused(), &["a{probe}.%04d.exr was left out", "cannot be written as a pattern"]);
 }
 
+/// Writes a PNG file of depth whose code is `code` in all pixels.
+fn flat_depth(path: &Path, code: u16) {
+    png::write_depth16(path, &Plane::filled(8, 6, code)).unwrap();
+}
+
+#[test]
+fn files_named_by_times_are_paired() {
+    let set = Set::new();
+    let rgb = ["1305031102.175304", "1305031102.211214", "1305031102.243211"];
+    let depth = ["1305031102.160407", "1305031102.194330", "1305031102.262886", "1305031102.295279"];
+    for (at, name) in (1..).zip(rgb) {
+        let plane = Plane::filled(8, 6, [40 * at; 3]);
+        png::write_color8(&set.file(&format!("rgb/{name}.png")), &plane).unwrap();
+    }
+    for (at, name) in (1..).zip(depth) {
+        flat_depth(&set.file(&format!("depth/{name}.png")), 5000 * at);
+    }
+    let (said, found) = set.init("");
+    assert_says(&said, &["depth/{time}.png was paired with rgb/{time}.png by the nearest time, at most 20 ms apart"]);
+    assert_eq!((found.frames, found.fps), ([0, 2], 29.453));
+    assert_eq!(found.depth.as_ref().unwrap().unit, Some(footage::dataset::manifest::Unit::Mm));
+    let source = set.source();
+    let group = source.groups().iter().find(|group| group.kind == StreamKind::Depth).unwrap();
+    // 211214 is nearer to 194330 than to 262886, 243211 to 262886.
+    let metres: Vec<f32> = (0..3).map(|frame| source.read_depth(group, frame).unwrap()[0].get(0, 0)).collect();
+    assert_eq!(metres, [5.0, 10.0, 15.0]);
+    set.encodes();
+    // Both lists are those of TUM RGB-D, with 5000 units per metre.
+    ["rgb.txt", "depth.txt"].iter().for_each(|name| std::fs::write(set.file(name), "# a\n").unwrap());
+    assert_says(&set.init("").0, &["5000 units per metre"]);
+    assert_eq!(set.depth().get(0, 0), 1.0);
+    // A frame that no file has.
+    let mut longer = Manifest::read(&set.folder()).unwrap();
+    longer.frames = [0, 3];
+    std::fs::write(set.folder().join("lightfield.json"), longer.to_json().unwrap()).unwrap();
+    assert_says(&refused("encode in -o film.lfold", set.0.path()), &["frames 0-3", "3 files"]);
+}
+
 #[test]
 fn times_are_no_frame_numbers() {
-    let of = [
-        ["rgb/1305031102.175304.png", "rgb/1305031102.211214.png"],
-        ["data/1403636579763555584.png", "data/1403636579813555456.png"],
-        ["shot_1700.25.png", "shot_1700.50.png"],
-    ];
-    for (names, is_time) in of.into_iter().zip([true, true, false]) {
-        let set = Set::new();
-        names.iter().for_each(|name| depth_png(&set.file(name)));
-        match is_time {
-            true => assert_says(&set.refused(), &[names[0], "the name is a time", "associate.py"]),
-            false => assert_eq!(set.init("").1.frames, [25, 50]),
-        }
-    }
+    let set = Set::new();
+    ["1403636579763555584", "1403636579813555456", "1403636579863555584"]
+        .iter()
+        .for_each(|name| depth_png(&set.file(&format!("data/{name}.png"))));
+    let (_, found) = set.init("");
+    assert_eq!((found.files.depth.as_deref(), found.fps), (Some("data/{time}.png"), 20.0));
+    set.encodes();
+    let set = Set::new();
+    ["shot_1700.25.png", "shot_1700.50.png"].iter().for_each(|name| depth_png(&set.file(name)));
+    assert_eq!(set.init("").1.frames, [25, 50]);
     // A stray picture costs itself alone.
     let set = Set::new();
     color(&set.file("a.1.exr"), 0.5);
     depth_png(&set.file("Screenshot_20240501123456.png"));
     let (said, found) = set.init("");
-    assert_says(&said, &["Screenshot_20240501123456.png: the name is a time", "left out"]);
+    assert_says(&said, &["Screenshot_20240501123456.png left out: the name is a time"]);
     assert_eq!(found.files.color.as_deref(), Some("a.%d.exr"));
+    // Faults of patterns with times.
+    for (pattern, says) in [
+        ("a{time}_%d.png", "both {time} and a place"),
+        ("{time}/a.png", "once, in the file name"),
+        ("{time}_{time}.png", "once, in the file name"),
+    ] {
+        let mut wrong = found.clone();
+        wrong.files.color = Some(pattern.into());
+        assert_says(&wrong.validate().unwrap_err().to_string(), &[says]);
+    }
+}
+
+#[test]
+fn depth_of_another_size_is_resampled() {
+    let set = Set::new();
+    for frame in 0..2 {
+        color(&set.file(&format!("color_{frame:05}.exr")), 0.5);
+        let small = Plane::from_fn(4, 3, |x, y| (1000 + 100 * x + y) as u16);
+        png::write_depth16(&set.file(&format!("depth_{frame:05}.png")), &small).unwrap();
+    }
+    let (said, found) = set.init("");
+    assert_says(&said, &["depth_%05d.png is 4x3 pixels, others are 8x6", "nearest neighbour"]);
+    assert_eq!((found.size, found.depth.as_ref().unwrap().size), ([8, 6], Some([4, 3])));
+    let depth = set.depth();
+    assert_eq!([(0, 0), (1, 1), (2, 1), (7, 5)].map(|(x, y)| depth.get(x, y)), [1.0, 1.0, 1.1, 1.302]);
+    set.encodes();
+    // Depth larger than colour.
+    let set = Set::new();
+    depth_png(&set.file("depth_0.png"));
+    png::write_color8(&set.file("color_0.png"), &Plane::filled(4, 3, [9; 3])).unwrap();
+    assert_eq!(set.init("").1.size, [4, 3]);
+    set.encodes();
+    // Another shape is another picture.
+    let set = Set::new();
+    depth_png(&set.file("depth_0.png"));
+    png::write_color8(&set.file("color_0.png"), &Plane::filled(6, 6, [9; 3])).unwrap();
+    assert_says(&set.refused(), &["8x6", "6x6", "the same size"]);
+    // The files must have the size that the manifest states.
+    let set = Set::new();
+    color(&set.file("color_0.exr"), 0.5);
+    png::write_depth16(&set.file("depth_0.png"), &Plane::filled(4, 3, 1000)).unwrap();
+    let (_, mut found) = set.init("");
+    found.depth.as_mut().unwrap().size = Some([2, 3]);
+    std::fs::write(set.folder().join("lightfield.json"), found.to_json().unwrap()).unwrap();
+    assert_says(&refused("encode in -o film.lfold", set.0.path()), &["depth_0.png", "4x3 pixels, expected 2x3"]);
 }
 
 #[test]

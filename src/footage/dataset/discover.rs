@@ -1,6 +1,7 @@
 //! Proposes a manifest for a folder of image sequences.
 //!
-//! Input: a folder. Output: a manifest, and a sentence for each property that the images do not determine.
+//! Input: a folder. Output: a manifest, and a sentence for each property that the images do not determine and for each sequence that
+//! is not used.
 //!
 //! 1. `sequences` finds files with frame numbers (`numbers`), and the kinds of images that the first file of each sequence holds.
 //! 2. `names` derives for each kind one pattern with `{probe}` and `{face}`.
@@ -8,7 +9,6 @@
 //! 4. `panoramas` detects two eyes in one image.
 //! 5. This module determines the frames, the projection from names and image shape, and depth properties from the first image.
 
-mod left_out;
 mod names;
 mod numbers;
 mod panoramas;
@@ -19,7 +19,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use names::Named;
-use sequences::{EYES, Found};
+use sequences::{EYES, Found, Sequences};
 
 pub use numbers::Numbers;
 
@@ -49,8 +49,10 @@ const TUM_SCALE: f64 = 0.0002;
 pub struct Proposal {
     /// The manifest: valid, with patterns relative to the folder.
     pub manifest: Manifest,
-    /// Properties that the images do not determine, and files that were left out; one sentence each.
+    /// Properties that the images do not determine; one sentence each.
     pub unsure: Vec<String>,
+    /// Files that are not used, with the reason; one sentence each.
+    pub left_out: Vec<String>,
     /// Properties of cameras that the files do not state: positions and lenses; one sentence each.
     pub unsure_of_cameras: Vec<String>,
 }
@@ -76,14 +78,13 @@ impl Proposal {
 /// Proposes a manifest for the images in a folder and the folders below it.
 pub fn propose(folder: &Path, numbers: Numbers) -> Result<Proposal> {
     let limits = ReadLimits::default();
-    let mut unsure = Vec::new();
-    let mut found = sequences::find(folder, numbers, &limits, &mut unsure)?;
+    let Sequences { mut found, mut left_out, unsure } = sequences::find(folder, numbers, &limits)?;
     if found.is_empty() {
-        let left_out = if unsure.is_empty() { String::new() } else { format!(": {}", unsure.join("; ")) };
+        let left_out = if left_out.is_empty() { String::new() } else { format!(": {}", left_out.join("; ")) };
         let message = format!("it has no .exr, .png or .jpg files that can be used, such as beauty.0001.exr{left_out}");
         return Err(Error::invalid(message).in_file(folder));
     }
-    leave_out_previews(&mut found, &mut unsure);
+    leave_out_previews(&mut found, &mut left_out);
     let mut kinds = BTreeMap::new();
     for kind in StreamKind::ALL {
         let chosen = choose(&found, kind);
@@ -92,7 +93,7 @@ pub fn propose(folder: &Path, numbers: Numbers) -> Result<Proposal> {
         }
         let named = names::name(&chosen.iter().map(|of| of.text.as_str()).collect::<Vec<_>>())
             .map_err(|error| error.context(format!("the files of {}", kind.name())).in_file(folder))?;
-        unsure.extend(named.left_out.iter().map(|at| {
+        left_out.extend(named.left_out.iter().map(|at| {
             let (text, kind) = (&chosen[*at].text, kind.name());
             format!("{kind} of {text} was left out: its name has a different form than {}", named.text)
         }));
@@ -104,11 +105,11 @@ pub fn propose(folder: &Path, numbers: Numbers) -> Result<Proposal> {
             format!("its images have neither colour nor depth; {} has the channels {channels}", found[0].text);
         return Err(Error::invalid(message).in_file(folder));
     }
-    Draft { folder, found: &found, kinds, limits, unsure }.manifest()
+    Draft { folder, found: &found, kinds, limits, unsure, left_out }.manifest()
 }
 
 /// Leaves out colour of another size, if some colour has the size of most depth images, or else of most images.
-fn leave_out_previews(found: &mut [Found], unsure: &mut Vec<String>) {
+fn leave_out_previews(found: &mut [Found], left_out: &mut Vec<String>) {
     let sizes = |kind: StreamKind| found.iter().filter(move |of| of.kinds.contains(&kind)).map(|of| of.size);
     let depth: BTreeSet<(u32, u32)> = sizes(StreamKind::Depth).collect();
     let mut counts: BTreeMap<(u32, u32), usize> = BTreeMap::new();
@@ -119,7 +120,7 @@ fn leave_out_previews(found: &mut [Found], unsure: &mut Vec<String>) {
         if of.size != chosen {
             of.kinds.clear();
             let ([width, height], (other, high)) = ([of.size.0, of.size.1], chosen);
-            unsure.push(format!("{} was left out: it is {width}x{height} pixels, others are {other}x{high}", of.text));
+            left_out.push(format!("{} was left out: it is {width}x{height} pixels, others are {other}x{high}", of.text));
         }
     }
 }
@@ -149,6 +150,7 @@ struct Draft<'a> {
     kinds: BTreeMap<StreamKind, OfKind<'a>>,
     limits: ReadLimits,
     unsure: Vec<String>,
+    left_out: Vec<String>,
 }
 
 impl Draft<'_> {
@@ -230,7 +232,7 @@ impl Draft<'_> {
             extra: None,
         };
         manifest.validate()?;
-        Ok(Proposal { manifest, unsure: self.unsure, unsure_of_cameras })
+        Ok(Proposal { manifest, unsure: self.unsure, left_out: self.left_out, unsure_of_cameras })
     }
 
     fn name(&self) -> String {
@@ -279,7 +281,7 @@ impl Draft<'_> {
             return Err(Error::invalid(message).in_file(self.folder));
         }
         let lacking: Vec<&String> = all.iter().filter(|name| !common.contains(name)).collect();
-        self.unsure.extend(
+        self.left_out.extend(
             lacking.iter().map(|name| format!("probe {name} was left out: it does not have files of every kind")),
         );
         Ok(common)
@@ -587,15 +589,16 @@ impl Draft<'_> {
         let named = named.filter(is_whole);
         let of_normals = if named.is_some() { texts.as_slice() } else { &[] };
         let is_noted = |of: &Found| {
-            of_normals.contains(&of.text.as_str()) || self.unsure.iter().any(|note| note.contains(of.text.as_str()))
+            of_normals.contains(&of.text.as_str()) || self.left_out.iter().any(|note| note.contains(of.text.as_str()))
         };
-        let silent: Vec<&Found> = self.found.iter().filter(|of| !of.kinds.is_empty() || !is_noted(of)).collect();
-        let used_as = |of: &Found| {
-            let is_read = |(files, named): &OfKind<'_>| named.members.values().any(|at| files[*at].text == of.text);
-            self.kinds.iter().filter(|(_, kind)| is_read(kind)).map(|(kind, _)| *kind).collect()
+        let is_read = |of: &Found| {
+            let of_kind = |(files, named): &OfKind<'_>| named.members.values().any(|at| files[*at].text == of.text);
+            self.kinds.values().any(of_kind)
         };
-        let left_out = left_out::sentences(&silent, used_as);
-        self.unsure.extend(left_out);
+        let silent = self.found.iter().filter(|of| !is_noted(of) && !is_read(of));
+        let left_out = silent.map(|of| format!("{} was left out: no stream is read from its {}", of.text, of.channels()));
+        let left_out: Vec<String> = left_out.collect();
+        self.left_out.extend(left_out);
         Ok(named.map(|named| named.text))
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Opening (`open`) checks that all files exist; reading checks their content.
 
+mod account;
 mod open;
 
 use std::collections::BTreeMap;

@@ -68,3 +68,62 @@ fn claimed_size(bytes: &[u8], cap: u64) -> Result<[u32; 2]> {
         _ => Ok([width, height]),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns a KTX2 file of 8x4 pixels: two solid blocks of UASTC.
+    fn solid(colors: [[u8; 4]; 2]) -> Vec<u8> {
+        let words = |words: &[u32]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
+        let mut file = IDENTIFIER.to_vec();
+        // No Vulkan format; one level, face and layer; no supercompression.
+        file.extend(words(&[0, 1, 8, 4, 0, 0, 1, 1, 0]));
+        // Data format descriptor behind the entry of the level; no keys, no global data.
+        file.extend(words(&[104, 44, 0, 0, 0, 0, 0, 0]));
+        file.extend([148u64, 32, 32].into_iter().flat_map(u64::to_le_bytes));
+        // Colour model 166, UASTC, of sRGB in blocks of 4x4 pixels and 16 bytes; one sample of 128 bits.
+        file.extend(words(&[44, 0, 2 | 40 << 16, 166 | 1 << 8 | 2 << 16, 3 | 3 << 8, 16, 0, 127 << 16 | 3 << 24, 0, 0, u32::MAX]));
+        for [r, g, b, a] in colors {
+            let place = |code: u8, bit: u32| u128::from(code) << bit;
+            // Mode 8, a solid colour.
+            file.extend((place(0x17, 0) | place(r, 5) | place(g, 13) | place(b, 21) | place(a, 29)).to_le_bytes());
+        }
+        file
+    }
+
+    fn decoded(bytes: &[u8]) -> Result<([u32; 2], Vec<[u8; 4]>)> {
+        decode(bytes, 1 << 20, &mut Budget::new(bytes.len() as u64))
+    }
+
+    #[test]
+    fn blocks_of_uastc_become_pixels() {
+        let colors = [[200, 10, 30, 255], [0, 100, 250, 128]];
+        let (size, pixels) = decoded(&solid(colors)).unwrap();
+        assert_eq!(size, [8, 4]);
+        assert!((0..32).all(|at| pixels[at] == colors[at % 8 / 4]), "{pixels:?}");
+    }
+
+    #[test]
+    fn damaged_files_are_refused() {
+        let file = solid([[1; 4]; 2]);
+        assert!(is_ktx2(&file));
+        for length in IDENTIFIER.len()..file.len() {
+            assert!(decoded(&file[..length]).is_err(), "{length}");
+        }
+        for (at, byte) in (0..file.len()).flat_map(|at| [0, 1, 127, 255].map(|byte| (at, byte))) {
+            let mut other = file.clone();
+            other[at] = byte;
+            // Some are valid.
+            assert!(decoded(&other).is_ok_and(|([width, height], pixels)| pixels.len() as u32 == width * height)
+                || decoded(&other).is_err());
+        }
+        let mut large = file.clone();
+        large[20..28].copy_from_slice(&[0, 0, 1, 0, 0, 0, 1, 0]);
+        let said = decoded(&large).unwrap_err().to_string();
+        assert!(said.contains("65536x65536"), "{said}");
+        let mut bomb = file;
+        bomb[96..104].copy_from_slice(&(1u64 << 40).to_le_bytes());
+        assert!(decoded(&bomb).unwrap_err().to_string().contains("1099511627776"));
+    }
+}

@@ -121,9 +121,20 @@ impl Found {
     }
 }
 
-/// Finds all sequences, sorted by name. Files that cannot be part of a sequence are noted in `unsure`. Files are stills, each a
-/// sequence of frame 0, if no name has a number or numbers are names of views.
-pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits, unsure: &mut Vec<String>) -> Result<Vec<Found>> {
+/// Sequences below a folder.
+#[derive(Debug, Default)]
+pub struct Sequences {
+    pub found: Vec<Found>,
+    /// Files that are not used, with the reason; one sentence each.
+    pub left_out: Vec<String>,
+    /// Properties that the names do not determine; one sentence each.
+    pub unsure: Vec<String>,
+}
+
+/// Finds all sequences, sorted by name. Files are stills, each a sequence of frame 0, if no name has a number or numbers are names
+/// of views.
+pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits) -> Result<Sequences> {
+    let (mut left_out, mut unsure) = (Vec::new(), Vec::new());
     let Sorted { groups, mut unnumbered, times, negative } = Sorted::of(images_below(folder)?, numbers);
     let mut found = Vec::new();
     if groups.is_empty() {
@@ -131,7 +142,7 @@ pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits, unsure: &mut V
             let name = format!("{before}{TIME}{after}");
             let text = if place.is_empty() { name } else { format!("{place}/{name}") };
             if !is_pattern(&text.replace(TIME, "")) {
-                unsure.push(format!("{text} was left out: {NO_PATTERN}"));
+                left_out.push(format!("{text} was left out: {NO_PATTERN}"));
                 continue;
             }
             let files = TimedFiles::list(&folder.join(&text), &mut FolderNames::default())?;
@@ -142,18 +153,18 @@ pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits, unsure: &mut V
     } else if let Some(first) = times.values().flatten().next() {
         let count = times.values().map(Vec::len).sum::<usize>();
         let more = if count > 1 { format!(" and {} more", count - 1) } else { String::new() };
-        unsure.push(format!("{first}{more} left out: the name is a time, not a frame number"));
+        left_out.push(format!("{first}{more} left out: the name is a time, not a frame number"));
     }
     if let [first, others @ ..] = negative.as_slice() {
         let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
-        unsure.push(format!("{first}{more} left out: frame numbers below 0 are not supported, number them from 0"));
+        left_out.push(format!("{first}{more} left out: frame numbers below 0 are not supported, number them from 0"));
     }
     if groups.is_empty() && negative.is_empty() && found.is_empty() {
         for file in std::mem::take(&mut unnumbered) {
             let text = file.replace('%', "%%");
             match is_pattern(&text) && Pattern::parse(&text).is_ok_and(|pattern| !pattern.has_field()) {
                 true => found.push(look(text, folder.join(&file), BTreeSet::from([0]), limits)?),
-                false => unsure.push(format!("{file} was left out: {NO_PATTERN}")),
+                false => left_out.push(format!("{file} was left out: {NO_PATTERN}")),
             }
         }
         if !found.is_empty() && numbers == Numbers::Frames {
@@ -162,7 +173,7 @@ pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits, unsure: &mut V
     }
     if let [first, others @ ..] = unnumbered.as_slice() {
         let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
-        unsure.push(format!("{first}{more} left out: the name has no frame number"));
+        left_out.push(format!("{first}{more} left out: the name has no frame number"));
     }
     for ([place, before, after], numbers) in groups {
         let digits = numbers.values().map(String::len).min().unwrap_or(1);
@@ -172,22 +183,22 @@ pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits, unsure: &mut V
         let text = if place.is_empty() { name.clone() } else { format!("{place}/{name}") };
         let frames: BTreeSet<u32> = numbers.keys().copied().collect();
         let (Some(frame), Ok(pattern)) = (frames.first().copied(), Pattern::parse(&name)) else {
-            unsure.push(format!("{text} was left out: {NO_PATTERN}"));
+            left_out.push(format!("{text} was left out: {NO_PATTERN}"));
             continue;
         };
         let first = pattern.below(&folder.join(&place)).path(frame);
         if !first.is_file() || !is_pattern(&text) {
-            unsure.push(format!("{text} was left out: {NO_PATTERN}"));
+            left_out.push(format!("{text} was left out: {NO_PATTERN}"));
             continue;
         }
         found.push(look(text, first, frames, limits)?);
     }
     for of in found.iter_mut().filter(|of| of.is_named(&SHADE_WORDS)) {
         of.kinds.clear();
-        unsure.push(format!("{} was left out: its name says that it holds no lengths", of.text));
+        left_out.push(format!("{} was left out: its name says that it holds no lengths", of.text));
     }
     let no_depth = found.iter().filter(|of| of.kinds.is_empty() && of.is_named_depth() && !of.is_named(&SHADE_WORDS));
-    unsure
+    left_out
         .extend(no_depth.map(|of| {
             format!("{} was left out: its name says depth, but its channels differ, or it is JPEG", of.text)
         }));
@@ -196,10 +207,10 @@ pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits, unsure: &mut V
     if found.iter().any(|of| of.kinds.contains(&StreamKind::Color) && !is_other(of)) {
         for of in found.iter_mut().filter(|of| of.kinds.contains(&StreamKind::Color) && is_other(of)) {
             of.kinds.clear();
-            unsure.push(format!("{} was left out: it looks like another pass than colour", of.text));
+            left_out.push(format!("{} was left out: it looks like another pass than colour", of.text));
         }
     }
-    Ok(found)
+    Ok(Sequences { found, left_out, unsure })
 }
 
 /// Reason for leaving files out.

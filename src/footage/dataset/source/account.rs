@@ -1,0 +1,99 @@
+//! Account of a dataset: the files, channels and probes that are used, and the channels that are not.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{Source, SourceGroup};
+use crate::account::Account;
+use crate::dataset::manifest::NORMAL_CHANNELS;
+use crate::image_files::{exr, png};
+use codec::error::Result;
+use codec::image::channels::{ChannelName, find_alpha, find_color, find_depth, find_named};
+use codec::image::{ChannelSelect, StreamKind};
+
+/// Returns the places of the channels that a stream reads from an EXR file.
+fn read_channels(
+    names: &[ChannelName],
+    kind: StreamKind,
+    select: &ChannelSelect,
+    material: [&str; 3],
+) -> Vec<usize> {
+    match kind {
+        // Alpha is read where it is below 1.
+        StreamKind::Color => find_color(names, select)
+            .map(|rgb| rgb.into_iter().chain(find_alpha(names, rgb[0])).collect())
+            .unwrap_or_default(),
+        StreamKind::Depth => find_depth(names, select)
+            .map(|depth| [depth.channel].into_iter().chain(depth.copies.into_iter().flatten()).collect())
+            .unwrap_or_default(),
+        StreamKind::Material => material.iter().filter_map(|name| find_named(names, name).ok()).collect(),
+        StreamKind::Alpha => Vec::new(),
+    }
+}
+
+/// Maximum names in one sentence.
+const MAX_LISTED: usize = 12;
+
+impl Source {
+    /// Returns the account of the first file of each probe and kind: patterns, channels and probes. Channels that no kind reads are
+    /// left out.
+    ///
+    /// # Errors
+    /// Fails if a file cannot be read.
+    pub fn account(&self) -> Result<Account> {
+        let mut account = Account::default();
+        let mut unused = BTreeMap::new();
+        let mut seen = BTreeSet::new();
+        for group in self.groups.iter().filter(|group| seen.insert((group.kind, group.probe))) {
+            let pattern = self.manifest.as_ref().and_then(|manifest| manifest.files.get(group.kind));
+            account.add("file pattern", pattern.map(str::to_owned));
+            account.add("probe", [self.probes[group.probe].name.clone()]);
+            let path = self.file(group, group.frames.first)?.filter(|path| !png::has_codes(path));
+            let Some(path) = path else { continue };
+            let names = exr::read_header(&path, &self.limits)?.channels;
+            let used = self.used_channels(group, &names);
+            account.add("channel", used.iter().cloned());
+            let all = || -> BTreeSet<String> { names.iter().map(ChannelName::full).collect() };
+            let (_, left) = unused.entry(path).or_insert_with(|| (pattern.unwrap_or_default(), all()));
+            left.retain(|name| !used.contains(name));
+        }
+        let normal = self.manifest.as_ref().and_then(|manifest| manifest.files.normal.clone());
+        if normal.is_some() {
+            account.add("channel", NORMAL_CHANNELS.map(str::to_owned));
+        }
+        for (pattern, names) in unused.into_values().collect::<BTreeSet<_>>() {
+            let names: Vec<&String> = names.iter().filter(|name| !self.is_normal(pattern, name)).collect();
+            let Some(first) = names.first() else { continue };
+            let listed = names.iter().take(MAX_LISTED).skip(1).fold((*first).clone(), |all, name| format!("{all}, {name}"));
+            let more = names.len().saturating_sub(MAX_LISTED);
+            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+            let words = if names.len() == 1 { ["channel", "was"] } else { ["channels", "were"] };
+            account.left_out.push(format!("{} {listed}{more} of {pattern} {} left out", words[0], words[1]));
+        }
+        account.add("file pattern", normal);
+        Ok(account)
+    }
+
+    /// Returns the full names of the channels that a group reads from an EXR file.
+    fn used_channels(&self, group: &SourceGroup, names: &[ChannelName]) -> Vec<String> {
+        let channels = match group.kind {
+            StreamKind::Color => &self.color_channel,
+            StreamKind::Depth => &self.depth_channel,
+            StreamKind::Material | StreamKind::Alpha => &self.alpha_channel,
+        };
+        let places = match (group.kind, self.select(channels, group)) {
+            (StreamKind::Alpha, ChannelSelect::Named(name)) => find_named(names, &name).into_iter().collect(),
+            (StreamKind::Alpha, ChannelSelect::Auto) => {
+                let color = find_color(names, &self.select(&self.color_channel, group)).ok();
+                color.and_then(|rgb| find_alpha(names, rgb[0])).into_iter().collect()
+            }
+            (kind, select) => read_channels(names, kind, &select, self.material_channels.each_ref().map(String::as_str)),
+        };
+        places.into_iter().map(|at| names[at].full()).collect()
+    }
+
+    /// True if normals are read from this channel of a pattern.
+    fn is_normal(&self, pattern: &str, name: &str) -> bool {
+        let normal = self.manifest.as_ref().and_then(|manifest| manifest.files.normal.as_deref());
+        normal == Some(pattern) && NORMAL_CHANNELS.contains(&name)
+    }
+}
