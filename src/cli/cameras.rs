@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::capture::parse_size;
-use crate::options::{Choices, check_report, one_of, parse_positive, read_cameras, word_of};
-use crate::{ExitStatus, GlobalArgs, output, outputs, refuse};
+use crate::options::{AccountArgs, Choices, check_report, one_of, parse_positive, read_cameras, word_of};
+use crate::{ExitStatus, GlobalArgs, outputs, refuse};
 use codec::container::header::is_container;
 use codec::decode::Decoder;
 use codec::error::{Error, Result, counted};
-use evaluate::cameras::{self, CameraFormat, FileCamera, ReadSettings, WriteSettings, Written};
+use evaluate::cameras::{self, CameraFormat, FileCamera, FileCameras, ReadSettings, WriteSettings, Written};
+use footage::account::Account;
 use footage::dataset::manifest::{MANIFEST_NAME, Manifest};
 use footage::files::{OutputFile, OutputFolder};
 
@@ -70,6 +71,8 @@ pub struct Args {
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub account: AccountArgs,
 }
 
 #[derive(Serialize)]
@@ -92,7 +95,13 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     check_report(output, args.json)?;
     outputs::check(&[("-o", output.clone())], &[input])?;
-    let (cameras, fps) = read(args)?;
+    let (FileCameras { cameras, notes }, fps) = read(args)?;
+    let mut account = Account { left_out: notes, ..Account::default() };
+    let name = |(at, camera): (usize, &FileCamera)| match camera.name.as_str() {
+        "" => format!("camera {at}"),
+        name => name.to_owned(),
+    };
+    account.add("camera", cameras.iter().enumerate().map(name));
     let settings = WriteSettings { size: args.size.unwrap_or((HEIGHT, None)), fps };
     let count = cameras.len();
     match cameras::write(&cameras, format, &settings).map_err(|error| error.in_file(output))? {
@@ -109,16 +118,14 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
             folder.commit()?;
         }
     }
-    if args.json {
-        output::print_json(&Report { cameras: count, format: word_of(FORMATS, &format) })?;
-    } else {
-        global.note(format_args!("{}: {}", output.display(), counted(count as u64, "camera")));
-    }
+    let report = Report { cameras: count, format: word_of(FORMATS, &format) };
+    let text = || format!("{}: {}", output.display(), counted(count as u64, "camera"));
+    args.account.report((&account, args.json), report, text, global)?;
     Ok(ExitStatus::Passed)
 }
 
 /// Returns the cameras of the input, and the frames per second.
-fn read(args: &Args) -> Result<(Vec<FileCamera>, f64)> {
+fn read(args: &Args) -> Result<(FileCameras, f64)> {
     let input = &args.input;
     let fps_of_field = match input.is_dir() {
         false if input != Path::new("-") && is_container(input)? => Some(Decoder::open(input)?.reader().index().fps),

@@ -34,8 +34,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let (cameras, viewers) = args.read_cameras()?;
     let play = Play::of(args.animation.as_deref());
-    let (scene, notes) = Scene::open(&args.scene, play)?;
-    notes.iter().for_each(|note| global.note(note));
+    let (scene, account) = Scene::open(&args.scene, play)?;
+    args.account.notes(&account, global);
     let plan = args.plan(&scene, cameras, viewers)?;
     plan.manifest()?;
     if manifest.is_file() {
@@ -58,7 +58,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let summary = work.capture(PartialFolder::open_part(&args.output, UNFINISHED, &part)?)?;
     drop(progress);
     let report = summary.report(&plan, loaded.as_secs_f64(), start.elapsed().as_secs_f64());
-    global.report(args.json, report, || text(&args.output, &plan, &summary, &report))?;
+    let text = || text(&args.output, &plan, &summary, &report);
+    args.account.report((&account, args.json), report, text, global)?;
     Ok(ExitStatus::Passed)
 }
 

@@ -4,10 +4,14 @@ mod cameras;
 
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+
+use crate::options::{AccountArgs, check_report};
 use crate::progress::Progress;
 use crate::{ExitStatus, GlobalArgs, output, refuse};
 use codec::error::{Error, Result, counted};
 use codec::image::StreamKind;
+use footage::account::Account;
 use footage::convention::{self, Verdict};
 use footage::dataset::discover::{self, Numbers, Proposal};
 use footage::dataset::manifest::{FileDepth, MANIFEST_NAME, Manifest};
@@ -33,12 +37,26 @@ pub struct Args {
     /// Overwrite an existing manifest
     #[arg(long)]
     pub force: bool,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub account: AccountArgs,
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    /// Path of the manifest.
+    manifest: std::borrow::Cow<'a, str>,
+    /// Properties that the images do not determine.
+    unsure: &'a [String],
 }
 
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let inside = args.folder.join(MANIFEST_NAME);
     let to = args.output.as_ref().unwrap_or(&inside);
     let is_standard_output = to == Path::new("-");
+    check_report(to, args.json)?;
     if !is_standard_output && to.exists() && !args.force {
         return refuse(format!("{}: a manifest exists already: use --force to replace it", to.display()));
     }
@@ -57,11 +75,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if !is_below(file, &args.folder) {
         proposal = proposal.outside(&args.folder)?;
     }
-    let Proposal { mut manifest, mut unsure, unsure_of_cameras } = proposal;
+    let Proposal { mut manifest, mut unsure, unsure_of_cameras, left_out } = proposal;
     if has_alpha(&manifest, file) {
         manifest.files.alpha.clone_from(&manifest.files.color);
     }
     unsure.extend(unsure_of_cameras);
+    args.account.notes(&Account { left_out: left_out.clone(), ..Account::default() }, global);
     let (manifest, doubts) = match checked(&manifest, file, global) {
         Ok((manifest, doubts)) => (manifest, doubts),
         Err(Error::Interrupted) => return Err(Error::Interrupted),
@@ -70,8 +89,15 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     };
     unsure.extend(doubts);
     output::write_file(to, &manifest.to_json()?)?;
-    global.note(text(to, &manifest));
-    unsure.iter().for_each(|line| output::note(format_args!("unsure: {line}")));
+    let source = Source::of_manifest(manifest.clone(), file, &SourceOptions::default());
+    let mut account = source.and_then(|source| source.account()).unwrap_or_default();
+    args.account.notes(&account, global);
+    account.left_out.splice(0..0, left_out);
+    let report = Report { manifest: to.to_string_lossy(), unsure: &unsure };
+    if !args.json {
+        unsure.iter().for_each(|line| output::note(format_args!("unsure: {line}")));
+    }
+    args.account.report((&account, args.json), report, || text(to, &manifest), global)?;
     Ok(ExitStatus::Passed)
 }
 

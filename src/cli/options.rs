@@ -1,5 +1,6 @@
 //! Options shared by several commands.
 
+mod account;
 mod camera;
 mod channels;
 mod coding;
@@ -14,6 +15,7 @@ mod shard;
 mod side;
 mod value;
 
+pub use account::{AccountArgs, WithAccount};
 pub use camera::{CameraArgs, parse_aspect, parse_point, read_cameras};
 pub use channels::ChannelArgs;
 pub use coding::CodingArgs;

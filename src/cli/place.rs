@@ -31,8 +31,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let region = Region::parse(&args.region)?;
     let start = args.start.as_deref().map(CameraSet::read).transpose()?;
     let play = Play::of(args.animation.as_deref());
-    let (scene, notes) = Scene::open(&args.scene, play)?;
-    notes.iter().for_each(|note| global.note(note));
+    let (scene, account) = Scene::open(&args.scene, play)?;
+    account.left_out.iter().for_each(|note| global.note(note));
     let settings = args.settings();
     let range = args.frames(&scene)?;
     // Static scenes are sampled once.

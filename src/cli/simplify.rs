@@ -33,7 +33,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let begun = Instant::now();
     let settings = args.settings()?;
     let mut capture = Capture::open(&args.input, args.frames)?;
-    capture.notes.iter().for_each(|note| global.note(note));
+    let mut account = capture.account()?;
+    args.account.notes(&account, global);
     let mut held_out = args.held_out.as_deref().map(|path| Capture::open(path, args.frames)).transpose()?;
     let held_out_images = held_out.as_ref().map_or(0, |capture| capture.images.len());
     let evaluated = Some(&capture).filter(|_| args.is_evaluated());
@@ -62,7 +63,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let compared = done.map_err(|error| unfinished.stopped(error))?;
     simplified.notes.iter().for_each(|note| global.note(note));
     let report = Report::new(&simplified, &compared, args, begun.elapsed());
-    global.report(args.json, &report, || report.text())?;
+    account.left_out.extend(simplified.notes);
+    args.account.report((&account, args.json), &report, || report.text(), global)?;
     if args.stats && !args.json {
         output::print_text(&report.stats()?)?;
     }

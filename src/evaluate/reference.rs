@@ -14,6 +14,7 @@ use codec::image::{
 use codec::math::camera::rotation;
 use codec::math::{Camera, Lens};
 use codec::streams::StreamInfo;
+use footage::account::Account;
 use footage::dataset::{Pose, ProbeInfo, Source, SourceOptions};
 
 /// Maximum offset in pixels of a principal point from the image centre at which it is set to the centre.
@@ -84,6 +85,23 @@ impl Reference {
             return Reference::of_container(Decoder::open(path)?).map_err(|error| error.in_file(path));
         }
         Reference::new(Source::open(path, &SourceOptions::default())?).map_err(|error| error.in_file(path))
+    }
+
+    /// Returns the account of the use of one frame: for a dataset files, channels and probes; for a container no names.
+    pub fn account(&self, frame: u32) -> Result<Account> {
+        let mut account = match &self.files {
+            Images::Dataset(source) => source.account()?,
+            _ => Account::default(),
+        };
+        let frames = self.images.iter().map(|image| image.frames).reduce(FrameRange::hull);
+        if let Some(frames) = frames.filter(|frames| frames.count() > 1) {
+            account.left_out.push(format!("of frames {frames} all but {frame}: one frame is simplified"));
+        }
+        let others = self.images.iter().filter(|image| !image.frames.contains(frame)).count();
+        if others > 0 {
+            account.left_out.push(format!("{others} images: their probes have no frame {frame}"));
+        }
+        Ok(account)
     }
 
     /// Returns the image files of a frame; empty for a container, which is a single file.

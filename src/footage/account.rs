@@ -1,5 +1,7 @@
 //! Account of an input: what a command uses of it, and what it leaves out.
 
+use std::collections::HashSet;
+
 use serde::Serialize;
 
 use codec::error::counted;
@@ -24,15 +26,17 @@ pub struct Account {
 impl Account {
     /// Adds names of a kind, each once.
     pub fn add(&mut self, kind: &'static str, names: impl IntoIterator<Item = String>) {
-        for name in names {
-            let at = self.used.iter().position(|used| used.kind == kind).unwrap_or_else(|| {
-                self.used.push(Used { kind, names: Vec::new() });
-                self.used.len() - 1
-            });
-            if !self.used[at].names.contains(&name) {
-                self.used[at].names.push(name);
-            }
+        let mut names = names.into_iter().peekable();
+        if names.peek().is_none() {
+            return;
         }
+        let at = self.used.iter().position(|used| used.kind == kind).unwrap_or_else(|| {
+            self.used.push(Used { kind, names: Vec::new() });
+            self.used.len() - 1
+        });
+        let all = &mut self.used[at].names;
+        let mut known: HashSet<String> = all.iter().cloned().collect();
+        all.extend(names.filter(|name| known.insert(name.clone())));
     }
 
     /// Returns one line with the number of names of each kind, such as `used: 2 file patterns, 4 channels; left out: nothing`.
@@ -48,9 +52,10 @@ impl Account {
 
     /// Returns all names and sentences, one line for each kind and each sentence.
     pub fn lines(&self) -> Vec<String> {
-        let used = self.used.iter().map(|Used { kind, names }| {
-            format!("used, {}: {}", counted(names.len() as u64, kind), names.join(", "))
-        });
+        let used = self
+            .used
+            .iter()
+            .map(|Used { kind, names }| format!("used, {}: {}", counted(names.len() as u64, kind), names.join(", ")));
         used.chain(self.left_out.iter().map(|sentence| format!("left out: {sentence}"))).collect()
     }
 }

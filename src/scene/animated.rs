@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{DemoKind, DemoScene, Model, Play, SceneAtTime};
 use codec::error::{Error, Result};
+use footage::account::Account;
 
 const ENDINGS: [&str; 3] = ["glb", "gltf", "obj"];
 
@@ -19,14 +20,18 @@ impl Scene {
         has_ending(text) || built_in(text).is_some()
     }
 
-    /// Opens a built-in scene by its name, or a file. The notes report what was ignored or replaced.
-    pub fn open(text: &str, play: Play) -> Result<(Scene, Vec<String>)> {
+    /// Opens a built-in scene by its name, or a file. The account has what is used of the file, and what was ignored or replaced.
+    pub fn open(text: &str, play: Play) -> Result<(Scene, Account)> {
         if let Some(kind) = built_in(text) {
             return match play {
                 Play::Named(name) => Err(Error::Usage(format!(
                     "{text}: there is no animation “{name}”: the animation of a built-in scene has no name"
                 ))),
-                Play::All => Ok((Scene::Procedural(DemoScene::new(kind)), Vec::new())),
+                Play::All => {
+                    let mut account = Account::default();
+                    account.add("built-in scene", [text.to_owned()]);
+                    Ok((Scene::Procedural(DemoScene::new(kind)), account))
+                }
             };
         }
         let path = Path::new(text);
@@ -37,8 +42,8 @@ impl Scene {
                 DemoKind::ALL.map(DemoKind::name).join(", ")
             )));
         }
-        let (model, notes) = Model::open(path, play)?;
-        Ok((Scene::Model(Box::new(model)), notes))
+        let (model, account) = Model::open(path, play)?;
+        Ok((Scene::Model(Box::new(model)), account))
     }
 
     /// Splits each triangle into four, `times` times. Fails for built-in scenes, which have no triangles, unless `times` is 0.

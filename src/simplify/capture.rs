@@ -9,6 +9,7 @@ use codec::error::{Error, Result};
 use codec::image::{DepthPlane, MaterialPlane, NormalPlane, ReadLimits};
 use codec::math::Camera;
 use evaluate::reference::Reference;
+use footage::account::Account;
 use footage::dataset::seurat::{CaptureRay, SeuratCapture, SeuratView, is_manifest};
 
 #[derive(Debug, Clone)]
@@ -119,6 +120,17 @@ impl Capture {
     pub fn of_rays(images: impl IntoIterator<Item = (CaptureImage, Vec<CaptureRay>)>) -> Capture {
         let (images, rays) = images.into_iter().unzip();
         Capture { rays: Rays::Memory(rays), images, relative_depth_error: Some(0.0), notes: Vec::new() }
+    }
+
+    /// Returns the account of the input: its images, and of a dataset files, channels and probes. Other frames are left out.
+    pub fn account(&self) -> Result<Account> {
+        let mut account = match &self.rays {
+            Rays::Reference { reference, frame, .. } => reference.account(*frame)?,
+            Rays::Manifest(_) | Rays::Memory(_) => Account::default(),
+        };
+        account.add("image", self.images.iter().map(|image| image.name.clone()));
+        account.left_out.extend(self.notes.iter().cloned());
+        Ok(account)
     }
 
     /// Returns the number of the frame that the images show.

@@ -20,7 +20,7 @@ pub fn open_beside(name: &str, bytes: &[u8], others: &[(&str, &[u8])]) -> codec:
     }
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
-    Model::open(&path, Play::All)
+    Model::open(&path, Play::All).map(|(model, account)| (model, account.left_out))
 }
 
 pub fn open(file: &Gltf) -> (Model, Vec<String>) {
@@ -254,9 +254,9 @@ fn what_stays_is_shared_by_all_times_and_what_moves_is_not() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.glb");
     std::fs::write(&path, file.glb()).unwrap();
-    let (model, notes) = Model::open(&path, Play::Named("stay")).unwrap();
+    let (model, account) = Model::open(&path, Play::Named("stay")).unwrap();
     assert_eq!(
-        (model.duration_s(), notes.len(), &model.animations[..]),
+        (model.duration_s(), account.left_out.len(), &model.animations[..]),
         (0.0, 0, &["go".to_string(), "stay".to_string()][..])
     );
     let corners = [[0.0, 0.0, 5.0], [1.0, 0.0, 5.0], [0.0, 1.0, 5.0]];
@@ -458,8 +458,8 @@ fn the_meshes_beside_the_footage_are_whole() {
     // Name, number of triangles, and number of those without area.
     for (name, triangles, no_area) in [("sponza.glb", 262_267, 1), ("dragon.glb", 202_520, 0), ("bunny.obj", 69_451, 0)]
     {
-        let (model, notes) = Model::open(&Path::new(data).join("meshes").join(name), Play::All).unwrap();
-        let mesh = first(&model);
+        let (model, account) = Model::open(&Path::new(data).join("meshes").join(name), Play::All).unwrap();
+        let (mesh, notes) = (first(&model), account.left_out);
         assert_eq!((mesh.triangles.len(), notes.len()), (triangles - no_area, no_area), "{name}: {notes:?}");
         assert_eq!(model.duration_s(), 0.0);
         let textures = mesh.materials.iter().filter(|material| material.plain.base_texture.is_some()).count();

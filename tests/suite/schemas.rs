@@ -37,6 +37,8 @@ const REPORTS: &[(&str, &str)] = &[
     ("inspect", "inspect exact.lfold --json --per-frame --verify"),
     ("inspect", "inspect b.lfold --json --streams"),
     ("inspect-scene", "inspect interior --json"),
+    ("init", "init room -o room/other.json --json"),
+    ("cameras", "cameras room -o room.usda --json"),
     ("inspect-check", "inspect room --check --json"),
     ("decode", "decode room.lfold -o decoded --json"),
     ("decode", "decode room.lfold --null --repeat 2 --json"),

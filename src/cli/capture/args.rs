@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
-use crate::options::{self, Choices, FrameArgs, one_of, parse_point, parse_shard};
+use crate::options::{self, AccountArgs, Choices, FrameArgs, one_of, parse_point, parse_shard};
 use codec::image::{DepthKind, Projection};
 use footage::dataset::manifest::parse_frame_rate;
 use footage::encode::Shard;
@@ -102,6 +102,8 @@ pub struct Args {
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub account: AccountArgs,
 }
 
 const PROJECTIONS: &Choices<Projection> = &[

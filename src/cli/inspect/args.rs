@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::options::{MemoryArgs, SelectionArgs, SideArgs};
+use crate::options::{AccountArgs, MemoryArgs, SelectionArgs, SideArgs};
 use crate::refuse;
 use codec::decode::{Decoder, StreamInfo};
 use codec::error::Result;
@@ -54,6 +54,8 @@ pub struct Args {
     /// Report as JSON
     #[arg(long, conflicts_with = "csv")]
     pub json: bool,
+    #[command(flatten)]
+    pub account: AccountArgs,
     /// Report as CSV: one row per stream, or with --per-frame per frame
     #[arg(long)]
     pub csv: bool,

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::args::Args;
 use crate::depth_bound::stray_words;
+use crate::options::WithAccount;
 use crate::output::{self, with_option_names};
 use crate::progress::Progress;
 use crate::report::Table;
@@ -51,6 +52,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         max_probes: if args.selection.probe.is_empty() { MAX_PROBES } else { usize::MAX },
         frame: args.frame,
     };
+    let account = source.account()?;
     let progress = Progress::start(global, "checking", convention::steps(&source, &choice)?)?;
     let mut report = convention::check(&source, &choice, &progress)?;
     drop(progress);
@@ -64,7 +66,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         depth_strays: &strays,
         seconds: start.elapsed().as_secs_f64(),
     };
+    let document = WithAccount { report: document, account: &account };
     output::print_either(args.json, &document, || text(source.name(), &report, &strays))?;
+    if !args.json {
+        args.account.notes(&account, global);
+        args.account.print(&account, global);
+    }
     Ok(if report.suspects() { ExitStatus::Failed } else { ExitStatus::Passed })
 }
 

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::args::Args;
+use crate::options::WithAccount;
 use crate::report::Table;
 use crate::{ExitStatus, GlobalArgs, output};
 use codec::error::Result;
@@ -16,17 +17,18 @@ struct Document<'a> {
     scene: &'a str,
     #[serde(flatten)]
     summary: SceneSummary,
-    notes: Vec<String>,
 }
 
 pub fn run(args: &Args, name: &str, global: &GlobalArgs) -> Result<ExitStatus> {
     args.refuse_all_but_json(&format!("{name}: a scene"))?;
-    let (scene, notes) = Scene::open(name, Play::All)?;
-    let document = Document { scene: name, summary: scene.summary(), notes };
+    let (scene, account) = Scene::open(name, Play::All)?;
+    let document = WithAccount { report: Document { scene: name, summary: scene.summary() }, account: &account };
+    output::print_either(args.json, &document, || text(name, &document.report.summary))?;
     if !args.json {
-        document.notes.iter().for_each(|note| global.note(note));
+        args.account.notes(&account, global);
+        args.account.print(&account, global);
     }
-    output::print_either(args.json, &document, || text(name, &document.summary)).map(|()| ExitStatus::Passed)
+    Ok(ExitStatus::Passed)
 }
 
 pub fn box_text(&SceneBounds { min, max }: &SceneBounds) -> String {

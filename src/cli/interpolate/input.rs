@@ -69,7 +69,7 @@ impl Input {
         // The whole file is read.
         budget.at_once(&reading(path.metadata().map_or(0, |of| of.len())), 1)?;
         let (scene, of_scene) = Scene::open(&args.input, Play::All)?;
-        notes.extend(of_scene);
+        notes.extend(of_scene.left_out);
         let scene = scene.subdivided(args.subdivide)?;
         budget.at_once(&reading(machine::peak_memory_bytes().unwrap_or(0)), 1)?;
         Ok(Input::Scene(Box::new(scene)))

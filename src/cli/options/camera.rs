@@ -9,7 +9,7 @@ use crate::output::{self, human_bytes};
 use codec::decode::{self, AllUnits, DecodeSummary, Decoder, StreamFrames, UnitFilter};
 use codec::error::Result;
 use codec::math::{Camera, Lens};
-use evaluate::cameras::{self, FileCamera, ReadSettings};
+use evaluate::cameras::{self, FileCameras, ReadSettings};
 use render::camera_path::TimedCamera;
 use render::views::camera_units::{CameraUnitCounts, CameraUnits, CameraUnitsReport};
 
@@ -34,7 +34,7 @@ pub fn parse_aspect(text: &str) -> Result<f64, String> {
 }
 
 /// Reads a camera file, chooses a camera by its name, and prints what was left out.
-pub fn read_cameras(path: &Path, settings: ReadSettings, name: Option<&str>) -> Result<Vec<FileCamera>> {
+pub fn read_cameras(path: &Path, settings: ReadSettings, name: Option<&str>) -> Result<FileCameras> {
     let mut found = cameras::read(path, settings)?;
     match name {
         Some(name) => found.choose(name).map_err(|error| error.context(path.display()))?,
@@ -47,7 +47,7 @@ pub fn read_cameras(path: &Path, settings: ReadSettings, name: Option<&str>) -> 
         let names = found.listed();
         output::note(format_args!("{}: its cameras are {names}; --camera-name chooses one", path.display()));
     }
-    Ok(found.cameras)
+    Ok(found)
 }
 
 #[derive(Debug, Clone, Args)]
@@ -87,7 +87,7 @@ impl CameraArgs {
         let mut cameras = Vec::new();
         for path in &self.camera {
             let found = read_cameras(path, ReadSettings::with_fps(fps), self.camera_name.as_deref())?;
-            cameras.extend(found.into_iter().map(|camera| camera.timed));
+            cameras.extend(found.cameras.into_iter().map(|camera| camera.timed));
         }
         if let Some(eye) = self.eye {
             let target = self.look_at.unwrap_or(eye + DVec3::NEG_Z);

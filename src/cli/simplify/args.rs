@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::options::{Choices, EFFORTS, MemoryArgs, check_stdout, one_of, parse_positive, word_of};
+use crate::options::{AccountArgs, Choices, EFFORTS, MemoryArgs, check_stdout, one_of, parse_positive, word_of};
 use codec::effort::Effort;
 use codec::error::{Error, Result};
 use scene::placement::Region;
@@ -125,6 +125,8 @@ pub struct Args {
     /// Report as JSON, with a comparison of pictures of the scene with the input
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub account: AccountArgs,
 }
 
 const BACKGROUNDS: &Choices<Background> = &[

@@ -120,7 +120,8 @@ fn leave_out_previews(found: &mut [Found], left_out: &mut Vec<String>) {
         if of.size != chosen {
             of.kinds.clear();
             let ([width, height], (other, high)) = ([of.size.0, of.size.1], chosen);
-            left_out.push(format!("{} was left out: it is {width}x{height} pixels, others are {other}x{high}", of.text));
+            left_out
+                .push(format!("{} was left out: it is {width}x{height} pixels, others are {other}x{high}", of.text));
         }
     }
 }
@@ -514,7 +515,8 @@ impl Draft<'_> {
 
     /// States the size of depth files, if it is not that of the others.
     fn sized(&mut self, depth: DepthInfo, size: (u32, u32)) -> DepthInfo {
-        let Some(of) = self.kinds.get(&StreamKind::Depth).map(|(files, _)| files[0]).filter(|of| of.size != size) else {
+        let Some(of) = self.kinds.get(&StreamKind::Depth).map(|(files, _)| files[0]).filter(|of| of.size != size)
+        else {
             return depth;
         };
         self.unsure.push(format!(
@@ -596,7 +598,8 @@ impl Draft<'_> {
             self.kinds.values().any(of_kind)
         };
         let silent = self.found.iter().filter(|of| !is_noted(of) && !is_read(of));
-        let left_out = silent.map(|of| format!("{} was left out: no stream is read from its {}", of.text, of.channels()));
+        let left_out =
+            silent.map(|of| format!("{} was left out: no stream is read from its {}", of.text, of.channels()));
         let left_out: Vec<String> = left_out.collect();
         self.left_out.extend(left_out);
         Ok(named.map(|named| named.text))

@@ -240,7 +240,8 @@ impl Source {
         let is_multiplied = is_png && group.kind == StreamKind::Color && self.group_beside(group).is_some();
         let alpha = if is_multiplied { 16 * file_pixels } else { 0 };
         // Depth of another size, before it is resampled.
-        let resized = self.depth_size().filter(|_| group.kind == StreamKind::Depth).map_or(0, |size| value * count(size));
+        let resized =
+            self.depth_size().filter(|_| group.kind == StreamKind::Depth).map_or(0, |size| value * count(size));
         let is_cut = self.stereo.is_some() || self.content != Content::Face;
         let cut = if is_cut { pixels * value } else { 0 };
         file_pixels * value + resized + decoding.max(alpha).max(cut)

@@ -40,6 +40,11 @@ impl Folder {
         self.found.iter().map(|(name, path)| format!("“{}” was found as {}", shown(name), path.display()))
     }
 
+    /// Paths of the files that were read, relative to the scene's folder where they are below it.
+    pub fn files(&self) -> impl Iterator<Item = String> {
+        self.read.iter().map(|(path, _)| path.strip_prefix(&self.path).unwrap_or(path).display().to_string())
+    }
+
     /// Returns the bytes of the file of that name. Fails if the name leads out of the folder.
     pub fn fetch(&mut self, name: &str, budget: &mut Budget) -> Result<Arc<Vec<u8>>> {
         self.look_up(name, budget).inspect_err(|_| self.missing.push(name.to_owned()))

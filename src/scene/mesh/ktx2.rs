@@ -34,7 +34,8 @@ pub fn decode(bytes: &[u8], cap: u64, budget: &mut Budget) -> Result<([u32; 2], 
     let rgba = match transcoded {
         Some(Ok(rgba)) => rgba,
         Some(Err(error)) => {
-            let message = format!("the KTX2 image is no ETC1S or UASTC image of Basis Universal: {error:?}; save it as PNG");
+            let message =
+                format!("the KTX2 image is no ETC1S or UASTC image of Basis Universal: {error:?}; save it as PNG");
             return Err(Error::unsupported(message));
         }
         None => return Err(Error::invalid("the KTX2 image is damaged")),
@@ -83,7 +84,19 @@ mod tests {
         file.extend(words(&[104, 44, 0, 0, 0, 0, 0, 0]));
         file.extend([148u64, 32, 32].into_iter().flat_map(u64::to_le_bytes));
         // Colour model 166, UASTC, of sRGB in blocks of 4x4 pixels and 16 bytes; one sample of 128 bits.
-        file.extend(words(&[44, 0, 2 | 40 << 16, 166 | 1 << 8 | 2 << 16, 3 | 3 << 8, 16, 0, 127 << 16 | 3 << 24, 0, 0, u32::MAX]));
+        file.extend(words(&[
+            44,
+            0,
+            2 | 40 << 16,
+            166 | 1 << 8 | 2 << 16,
+            3 | 3 << 8,
+            16,
+            0,
+            127 << 16 | 3 << 24,
+            0,
+            0,
+            u32::MAX,
+        ]));
         for [r, g, b, a] in colors {
             let place = |code: u8, bit: u32| u128::from(code) << bit;
             // Mode 8, a solid colour.
@@ -115,8 +128,10 @@ mod tests {
             let mut other = file.clone();
             other[at] = byte;
             // Some are valid.
-            assert!(decoded(&other).is_ok_and(|([width, height], pixels)| pixels.len() as u32 == width * height)
-                || decoded(&other).is_err());
+            assert!(
+                decoded(&other).is_ok_and(|([width, height], pixels)| pixels.len() as u32 == width * height)
+                    || decoded(&other).is_err()
+            );
         }
         let mut large = file.clone();
         large[20..28].copy_from_slice(&[0, 0, 1, 0, 0, 0, 1, 0]);

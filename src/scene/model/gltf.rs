@@ -21,6 +21,7 @@ use crate::mesh::gltf::materials::{self, Paint};
 use crate::mesh::gltf::nodes::{Nodes, Pose, quaternion};
 use crate::mesh::gltf::primitives::{self, Geometry};
 use codec::error::{Error, Result};
+use footage::account::Account;
 
 #[derive(Debug)]
 pub struct Read {
@@ -31,8 +32,9 @@ pub struct Read {
     pub contents: String,
 }
 
-pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> Result<Read> {
+pub fn read(bytes: &[u8], path: &Path, play: Play, account: &mut Account) -> Result<Read> {
     let Parsed { document, blob, hidden, instanced, ignored } = document::parse(bytes)?;
+    let notes = &mut account.left_out;
     notes.extend(ignored.iter().map(|name| format!("the extension {name} is ignored")));
     let root = document.as_json();
     let mut buffers = Buffers::new(root, blob, Folder::of(path), Budget::new(bytes.len() as u64));
@@ -96,7 +98,7 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
             }
         },
     };
-    let (animation, left_out) = together(chosen, &mut buffers)?;
+    let (animation, left_out) = together(chosen.clone(), &mut buffers)?;
     if let [first, others @ ..] = left_out.as_slice() {
         let shown: String = animations[*first].chars().take(80).collect();
         let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
@@ -104,13 +106,43 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
             "the animation “{shown}”{more} left out: others move the same nodes; choose one by its name"
         ));
     }
+    let played = (0..animations.len()).filter(|at| chosen.contains(at) && !left_out.contains(at));
+    let played: Vec<String> = played.map(|at| animations[at].clone()).collect();
     let materials = paints.into_iter().map(shaded).collect();
     let durations_s = root.animations.iter().map(|animation| stated_duration_s(root, animation)).collect();
     notes.extend(buffers.folder.notes());
     let contents = buffers.folder.contents(bytes);
+    add_nodes(account, &document, &nodes);
+    account.add("animation", played);
+    account.add("file", buffers.folder.files());
     let mut stage = Stage { nodes, instances, skins, materials, lights, animation, is_moving: false };
     stage.find_moving();
     Ok(Read { stage, animations, durations_s, contents })
+}
+
+/// Adds the nodes with meshes and lights that are shown, and their materials; nodes that are not shown and cameras are left out.
+fn add_nodes(account: &mut Account, document: &::gltf::Document, nodes: &Nodes) {
+    let name = |node: &::gltf::Node| node.name().map_or_else(|| format!("node {}", node.index()), str::to_owned);
+    let is_shown = |node: &::gltf::Node| nodes.shown[node.index()];
+    let is_drawn = |node: &::gltf::Node| node.mesh().is_some() || node.light().is_some();
+    let with_mesh = || document.nodes().filter(|node| is_shown(node) && node.mesh().is_some());
+    account.add("node", with_mesh().map(|node| name(&node)));
+    let materials = with_mesh().filter_map(|node| node.mesh()).flat_map(|mesh| {
+        let material = |primitive: ::gltf::Primitive| {
+            let material = primitive.material();
+            Some(material.name().map_or(format!("material {}", material.index()?), str::to_owned))
+        };
+        mesh.primitives().filter_map(material).collect::<Vec<_>>()
+    });
+    account.add("material", materials);
+    account
+        .add("light", document.nodes().filter(|node| is_shown(node) && node.light().is_some()).map(|node| name(&node)));
+    let hidden = document.nodes().filter(|node| is_drawn(node) && !is_shown(node));
+    account.left_out.extend(hidden.map(|node| format!("{} is hidden, or not in the scene that is shown", name(&node))));
+    let cameras = document.nodes().filter(|node| node.camera().is_some());
+    account
+        .left_out
+        .extend(cameras.map(|node| format!("the camera {} is ignored: lightfold cameras reads it", name(&node))));
 }
 
 /// Joins animations that move different nodes or properties. Returns the numbers of those that are left out because an earlier

@@ -14,6 +14,7 @@ use super::{Light, SceneAtTime, SceneMesh};
 use crate::mesh::gltf::document;
 use crate::mesh::{Mesh, folder};
 use codec::error::{Error, Result};
+use footage::account::Account;
 
 pub mod animation;
 mod deform;
@@ -25,7 +26,8 @@ mod obj;
 mod options;
 mod stage;
 
-const MAX_NOTES: usize = 40;
+/// Maximum number of sentences about what is left out.
+const MAX_NOTES: usize = 10_000;
 
 #[derive(Debug, Default)]
 pub struct Model {
@@ -44,27 +46,30 @@ pub struct Model {
 }
 
 impl Model {
-    /// Opens a file. The notes report what was ignored or replaced.
-    pub fn open(path: &Path, play: Play) -> Result<(Model, Vec<String>)> {
-        let mut notes = Vec::new();
-        let model = Model::read(path, play, &mut notes).map_err(|error| error.in_file(path))?;
-        let more = notes.len().saturating_sub(MAX_NOTES);
-        notes.truncate(MAX_NOTES);
-        let mut notes: Vec<String> = notes.iter().map(|note| printable(note)).collect();
+    /// Opens a file. The account has the nodes or objects, materials, lights, animations and files that are used, and what was ignored
+    /// or replaced.
+    pub fn open(path: &Path, play: Play) -> Result<(Model, Account)> {
+        let mut account = Account::default();
+        let model = Model::read(path, play, &mut account).map_err(|error| error.in_file(path))?;
+        let more = account.left_out.len().saturating_sub(MAX_NOTES);
+        account.left_out.truncate(MAX_NOTES);
+        account.left_out.iter_mut().for_each(|note| *note = printable(note));
+        let names = account.used.iter_mut().flat_map(|used| &mut used.names);
+        names.for_each(|name| *name = printable(name));
         if more > 0 {
-            notes.push(format!("{more} more notes of this kind are omitted"));
+            account.left_out.push(format!("{more} more notes of this kind are omitted"));
         }
-        Ok((model, notes))
+        Ok((model, account))
     }
 
-    fn read(path: &Path, play: Play, notes: &mut Vec<String>) -> Result<Model> {
+    fn read(path: &Path, play: Play, account: &mut Account) -> Result<Model> {
         let bytes = folder::read(path)?;
         let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
         let first = text.iter().find(|byte| !byte.is_ascii_whitespace());
         if document::is_glb(&bytes) || first == Some(&b'{') {
-            let gltf::Read { stage, animations, durations_s, contents } = gltf::read(&bytes, path, play, notes)?;
-            return Ok(Model { animations, durations_s, contents, ..Model::of_stage(stage, notes)? });
+            let gltf::Read { stage, animations, durations_s, contents } = gltf::read(&bytes, path, play, account)?;
+            return Ok(Model { animations, durations_s, contents, ..Model::of_stage(stage, &mut account.left_out)? });
         }
         if extension.is_none_or(|extension| extension != "obj") {
             return Err(Error::unsupported("neither glTF nor GLB nor OBJ; save the scene as one of these"));
@@ -73,7 +78,7 @@ impl Model {
             let path = path.display();
             return Err(Error::Usage(format!("{path}: there is no animation “{name}”: OBJ files have no animations")));
         }
-        let (mesh, contents) = obj::read(&bytes, path, notes)?;
+        let (mesh, contents) = obj::read(&bytes, path, account)?;
         if mesh.mesh.triangles.is_empty() {
             return Err(nothing());
         }

@@ -19,13 +19,15 @@ use crate::mesh::polygon::triangulate;
 use crate::{MeshMaterial, SceneMesh};
 use codec::error::{Error, Result};
 use codec::image::Transfer;
+use footage::account::Account;
 use footage::text::decode_lossy;
 
 /// Maximum bytes that the parser allocates per byte of text.
 const PARSED: u64 = 32;
 
 /// Returns the mesh and [`Folder::contents`].
-pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(SceneMesh, String)> {
+pub fn read(bytes: &[u8], path: &Path, account: &mut Account) -> Result<(SceneMesh, String)> {
+    let notes = &mut account.left_out;
     let mut budget = Budget::new(bytes.len() as u64);
     budget.take(bytes.len() as u64, PARSED, "the text")?;
     let Plain { text, no_surface } = plain(bytes)?;
@@ -42,9 +44,10 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Scene
     let mut library = library.into_inner();
     let mut paints = vec![MeshMaterial::default()];
     let mut placements = vec![mtl::Placement::default()];
-    for material in materials.unwrap_or_default() {
-        placements.push(library.placement(&material));
-        paints.push(library.convert(&material));
+    let materials = materials.unwrap_or_default();
+    for material in &materials {
+        placements.push(library.placement(material));
+        paints.push(library.convert(material));
     }
     drop(text);
 
@@ -87,6 +90,10 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Scene
     }
     assembly.left_out.note(notes);
     notes.extend(folder.notes());
+    let materials = || models.iter().filter_map(|model| materials.get(model.mesh.material_id?));
+    account.add("object", models.iter().map(|model| model.name.clone()));
+    account.add("material", materials().map(|material| material.name.clone()));
+    account.add("file", folder.files());
     Ok((SceneMesh::new(assembly.finish(), paints.into()), folder.contents(bytes)))
 }
 
@@ -213,7 +220,7 @@ mod tests {
     use super::*;
 
     fn read_text(text: &str) -> SceneMesh {
-        super::read(text.as_bytes(), Path::new("a.obj"), &mut Vec::new()).unwrap().0
+        super::read(text.as_bytes(), Path::new("a.obj"), &mut Account::default()).unwrap().0
     }
 
     #[test]

@@ -41,8 +41,8 @@ fn run(file: &NamedTempFile, bytes: &[u8]) -> Judged {
 
 fn look(path: &Path) -> Judged {
     let model = Model::open(path, Play::All);
-    if let Ok((model, notes)) = &model {
-        if notes.iter().any(|note| note.trim().is_empty()) {
+    if let Ok((model, account)) = &model {
+        if account.left_out.iter().any(|note| note.trim().is_empty()) {
             return Err("a note without words".into());
         }
         let duration = model.duration_s();
@@ -115,7 +115,7 @@ pub fn run_mtl(bytes: &[u8]) -> Judged {
     MTL.with(|(mtl, obj)| {
         std::fs::write(mtl.path(), bytes).expect("the temporary file is written");
         let refused = Model::open(obj.path(), Play::All)
-            .is_ok_and(|(_, notes)| notes.iter().any(|note| note.starts_with("materials")));
+            .is_ok_and(|(_, account)| account.left_out.iter().any(|note| note.starts_with("materials")));
         let judged = look(obj.path())?;
         Ok(if refused { Verdict::Refused } else { judged })
     })

@@ -274,7 +274,17 @@ fn look(text: String, first: PathBuf, frames: BTreeSet<u32>, limits: &ReadLimits
             false => (!is_named_depth).then_some(StreamKind::Color),
         };
         let kinds = kind.into_iter().collect();
-        return Ok(Found { text, first, frames, size, kinds, has_eyes: false, depth_channel: None, header: None, timed: None });
+        return Ok(Found {
+            text,
+            first,
+            frames,
+            size,
+            kinds,
+            has_eyes: false,
+            depth_channel: None,
+            header: None,
+            timed: None,
+        });
     }
     let header = exr::read_header(&first, limits)?;
     let names = &header.channels;
@@ -302,7 +312,17 @@ fn look(text: String, first: PathBuf, frames: BTreeSet<u32>, limits: &ReadLimits
     if MaterialChannels::default().names().iter().all(|name| find_named(names, name).is_ok()) {
         kinds.insert(StreamKind::Material);
     }
-    Ok(Found { text, first, frames, size: header.size, kinds, has_eyes, depth_channel, header: Some(header), timed: None })
+    Ok(Found {
+        text,
+        first,
+        frames,
+        size: header.size,
+        kinds,
+        has_eyes,
+        depth_channel,
+        header: Some(header),
+        timed: None,
+    })
 }
 
 /// True if red, green and blue of an EXR file are equal in every pixel.

@@ -99,7 +99,8 @@ impl Manifest {
             }
             _ => {}
         }
-        if let Some([width, height]) = depth.size.filter(|size| size.iter().any(|side| !(1..=MAX_SIDE).contains(side))) {
+        if let Some([width, height]) = depth.size.filter(|size| size.iter().any(|side| !(1..=MAX_SIDE).contains(side)))
+        {
             return wrong(format!("depth \"size\" is {width}x{height}, each side must be 1 to {MAX_SIDE} pixels"));
         }
         let metric = |value: Option<f64>| value.is_none_or(|value| value.is_finite() && value > 0.0);

@@ -11,12 +11,7 @@ use codec::image::channels::{ChannelName, find_alpha, find_color, find_depth, fi
 use codec::image::{ChannelSelect, StreamKind};
 
 /// Returns the places of the channels that a stream reads from an EXR file.
-fn read_channels(
-    names: &[ChannelName],
-    kind: StreamKind,
-    select: &ChannelSelect,
-    material: [&str; 3],
-) -> Vec<usize> {
+fn read_channels(names: &[ChannelName], kind: StreamKind, select: &ChannelSelect, material: [&str; 3]) -> Vec<usize> {
     match kind {
         // Alpha is read where it is below 1.
         StreamKind::Color => find_color(names, select)
@@ -63,7 +58,8 @@ impl Source {
         for (pattern, names) in unused.into_values().collect::<BTreeSet<_>>() {
             let names: Vec<&String> = names.iter().filter(|name| !self.is_normal(pattern, name)).collect();
             let Some(first) = names.first() else { continue };
-            let listed = names.iter().take(MAX_LISTED).skip(1).fold((*first).clone(), |all, name| format!("{all}, {name}"));
+            let listed =
+                names.iter().take(MAX_LISTED).skip(1).fold((*first).clone(), |all, name| format!("{all}, {name}"));
             let more = names.len().saturating_sub(MAX_LISTED);
             let more = if more > 0 { format!(" and {more} more") } else { String::new() };
             let words = if names.len() == 1 { ["channel", "was"] } else { ["channels", "were"] };
@@ -86,7 +82,9 @@ impl Source {
                 let color = find_color(names, &self.select(&self.color_channel, group)).ok();
                 color.and_then(|rgb| find_alpha(names, rgb[0])).into_iter().collect()
             }
-            (kind, select) => read_channels(names, kind, &select, self.material_channels.each_ref().map(String::as_str)),
+            (kind, select) => {
+                read_channels(names, kind, &select, self.material_channels.each_ref().map(String::as_str))
+            }
         };
         places.into_iter().map(|at| names[at].full()).collect()
     }
