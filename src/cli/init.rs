@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use crate::options::{AccountArgs, check_report};
+use crate::options::{AccountArgs, Choices, check_report, one_of};
 use crate::progress::Progress;
 use crate::{ExitStatus, GlobalArgs, output, refuse};
 use codec::error::{Error, Result, counted};
@@ -14,7 +14,7 @@ use codec::image::StreamKind;
 use footage::account::Account;
 use footage::convention::{self, Verdict};
 use footage::dataset::discover::{self, Numbers, Proposal};
-use footage::dataset::manifest::{FileDepth, MANIFEST_NAME, Manifest};
+use footage::dataset::manifest::{FileDepth, MANIFEST_NAME, Manifest, Probe, UpAxis};
 use footage::dataset::{Projection, Source, SourceOptions};
 
 #[derive(Debug, clap::Args)]
@@ -34,6 +34,9 @@ pub struct Args {
     /// Numbers in file names name views of one moment, not frames
     #[arg(long)]
     pub views: bool,
+    /// Axis of the footage's world that points up: cameras of Blender and Unreal have z; lightfold has y
+    #[arg(long, value_name = "AXIS", value_parser = one_of(UP_AXES), default_value = "y")]
+    pub up: UpAxis,
     /// Overwrite an existing manifest
     #[arg(long)]
     pub force: bool,
@@ -43,6 +46,11 @@ pub struct Args {
     #[command(flatten)]
     pub account: AccountArgs,
 }
+
+const UP_AXES: &Choices<UpAxis> = &[
+    ("y", UpAxis::Y, "Positions and orientations are kept"),
+    ("z", UpAxis::Z, "Positions and stated orientations are turned: z becomes y, y becomes −z"),
+];
 
 #[derive(Serialize)]
 struct Report<'a> {
@@ -68,12 +76,13 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let mut proposal = discover::propose(&args.folder, if args.views { Numbers::Views } else { Numbers::Frames })?;
     // Cameras stated in the images take precedence over camera files in the folder.
-    if !proposal.unsure_of_cameras.is_empty() {
-        cameras::place(&args.folder, &mut proposal);
-    }
+    let has_poses = proposal.unsure_of_cameras.is_empty() || cameras::place(&args.folder, &mut proposal);
     let file = if is_standard_output { &inside } else { to };
     if !is_below(file, &args.folder) {
         proposal = proposal.outside(&args.folder)?;
+    }
+    if args.up == UpAxis::Z {
+        proposal.manifest.probes.iter_mut().for_each(|probe| probe.turn_z_up(has_poses));
     }
     let Proposal { mut manifest, mut unsure, unsure_of_cameras, left_out } = proposal;
     if has_alpha(&manifest, file) {

@@ -47,6 +47,7 @@ mod models;
 mod models_broken;
 mod models_of_exporters;
 mod models_paint;
+mod orientation;
 mod outputs;
 mod panoramas;
 mod place;

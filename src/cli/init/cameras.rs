@@ -17,9 +17,10 @@ use footage::dataset::manifest::{Manifest, Probe};
 const NAMES: [&str; 3] = ["transforms.json", "images.txt", "images.bin"];
 const USD_ENDINGS: [&str; 4] = ["usd", "usda", "usdc", "usdz"];
 
-/// Assigns the cameras of a file in the folder to the probes, if there is exactly one, and notes it.
-pub fn place(folder: &Path, proposal: &mut Proposal) {
-    let [file] = &files(folder)[..] else { return };
+/// Assigns the cameras of a file in the folder to the probes, if there is exactly one, and notes it. Returns true if they were
+/// assigned.
+pub fn place(folder: &Path, proposal: &mut Proposal) -> bool {
+    let [file] = &files(folder)[..] else { return false };
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     match read(file, &proposal.manifest) {
         Ok((Some(probes), notes)) => {
@@ -30,6 +31,7 @@ pub fn place(folder: &Path, proposal: &mut Proposal) {
                 "the images were taken for frames of a moving camera; if they are views of one moment, use --views";
             let still = moves.then(|| still.to_owned());
             proposal.unsure_of_cameras = [read].into_iter().chain(still).chain(notes).collect();
+            return true;
         }
         Ok((None, _)) => proposal.unsure_of_cameras.push(format!(
             "{name} was ignored: its cameras neither have the names of the probes, nor are they one for each frame of \
@@ -37,6 +39,7 @@ pub fn place(folder: &Path, proposal: &mut Proposal) {
         )),
         Err(error) => proposal.unsure_of_cameras.push(format!("{name} was ignored: {error}")),
     }
+    false
 }
 
 fn files(folder: &Path) -> Vec<PathBuf> {

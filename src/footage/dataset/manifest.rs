@@ -3,9 +3,11 @@
 mod validate;
 
 use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_2;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use glam::DQuat;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::dataset::missing::Missing;
@@ -378,7 +380,30 @@ pub struct Probe {
     pub extra: Option<serde_json::Value>,
 }
 
+/// Axis of a world that points up.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum UpAxis {
+    #[default]
+    Y,
+    Z,
+}
+
 impl Probe {
+    /// Turns the pose or poses of a probe from a world whose Z is up into one whose Y is up: Z becomes Y, Y becomes −Z. Pictures
+    /// without a stated orientation are upright in both.
+    pub fn turn_z_up(&mut self, has_orientation: bool) {
+        let turn = DQuat::from_rotation_x(-FRAC_PI_2);
+        let position = |[x, y, z]: [f64; 3]| [x, z, -y];
+        let orientation = |of: [f64; 4]| (turn * DQuat::from_array(of)).normalize().to_array();
+        self.position = self.position.map(position);
+        if self.poses.is_empty() && has_orientation {
+            self.orientation = Some(orientation(self.orientation.unwrap_or_else(no_turn)));
+        }
+        for pose in &mut self.poses {
+            (pose.position, pose.orientation) = (position(pose.position), orientation(pose.orientation));
+        }
+    }
+
     /// Returns the poses of a moving probe within a range of frames, sorted by frame; empty for a static probe.
     pub fn poses_in(&self, frames: FrameRange) -> Vec<Pose> {
         let mut poses: Vec<Pose> = self.poses.iter().copied().filter(|pose| frames.contains(pose.frame)).collect();
