@@ -14,7 +14,7 @@ use codec::image::StreamKind;
 use footage::account::Account;
 use footage::convention::{self, Verdict};
 use footage::dataset::discover::{self, Numbers, Proposal};
-use footage::dataset::manifest::{FileDepth, MANIFEST_NAME, Manifest, Probe, UpAxis};
+use footage::dataset::manifest::{FileDepth, MANIFEST_NAME, Manifest, UpAxis};
 use footage::dataset::{Projection, Source, SourceOptions};
 
 #[derive(Debug, clap::Args)]
