@@ -54,6 +54,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
                 .into(),
         );
     }
+    notes.extend(input.views_beyond_probes(&views));
     let range = args.range()?;
     input.check_frames(args, frames)?;
     args.check_outputs(&input)?;

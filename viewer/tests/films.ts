@@ -10,6 +10,10 @@ import { png } from "./ui_scene.ts";
 
 const PROGRAM = process.env["LIGHTFOLD"];
 
+/** Reason to skip a long test whose subject shorter ones have too. */
+export const atLength: string | false =
+  process.env.LIGHTFOLD_TESTS === "all" ? false : "long: scripts/test all runs it";
+
 /** Why tests that need the program cannot run here, for `skip` of node:test; `false` where they can. */
 export const withoutProgram: string | false = PROGRAM === undefined ? "not run: LIGHTFOLD names no program" : false;
 

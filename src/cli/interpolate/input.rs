@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
+
 use super::args::Args;
 use crate::refuse;
 use crate::report::machine;
@@ -19,6 +21,7 @@ use epipolar::views::OutputViews;
 use evaluate::reference::Reference;
 use footage::dataset::manifest::{MANIFEST_NAME, is_dataset, manifest_path};
 use footage::fingerprint::{digest, file_state};
+use render::views::head_box::HeadBox;
 use scene::{LightRays, Play, Scene, SceneAtTime};
 
 /// Memory of code, stacks and tables.
@@ -171,6 +174,21 @@ impl Input {
             Input::Images(images) => args.views_between(&captured(args, images, frame)?),
             Input::Scene(_) | Input::Field(_) => args.views_from_eye(),
         }
+    }
+
+    /// Returns a sentence about views outside the box around the probes; none for scenes.
+    pub fn views_beyond_probes(&self, views: &OutputViews) -> Option<String> {
+        let points: Vec<DVec3> = match self {
+            Input::Scene(_) => return None,
+            Input::Images(images) => {
+                images.images.iter().flat_map(|image| image.cameras().map(|(_, camera)| camera.eye())).collect()
+            }
+            Input::Field(decoder) => {
+                decoder.reader().index().probes.iter().map(|probe| DVec3::from_array(probe.position)).collect()
+            }
+        };
+        let eyes = views.offsets_m.iter().map(|offset_m| views.eye(*offset_m));
+        HeadBox::of(points)?.warning(eyes)
     }
 
     pub fn frame(&mut self, args: &Args, frame: u32) -> Result<FrameInput<'_>> {

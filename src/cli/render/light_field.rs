@@ -34,6 +34,7 @@ use render::march::silhouettes::near_silhouettes;
 use render::rendered_image::BackgroundFill;
 use render::views::View;
 use render::views::catalogue::ProbeChoice;
+use render::views::head_box::HeadBox;
 
 const SHEET_BYTES: u64 = 1 << 20;
 const RENDERED_INSTEAD: &str = "a smaller --size or fewer `views`";
@@ -128,6 +129,14 @@ impl Subject for LightFieldSubject<'_> {
         if !self.method().marches() && (march.samples != 1 || march.effects == SpecularMode::Force) {
             let method = word_of(METHODS, &self.method());
             global.note(format_args!("--method {method} ignores --samples and --effects"));
+        }
+        let field = HeadBox::of(self.playback.player.field.views.iter().map(|view| view.position));
+        let eyes = jobs.iter().flat_map(|job| &job.request.cameras).map(Camera::eye);
+        // With a reference, the eyes are those of its probes.
+        if let Some(warning) =
+            field.and_then(|field| field.warning(eyes)).filter(|_| self.args.truth.reference.is_none())
+        {
+            global.note(warning);
         }
         let beside_bytes = self.bytes_beside_views(jobs)?;
         self.playback.limit_memory(self.args.memory.get(), beside_bytes);

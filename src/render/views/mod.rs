@@ -6,6 +6,7 @@ pub mod catalogue;
 pub mod face_cache;
 pub mod face_frustum;
 pub mod from_images;
+pub mod head_box;
 pub mod inverse_depth;
 pub mod light_field;
 pub mod player;
