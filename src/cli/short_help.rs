@@ -16,7 +16,7 @@ const SHOWN: &[(&str, &[&str])] = &[
         "encode-depth",
         &["output", "max-error", "frames", "face", "probe", "depth-codec", "depth-scale", "effort", "resume", "json"],
     ),
-    ("init", &["output", "force"]),
+    ("init", &["output", "views", "up", "force", "json"]),
     ("inspect", &["streams", "per-frame", "frames", "verify", "check", "plot", "json", "csv"]),
     (
         "interpolate",

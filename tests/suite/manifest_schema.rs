@@ -238,6 +238,7 @@ fn whole() -> Manifest {
             background: Background::default(),
             near: Some(1.0),
             far: Some(2.0),
+            size: Some([2, 2]),
         }),
         color: Some(ColorInfo { space: Some(ColorSpace::Srgb), layer: text("rgba"), keep: Some(Keep::Hdr) }),
         material: Some(MaterialInfo { channels: MaterialChannels::default() }),

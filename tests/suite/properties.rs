@@ -146,6 +146,7 @@ fn manifest() -> impl Strategy<Value = Manifest> {
         background: background.map_or_else(Background::default, Background::Value),
         near: Some(near),
         far: Some(far),
+        size: unit.map(|unit| [1 + unit as u32, 7]),
     });
     let probes = proptest::collection::btree_map(name(), (vec(finite(), 3), 0u32..50, 0u32..50), 1..4);
     let channels = ("[ -~]{1,8}", "[ -~]{1,8}", "[ -~]{1,8}");

@@ -6,6 +6,8 @@
 //! same focal length. A file with an angle but no size, such as those of NeRF's synthetic scenes, has square pixels, and square
 //! pictures if it states one angle.
 
+use std::collections::BTreeSet;
+
 use glam::{DMat4, DVec4};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
@@ -54,6 +56,8 @@ struct Frame {
     lens: Keys,
 }
 
+/// Maximum keys in one sentence.
+const MAX_LISTED_KEYS: usize = 12;
 /// Distortion coefficients.
 const DISTORTION: [&str; 8] = ["k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"];
 /// Camera models of perspective pictures.
@@ -74,6 +78,15 @@ pub fn read(content: &Content<'_>) -> Result<FileCameras> {
         cameras.push(camera.map_err(|error| error.context(format!("frame {at}")))?);
     }
     let mut found = FileCameras { cameras, notes: distortion.notes() };
+    let keys = file.frames.iter().map(|frame| &frame.lens).chain([&file.lens]).flat_map(|keys| keys.others.keys());
+    let unused: BTreeSet<&str> =
+        keys.map(String::as_str).filter(|key| !DISTORTION.contains(key) && *key != "applied_transform").collect();
+    if !unused.is_empty() {
+        let names: Vec<&str> = unused.iter().copied().take(MAX_LISTED_KEYS).collect();
+        let more = unused.len() - names.len();
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        found.notes.push(format!("keys that were not used: {}{more}", names.join(", ")));
+    }
     found.sort_by_names();
     Ok(found)
 }
