@@ -201,3 +201,20 @@ fn maps_are_scaled_and_moved() {
     let (_, _, notes) = obj_material("map_Kd -s 2 2 p.png\nmap_Ke p.png");
     assert!(notes.len() == 1 && notes[0].contains("-o or -s"), "{notes:?}");
 }
+
+#[test]
+fn material_files_are_listed_and_tr_of_meshlab_is_opaque() {
+    let obj = "mtllib gone.mtl b.mtl\\ x a\\ b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl \nf 1 2 3\n";
+    let mtl = "newmtl a\nKd 0.2 0.4 0.6\nTr 1.000000\n";
+    let (model, notes) = open_beside("a.obj", obj.as_bytes(), &[("a b.mtl", mtl.as_bytes())]).unwrap();
+    let mesh = first(&model);
+    assert_eq!(mesh.triangles.len(), 2);
+    let material = &mesh.materials[mesh.material_of[0] as usize];
+    assert!((material.plain.base_color.y - 0.4).abs() < 1e-6, "{material:?}");
+    let named = |name: &str| notes.iter().any(|note| note.contains(name));
+    assert!(named("gone.mtl") && named("b.mtl x") && !named("alpha"), "{notes:?}");
+    // A space in a name of its own.
+    let obj = obj.replace("gone.mtl b.mtl\\ x a\\ b.mtl", "a b.mtl");
+    let (model, notes) = open_beside("a.obj", obj.as_bytes(), &[("a b.mtl", mtl.as_bytes())]).unwrap();
+    assert!(notes.is_empty() && first(&model).materials.len() == 2, "{notes:?}");
+}

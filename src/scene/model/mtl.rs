@@ -56,19 +56,34 @@ impl Library<'_> {
     /// Reads the materials of a file. On failure adds a note, and the scene has no materials.
     pub fn load(&mut self, name: &Path) -> tobj::MTLLoadResult {
         let name = name.to_string_lossy();
-        let bytes = match self.folder.fetch(&name, self.budget) {
-            Ok(bytes) => bytes,
-            Err(error) => {
-                self.notes.push(format!("materials are ignored: {error}"));
-                return Err(tobj::LoadError::OpenFileFailed);
-            }
-        };
-        let text = plain(&decode_lossy(&bytes));
+        let Some(text) = self.text_of(&name) else { return Err(tobj::LoadError::OpenFileFailed) };
         let loaded = tobj::load_mtl_buf(&mut BufReader::new(text.as_bytes()));
         if let Err(error) = &loaded {
             self.notes.push(format!("materials are ignored: {name} is damaged: {error}"));
         }
         loaded
+    }
+
+    /// Returns the text of one material file, whose name may have spaces, or else of all files of a list of names.
+    fn text_of(&mut self, statement: &str) -> Option<String> {
+        let whole = match self.folder.fetch(statement, self.budget) {
+            Ok(bytes) => return Some(plain(&decode_lossy(&bytes))),
+            Err(error) => error,
+        };
+        let names = statement.replace("\\ ", "\0");
+        let names: Vec<String> = names.split_whitespace().map(|name| name.replace('\0', " ")).collect();
+        if names.len() < 2 {
+            self.notes.push(format!("materials are ignored: {whole}"));
+            return None;
+        }
+        let mut text = String::new();
+        for name in &names {
+            match self.folder.fetch(name, self.budget) {
+                Ok(bytes) => text.push_str(&plain(&decode_lossy(&bytes))),
+                Err(error) => self.notes.push(format!("materials are ignored: {error}")),
+            }
+        }
+        Some(text)
     }
 
     /// Returns the placement of the texture of a material; that of its first map, as all maps share their coordinates.
@@ -97,7 +112,9 @@ impl Library<'_> {
             Some(mask) => self.masked(diffuse_map, &mask),
             None => diffuse_map,
         };
-        let transparency = other("Tr").and_then(|value| value.trim().parse::<f32>().ok()).map(|tr| 1.0 - tr);
+        let transparency = other("Tr").and_then(|value| value.trim().parse::<f32>().ok());
+        // MeshLab writes Tr 1 for opaque materials, and nobody a material that is invisible as a whole.
+        let transparency = transparency.filter(|tr| *tr < 1.0).map(|tr| 1.0 - tr);
         let alpha = material.dissolve.or(transparency).map_or(1.0, unit);
         let specular = color(material.specular).unwrap_or(DVec3::ZERO);
         let ior = material.optical_density.map_or(1.0, f64::from);
@@ -272,7 +289,7 @@ impl<'a> Map<'a> {
                     cut(&mut rest);
                 }
                 "-clamp" => wrap = if cut(&mut rest) == "on" { Wrap::Clamp } else { wrap },
-                "-blendu" | "-blendv" | "-cc" | "-bm" | "-boost" | "-texres" | "-imfchan" | "-type" => {
+                "-blendu" | "-blendv" | "-cc" | "-colorspace" | "-bm" | "-boost" | "-texres" | "-imfchan" | "-type" => {
                     cut(&mut rest);
                 }
                 _ => {}

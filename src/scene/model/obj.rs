@@ -186,6 +186,8 @@ fn plain(bytes: &[u8]) -> Result<Plain> {
                 }
             }
             Some(b"l" | b"p" | b"curv" | b"curv2" | b"surf") => no_surface += 1,
+            // No name selects the default material; the parser does not accept it.
+            Some(b"usemtl") if words.next().is_none() => {}
             Some(word @ (b"vt" | b"vn" | b"o" | b"g" | b"usemtl" | b"mtllib")) => {
                 counts[1] += usize::from(word == b"vt");
                 counts[2] += usize::from(word == b"vn");
