@@ -15,7 +15,7 @@ use crate::report::tradeoff::json::report;
 use crate::report::tradeoff::page::{self, Extras};
 use crate::report::tradeoff::runner::Bench;
 use crate::report::tradeoff::schedule::{self, Extent, FailedPoint, Lab};
-use crate::report::tradeoff::store::Store;
+use crate::report::tradeoff::store::{Store, StoredPoint};
 use crate::report::tradeoff::study::{Results, Study, all_points};
 use crate::{GlobalArgs, output, refuse};
 use codec::error::{Error, Result, counted};
@@ -64,6 +64,7 @@ impl<'a> Sweeping<'a> {
             machine: machine::describe(),
             studies: Vec::new(),
             measured: Vec::new(),
+            point_commands: Vec::new(),
             left_out: Vec::new(),
             weights: args.weights.unwrap_or_default(),
             commands: Vec::new(),
@@ -103,7 +104,9 @@ impl<'a> Sweeping<'a> {
         *failed = done.failed;
         // Points without a run have no time to report.
         let points = all_points(&done.studies).into_iter().filter(|point| store.runs(point) > 0);
-        results.measured = points.filter_map(|point| Some(store.row(&point)?.measured.clone())).collect();
+        let rows: Vec<&StoredPoint> = points.filter_map(|point| store.row(&point)).collect();
+        results.measured = rows.iter().map(|row| row.measured.clone()).collect();
+        results.point_commands = rows.iter().map(|row| row.command.clone()).collect();
         results.studies = done.studies;
         bench.devices().iter().for_each(|device| results.machine += &format!("; {device}"));
         Ok(())

@@ -110,7 +110,10 @@ impl Input {
         if !compressed && !options.iter().any(says) {
             words.push("--no-compression".into());
         }
-        if stream == StreamKind::Color && !options.iter().any(|option| option == "--clip") {
+        let states_range = |option: &String| {
+            ["--clip", "--hdr", "--transfer", "--exposure"].iter().any(|name| option.split('=').next() == Some(*name))
+        };
+        if stream == StreamKind::Color && !options.iter().any(states_range) {
             words.push("--clip".into());
         }
         words.extend(options.iter().map(OsString::from));
@@ -348,6 +351,9 @@ mod tests {
         assert_eq!(scene.temporal(&plain), scene.encode(&plain));
         let line = shell_line(&scene.temporal(&point(Color, &[("color-block", "none")])));
         assert_eq!(line, "lightfold encode scene --stream=color --no-compression --clip");
+        let hdr = Input { encode: vec!["--hdr".into()], ..scene };
+        let line = shell_line(&hdr.encode(&plain));
+        assert!(line.contains("--hdr") && !line.contains("--clip"), "{line}");
     }
 
     #[test]

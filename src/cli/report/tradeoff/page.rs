@@ -56,6 +56,7 @@ fn html(results: &Results, figures: &[Figure], findings: &[Finding]) -> Result<S
         false => figures.iter().map(figure).collect::<Result<String>>()?,
     };
     let left_out: String = results.left_out.iter().map(|of| format!("<li>{}</li>\n", escape(of))).collect();
+    let answer = answer(results);
     let timed = runs_in_words(results.measured.iter().map(Measured::timed_runs));
     let values = [
         ("title", escape(&format!("{}: {}", results.sweep.title, results.input))),
@@ -63,11 +64,12 @@ fn html(results: &Results, figures: &[Figure], findings: &[Finding]) -> Result<S
         ("points", counted(results.measured.len() as u64, "point")),
         ("grids", counted(results.studies.len() as u64, "grid")),
         ("about", escape(&results.about)),
+        ("contents", contents(&answer, findings, &left_out)),
+        ("answer", answer),
         ("measured", measured(results)),
         ("figures", figures),
-        ("least", least_points(results)),
         ("findings", findings_of(findings)),
-        ("left_out", section("Left out", &left_out)),
+        ("left_out", section(("left-out", "Left out"), &left_out)),
         ("tables", tables(results)),
         ("facts", facts(results)),
         ("method", escape(results.sweep.method)),
@@ -77,8 +79,23 @@ fn html(results: &Results, figures: &[Figure], findings: &[Finding]) -> Result<S
 }
 
 /// Returns a section with a list. Empty without items.
-fn section(title: &str, items: &str) -> String {
-    if items.is_empty() { String::new() } else { format!("<h2>{title}</h2>\n<ul>\n{items}</ul>\n") }
+fn section((id, title): (&str, &str), items: &str) -> String {
+    if items.is_empty() { String::new() } else { format!("<h2 id=\"{id}\">{title}</h2>\n<ul>\n{items}</ul>\n") }
+}
+
+/// Returns links to the sections of the page.
+fn contents(answer: &str, findings: &[Finding], left_out: &str) -> String {
+    let sections = [
+        ("answer", "Answer", !answer.is_empty()),
+        ("measured", "Measured", true),
+        ("figures", "Figures", true),
+        ("findings", "Findings", !findings.is_empty()),
+        ("left-out", "Left out", !left_out.is_empty()),
+        ("points", "All points", true),
+        ("how", "How", true),
+    ];
+    let link = |(id, title, _)| format!("<a href=\"#{id}\">{title}</a>");
+    sections.into_iter().filter(|(.., is_there)| *is_there).map(link).collect()
 }
 
 /// Returns the values of each knob, and the default point of each study that contains it.
@@ -127,10 +144,11 @@ fn findings_of(findings: &[Finding]) -> String {
         true => needs,
         false => format!("<p class=\"small\">Not measured: {}.</p>\n", escape(&needs)),
     };
-    format!("<h2>Findings of the papers on this footage</h2>\n{items}{needs}")
+    format!("<h2 id=\"findings\">Findings of the papers on this footage</h2>\n{items}{needs}")
 }
 
-fn least_points(results: &Results) -> String {
+/// Returns the point that the sweep recommends in each study, with its command; empty if no study has scores.
+fn answer(results: &Results) -> String {
     let mut warning = "";
     let item = |study: &Study| {
         let scored = Scored::of_study(results, study);
@@ -141,8 +159,10 @@ fn least_points(results: &Results) -> String {
             warning = " It ignores quality: where a knob that changes quality is swept, the worst quality often has the least \
                        score. Compare such settings by the Pareto fronts of the figures.";
         }
+        let command = results.command_of(point);
+        let command = command.map_or_else(String::new, |line| format!("<pre><code>{}</code></pre>", escape(line)));
         Some(format!(
-            "<li>{}: {what} of {} points{alike}: <code>{}</code>: {}, {} ms a frame, {}</li>\n",
+            "<li>{}: {what} of {} points{alike}: <code>{}</code>: {}, {} ms a frame, {}{command}</li>\n",
             escape(&study.title),
             scored.count(),
             escape(&point.point.words()),
@@ -160,7 +180,7 @@ fn least_points(results: &Results) -> String {
          <p class=\"small\">A score is a point’s bytes to the power of {} times its decoding time to the power of {}, relative to \
          the least such product: 1.00 is the best point of its study, and 1.10 is 10% more. CALF maps bytes and times to 0..1 \
          first, so its scores differ.</p>\n",
-        section("Least bytes and time", &items),
+        section(("answer", "Answer"), &items),
         number::short(results.weights.compression),
         number::short(results.weights.decoding)
     )
@@ -303,7 +323,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let files = write(&results, &extras(&results), folder.path()).unwrap();
         let page = std::fs::read_to_string(folder.path().join(PAGE)).unwrap();
-        for bad in ["<script", "<b>", "<i>", "NaN", "src=", "href="] {
+        for bad in ["<script", "<b>", "<i>", "NaN", "src=", "href=\"h"] {
             assert!(!page.contains(bad), "{bad}");
         }
         for said in ["&lt;script&gt;", "&lt;i&gt;depth-window", "A Processor", env!("CARGO_PKG_VERSION")] {
@@ -344,6 +364,7 @@ mod tests {
             both.contains("Study cells: least bytes and time of 25 points: <code>color-cell=128 psnr=30</code>"),
             "{both}"
         );
+        assert!(both.contains("<pre><code>lightfold encode scene color-cell=128 psnr=30</code></pre>"), "{both}");
         assert!(
             both.contains("PSNR 33.00 dB, worst cell 30.00 dB") && both.contains("largest error 800 codes"),
             "{both}"
@@ -355,11 +376,13 @@ mod tests {
     }
 
     #[test]
-    fn figures_come_first_and_findings_without_figures_are_one_line() {
+    fn the_answer_comes_first_and_findings_without_figures_are_one_line() {
         let page = page_of(|results| results.measured.retain(|of| of.point.stream == Some(StreamKind::Color)));
-        let place = |what: &str| page.find(what).unwrap_or_else(|| panic!("{what}: {page}"));
-        let order =
-            ["<h2>Measured", "<h2>Figures", "<h2>Least", "<h2>Findings", "<h2>All points", "<h2>How"].map(place);
+        let body = page.find("</nav>").unwrap();
+        let place =
+            |what: &str| page[body..].find(what).map(|at| body + at).unwrap_or_else(|| panic!("{what}: {page}"));
+        let order = [">Answer</h2>", ">Measured</h2>", ">Figures</h2>", ">Findings", ">All points</h2>", ">How this"]
+            .map(place);
         assert!(order.is_sorted(), "{order:?}");
         assert_eq!(page.matches("Not measured: ").count(), 1);
         assert!(!page.contains(">not measured<") && page.contains(">found<"), "{page}");

@@ -128,6 +128,9 @@ pub struct Results {
     pub studies: Vec<Study>,
     #[serde(skip)]
     pub measured: Vec<Measured>,
+    /// Commands of the measured points, in their order; fewer if they are not known.
+    #[serde(skip)]
+    pub point_commands: Vec<String>,
     pub left_out: Vec<String>,
     pub weights: Weights,
     /// Example commands, by what they make.
@@ -138,6 +141,12 @@ pub struct Results {
 impl Results {
     pub fn of(&self, point: &Point) -> Option<&Measured> {
         self.measured.iter().find(|measured| measured.point == *point)
+    }
+
+    /// Returns the command that makes a measured point, where it is known.
+    pub fn command_of(&self, point: &Measured) -> Option<&str> {
+        let at = self.measured.iter().position(|of| of.point == point.point)?;
+        self.point_commands.get(at).map(String::as_str).filter(|line| !line.is_empty())
     }
 
     /// Returns the kinds of streams of the points, in order. `None` stands for points without a stream.

@@ -105,6 +105,7 @@ fn simplified(sweeps: &[&str], measure: impl Fn(&Point) -> Measures) -> Results 
         command_line: String::new(),
         machine: String::new(),
         measured: measured.collect(),
+        point_commands: Vec::new(),
         studies: vec![study],
         left_out: Vec::new(),
         weights: Weights::default(),

@@ -214,6 +214,7 @@ fn points_are_timed_without_the_truth_and_compared_once() {
         command_line: String::new(),
         machine: String::new(),
         measured: rows,
+        point_commands: Vec::new(),
         studies: vec![study],
         left_out: Vec::new(),
         weights: Weights::default(),

@@ -62,6 +62,7 @@ pub fn results(studies: Vec<Study>, mut of: impl FnMut(&Point) -> Option<Measure
         command_line: "lightfold tradeoff scene/lightfield.json --preset paper -o out".to_owned(),
         machine: "A Processor, 2 threads, 8 GiB of memory, linux".to_owned(),
         measured: points.iter().filter_map(|point| Some(of(point)?.at(point.clone()))).collect(),
+        point_commands: points.iter().map(|point| format!("lightfold encode scene {}", point.words())).collect(),
         studies,
         left_out: vec![],
         weights: Weights::default(),
