@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::options::{Given, MarchArgs, ProjectionArgs, TruthArgs, ViewArgs, parse_size};
 use crate::device::{DEVICES, GpuArgs};
-use crate::options::{CameraArgs, FrameArgs, MemoryArgs, StreamArgs, one_of, parse_shard};
+use crate::options::{CameraArgs, DisplayArgs, FrameArgs, MemoryArgs, StreamArgs, one_of, parse_shard};
 use footage::encode::Shard;
 use gpu::device::DeviceChoice;
 
@@ -51,7 +51,9 @@ use gpu::device::DeviceChoice;
     00_px.0000.png. Files in a folder are PNG; use a pattern for EXR. With --shard, reports, --trace and \
     --contact-sheet cover the pictures of the shard.\n\n\
     EXR images store linear light premultiplied by alpha; PNG images store codes after the transfer function of the \
-    container, with straight alpha. Alpha is 1 where footage is opaque, including background and holes filled from \
+    container, with straight alpha. With --exposure EV or --tone-map, 8-bit pictures (PNG, streams, films and contact \
+    sheets) are those of the player: light times 2^EV, then the tone map, then the transfer function of sRGB, whatever \
+    the exposure and the transfer function of the container. They do not change the figures of --reference. Alpha is 1 where footage is opaque, including background and holes filled from \
     behind. It is 0 where nothing is known, and in holes with --holes blank or nearest; with nearest, EXR images keep \
     the colour of holes. With --background transparent, alpha is the fraction of a pixel that surfaces cover, and \
     colour is that of surfaces only. --aov holes adds a channel that marks holes, which are surfaces that no probe \
@@ -104,6 +106,8 @@ pub struct Args {
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub display: DisplayArgs,
     #[command(flatten)]
     pub march: MarchArgs,
     #[command(flatten)]
