@@ -257,7 +257,7 @@ pub fn quads() -> Vec<Vec<u8>> {
     let mut scene = QuadMesh { mesh, texture, stq: Vec::new(), light: None, runs: Vec::new() };
     let written = |scene: &QuadMesh| {
         let mut bytes = Vec::new();
-        quads_glb::write(scene, serde_json::json!({ "lightfold": { "frame": 3 } }), &mut bytes)
+        quads_glb::write(scene, serde_json::json!({ "lightfold": { "frame": 3 } }), None, &mut bytes)
             .expect("a scene is written");
         bytes
     };
