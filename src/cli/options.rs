@@ -7,6 +7,7 @@ mod coding;
 mod color;
 mod dataset;
 mod depth;
+mod display;
 mod output;
 mod preset;
 mod selection;
@@ -24,6 +25,7 @@ pub use dataset::DatasetArgs;
 pub use depth::{
     BoundArgs, DepthArgs, DepthReadingArgs, DepthStepArgs, DepthUnitArgs, DomainArgs, ModelArgs, parse_share,
 };
+pub use display::DisplayArgs;
 pub use output::{
     EncodeOutputArgs, MemoryArgs, OutputArgs, StoreArgs, StreamArgs, Target, Unfinished, check_report, check_stdout,
 };

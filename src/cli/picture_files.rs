@@ -5,10 +5,10 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use super::GlobalArgs;
+use super::look::Look;
 use super::unfinished_folder::UnfinishedFolder;
 use codec::error::{Error, Result};
 use codec::image::sequence::Pattern;
-use codec::image::transfer::ToneMap;
 use footage::export::FileFormat;
 use footage::files::{FileFolder, FolderKind, OutputFolder, PartialFolder};
 use footage::fingerprint::Fingerprint;
@@ -38,9 +38,9 @@ enum Work {
 const UNFINISHED: FolderKind = FolderKind { suffix: ".views.partial", state: ".views.json" };
 
 /// Conversion of pictures to codes or linear RGB.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct PictureCoding {
-    pub tone: ToneMap,
+    pub look: Look,
     pub holes: HoleFill,
 }
 
@@ -116,9 +116,9 @@ impl PictureFiles {
     }
 
     /// Writes a picture. Returns the size of the file in bytes.
-    pub fn write(&self, (word, number): (&str, u32), picture: &RenderedImage, coding: PictureCoding) -> Result<u64> {
+    pub fn write(&self, (word, number): (&str, u32), picture: &RenderedImage, coding: &PictureCoding) -> Result<u64> {
         self.write_by(word, number, &mut |path: &Path| match self.format {
-            FileFormat::Png => png::write_rgba8(path, &picture.rgba_codes(coding.tone)),
+            FileFormat::Png => png::write_rgba8(path, &coding.look.rgba_codes(picture)),
             FileFormat::Exr => {
                 let aovs = picture.aovs.iter().map(|aov| (aov.channel, &aov.plane));
                 exr::write_rgba_and(path, &picture.rgba_light(coding.holes), aovs, picture.primaries)
@@ -161,17 +161,18 @@ pub fn has_word(path: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use codec::image::ToneMap;
 
     #[test]
     fn words_may_be_in_folders_and_everything_appears_at_once() {
         let base = tempfile::tempdir().unwrap();
         let picture = RenderedImage::of_pixels([1, 1], std::iter::once([1.0; 4])).unwrap();
-        let coding = PictureCoding { tone: ToneMap::default(), holes: HoleFill::Blank };
+        let coding = PictureCoding { look: ToneMap::default().into(), holes: HoleFill::Blank };
         let files = PictureFiles::create(&base.path().join("out/%V/v.%03d.png"), FileFormat::Png).unwrap();
         assert!(files.has_word());
         let expected = base.path().join("out/left/v.007.png");
         assert_eq!(files.path("left", 7).unwrap(), expected);
-        assert!(files.write(("left", 7), &picture, coding).unwrap() > 0);
+        assert!(files.write(("left", 7), &picture, &coding).unwrap() > 0);
         assert!(!expected.exists());
         files.commit().unwrap();
         assert!(expected.exists());

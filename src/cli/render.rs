@@ -15,6 +15,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use crate::film::is_film;
 use crate::options::check_stdout;
 use crate::progress::Progress;
 use crate::{ExitStatus, GlobalArgs, device, outputs, refuse};
@@ -72,7 +73,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         None => args.jobs(subject.as_ref(), global)?,
     };
     subject.check(&all, global)?;
-    let mut pictures = Pictures::open(args, &all, (subject.fps(), subject.tone()))?;
+    let mut pictures = Pictures::open(args, &all, (subject.fps(), args.display.look(subject.tone())?), global.threads)?;
     args.check_outputs(&all, &pictures)?;
     let jobs = args.of_shard(&all)?;
     let mut trace = args.views.trace.as_deref().map(OutputFile::create).transpose()?;
@@ -99,9 +100,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let figures = renderer.figures();
     drop(renderer);
+    let bytes = pictures.commit(&progress)?;
     drop(progress);
-    let bytes = pictures.bytes;
-    pictures.commit()?;
     if let Some(truth) = &mut truth {
         truth.commit()?;
     }
@@ -143,7 +143,8 @@ impl Args {
         if self.results_to_stdout() + usize::from(self.json) > 1 {
             return refuse("only one result can be written to standard output: write the others to files");
         }
-        if self.shard.is_some() && self.output.as_deref() == Some(Path::new("-")) {
+        self.display.check(self.output.as_deref(), self.contact_sheet.as_deref())?;
+        if self.shard.is_some() && self.output.as_deref().is_some_and(|path| path == Path::new("-") || is_film(path)) {
             return refuse("--shard needs a pattern such as view.%04d.png, or a folder");
         }
         self.output.iter().chain(&self.contact_sheet).try_for_each(|path| check_stdout(path, false))
@@ -159,6 +160,7 @@ impl Args {
     fn check_outputs(&self, jobs: &[Job], pictures: &Pictures) -> Result<()> {
         let mut outputs: Vec<outputs::Output> = Vec::new();
         let names = || jobs.iter().flat_map(|job| &job.names);
+        outputs.extend(self.output.iter().filter(|path| is_film(path)).map(|path| ("-o", path.clone())));
         for name in names() {
             outputs.extend(pictures.files_of(name)?.into_iter().map(|file| ("-o", file)));
         }
@@ -167,7 +169,8 @@ impl Args {
         }
         let others = [("--contact-sheet", &self.contact_sheet), ("--trace", &self.views.trace)];
         outputs.extend(others.into_iter().filter_map(|(option, path)| Some((option, path.clone()?))));
-        let cameras = self.cameras.camera.iter().chain(&self.input).chain(&self.truth.reference);
+        let cameras =
+            self.cameras.camera.iter().chain(&self.input).chain(&self.truth.reference).chain(&self.display.lut);
         outputs::check(&outputs, &cameras.map(PathBuf::as_path).collect::<Vec<_>>())
     }
 

@@ -6,7 +6,7 @@ use half::f16;
 
 use codec::error::Result;
 use codec::image::plane::ColorPlane;
-use codec::image::{CodeSteps, Plane, Primaries, ToneMap};
+use codec::image::{CodeSteps, Display, Plane, Primaries};
 
 /// Treatment of surfaces that no source view shows (disocclusions).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -79,8 +79,9 @@ impl RenderedImage {
         self
     }
 
-    pub fn codes(&self, tone: ToneMap) -> Plane<[u8; 3]> {
-        let steps = CodeSteps::new(tone);
+    /// Returns 8-bit codes in Rec. 709 primaries.
+    pub fn codes(&self, display: impl Into<Display>) -> Plane<[u8; 3]> {
+        let steps = CodeSteps::new(display);
         let code = |light: [f32; 3]| light.map(|light| steps.code(light));
         match self.primaries.conversion_to(Primaries::REC709) {
             Some(matrix) => self.color.map(|&light| code(matrix.convert(light))),
@@ -89,8 +90,8 @@ impl RenderedImage {
     }
 
     /// Returns 8-bit codes and alpha; colour is not premultiplied by alpha.
-    pub fn rgba_codes(&self, tone: ToneMap) -> Plane<[u8; 4]> {
-        let codes = self.codes(tone);
+    pub fn rgba_codes(&self, display: impl Into<Display>) -> Plane<[u8; 4]> {
+        let codes = self.codes(display);
         Plane::from_fn(codes.width(), codes.height(), |x, y| {
             let [r, g, b] = codes.get(x, y);
             [r, g, b, (self.alpha.get(x, y) * 255.0).round() as u8]
@@ -116,6 +117,7 @@ fn finite(value: f32) -> f16 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use codec::image::ToneMap;
 
     #[test]
     fn holes_are_transparent_and_nothing_is_nan() {

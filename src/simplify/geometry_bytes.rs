@@ -82,7 +82,7 @@ mod tests {
             let quads = quads(count);
             let found = GeometryBytes::of(&quads).unwrap();
             let mut file = Vec::new();
-            glb::write(&quads, json!({ "lightfold": {} }), &mut file).unwrap();
+            glb::write(&quads, json!({ "lightfold": {} }), None, &mut file).unwrap();
             let root = serde_json::to_value(gltf::Gltf::from_slice(&file).unwrap().document.as_json()).unwrap();
             let views = root["bufferViews"].as_array().unwrap();
             let of_geometry = views.iter().filter(|view| view.get("target").is_some_and(Value::is_number));

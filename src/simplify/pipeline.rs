@@ -160,7 +160,8 @@ pub fn texture(
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Simplified> {
-    let SelectedTiles { region, extent, seen, tiles, selection, reserve, counts, durations, mut notes } = selected;
+    let SelectedTiles { region, extent, surface_m, seen, tiles, selection, reserve, counts, durations, mut notes } =
+        selected;
     let [merge, candidates, of_selection] = durations;
     let mut stages = Stages { merge, candidates, selection: of_selection, ..Stages::default() };
     let mut counters =
@@ -227,8 +228,6 @@ pub fn texture(
     let begun = Instant::now();
     let Textured { mut scene, layout, .. } = textured;
     counters.blended_triangles = scene.runs.iter().step_by(2).map(|&count| u64::from(count)).sum();
-    let geometry = GeometryBytes::of(&scene)?;
-    (counters.geometry_bytes, counters.geometry_bytes_meshopt) = (geometry.plain, geometry.meshopt);
     counters.float_texels = scene.light.as_ref().map_or(0, Vec::len) as u64;
     // Without runs, all triangles are blended.
     let runs = scene.runs.clone();
@@ -245,6 +244,11 @@ pub fn texture(
         monitor.advance(1);
     }
     scene.runs = runs;
+    let eye_m = capture.images.iter().map(|image| (image.eye - region.middle).abs().max_element()).fold(0.0, f64::max);
+    let farthest_m = if surface_m > 0.0 { surface_m.max(eye_m) } else { 0.0 };
+    scene.pull_in(region.middle, region.scene_sky_m(farthest_m));
+    let geometry = GeometryBytes::of(&scene)?;
+    (counters.geometry_bytes, counters.geometry_bytes_meshopt) = (geometry.plain, geometry.meshopt);
     scene.light = scene.light.filter(|_| settings.light == AtlasLight::HalfFloats);
     stages.gaps += begun.elapsed();
     let begun = Instant::now();

@@ -66,6 +66,21 @@ impl QuadMesh {
         scene
     }
 
+    /// Moves all corners that lie outside of a cube to its surface, towards its centre. Pictures from the centre do not change.
+    pub fn pull_in(&mut self, middle: DVec3, half_m: f64) {
+        for (at, position) in self.mesh.positions.iter_mut().enumerate() {
+            let from_middle = *position - middle;
+            let part = half_m / from_middle.abs().max_element();
+            if part < 1.0 {
+                *position = (middle + part * from_middle).as_vec3().as_dvec3();
+                // Homogeneous coordinates are multiples of the depth.
+                if let Some(stq) = self.stq.get_mut(at) {
+                    *stq *= part as f32;
+                }
+            }
+        }
+    }
+
     fn add_texture(&mut self, texture: &TileTexture, place: Place, codes: &CodeSteps) {
         let of_tile = resized(texture, place.side as usize);
         let atlas = Arc::make_mut(&mut self.texture);
@@ -147,6 +162,19 @@ mod tests {
         assert_eq!(of(&[0, 0, 1, 0]), [4, 2, 2]);
         assert_eq!(of(&[1, 1, 0]), [0, 4, 2]);
         assert_eq!(of(&[]), [0; 0]);
+    }
+
+    #[test]
+    fn what_is_far_is_pulled_in_along_its_direction() {
+        let positions = [[1.0, 2.0, -3.0], [1.0, 22.0, 3.0], [-7.0, 2.0, 3.0]].map(DVec3::from_array).to_vec();
+        let texture = ImageTexture { width: 1, height: 1, pixels: vec![[0; 4]], wrap: [Wrap::Clamp; 2] };
+        let mesh = Mesh { positions, ..Mesh::default() };
+        let stq = vec![Vec3::ONE; 3];
+        let mut quads = QuadMesh { mesh, texture: Arc::new(texture), stq, light: None, runs: Vec::new() };
+        quads.pull_in(DVec3::new(1.0, 2.0, 3.0), 5.0);
+        let expected = [[1.0, 2.0, -2.0], [1.0, 7.0, 3.0], [-4.0, 2.0, 3.0]].map(DVec3::from_array);
+        assert_eq!(quads.mesh.positions, expected);
+        assert_eq!(quads.stq, [Vec3::splat(5.0 / 6.0), Vec3::splat(0.25), Vec3::splat(0.625)]);
     }
 
     #[test]

@@ -57,7 +57,7 @@ fn read(bytes: &[u8], folder: Folder) -> Result<QuadScene> {
     let frame = own.get("frame").map_or(Some(0), |frame| frame.as_u64().and_then(|frame| u32::try_from(frame).ok()));
     let frame = frame.ok_or_else(|| Error::invalid("extras.lightfold.frame: the number of a frame was expected"))?;
     let runs = own.get(RUNS).map_or(Some(Vec::new()), |runs| serde_json::from_value::<Vec<u32>>(runs.clone()).ok());
-    if document.nodes().any(|node| node.transform().matrix() != IDENTITY) {
+    if document.nodes().any(|node| node.mesh().is_some() && node.transform().matrix() != IDENTITY) {
         return Err(foreign("a node moves its mesh"));
     }
     let mut buffers = Buffers::new(root, blob, folder, Budget::new(bytes.len() as u64));
@@ -156,7 +156,7 @@ mod tests {
 
     fn written(extras: Value) -> Vec<u8> {
         let mut bytes = Vec::new();
-        glb::write(&scene(), extras, &mut bytes).unwrap();
+        glb::write(&scene(), extras, None, &mut bytes).unwrap();
         bytes
     }
 
@@ -176,11 +176,11 @@ mod tests {
         let mut projective = scene();
         projective.stq = (0..24).map(|at| Vec3::splat(1.0 + at as f32)).collect();
         let mut bytes = Vec::new();
-        glb::write(&projective, json!({ "lightfold": {} }), &mut bytes).unwrap();
+        glb::write(&projective, json!({ "lightfold": {} }), None, &mut bytes).unwrap();
         assert_eq!(read(&bytes).unwrap().quads.stq, projective.stq);
         projective.stq[3].z = f32::NAN;
         bytes.clear();
-        glb::write(&projective, json!({ "lightfold": {} }), &mut bytes).unwrap();
+        glb::write(&projective, json!({ "lightfold": {} }), None, &mut bytes).unwrap();
         assert!(read(&bytes).unwrap_err().to_string().contains("_TEXCOORD_STQ"));
     }
 
@@ -194,14 +194,14 @@ mod tests {
             let said = said(&written(json!({ "lightfold": { RUNS: runs } })));
             assert!(said.contains("runs_blended_opaque: lengths that add up to 8 triangles"), "{said}");
         }
-        let own = Additions { extras: Some(json!({ "lightfold": {} })), attributes: &[] };
+        let own = Additions { extras: Some(json!({ "lightfold": {} })), attributes: &[], camera: None };
         let mut bytes = Vec::new();
         write::glb(&[scene().mesh], &[Material::default()], &own, &mut bytes).unwrap();
         assert!(said(&bytes).contains("no atlas"));
         let mut broken = scene();
         broken.mesh.positions[5].y = f64::INFINITY;
         bytes.clear();
-        glb::write(&broken, json!({ "lightfold": {} }), &mut bytes).unwrap();
+        glb::write(&broken, json!({ "lightfold": {} }), None, &mut bytes).unwrap();
         assert!(said(&bytes).contains("corner 5"), "{}", said(&bytes));
         bytes.clear();
         write::glb(&[], &[], &own, &mut bytes).unwrap();

@@ -4,8 +4,13 @@ use glam::DVec3;
 
 use scene::placement::Region;
 
-/// Half of the edge of the sky's cube, in region radii: 200 m for a region of 0.5 m.
+/// Half of the edge of the sky's cube while tiles are fitted, in region radii: 200 m for a region of 0.5 m.
 const SKY_RADII: f64 = 400.0;
+/// Half of the edge of the sky's cube in a scene, in distances of the farthest surface. Viewers fit their clip planes and their
+/// first view to the bounding box.
+const SKY_SURFACES: f64 = 4.0;
+/// Minimum of the same in region radii: the sky shifts by up to 1/8 radian as seen from the region.
+const MIN_SKY_RADII: f64 = 8.0;
 /// Radius of a region without extent, as a fraction of the distance of the nearest surface.
 const RADIUS_WITHOUT_EXTENT: f64 = 0.1;
 
@@ -96,6 +101,22 @@ impl ViewingRegion {
         }
     }
 
+    /// Returns the greatest coordinate, in metres, of an end of a ray relative to the centre; `None` if it lies on the cube of the
+    /// sky.
+    pub fn surface_m(&self, end: DVec3) -> Option<f64> {
+        Some(end.abs().max_element()).filter(|&metres| metres < 0.999 * SKY_RADII * self.radius())
+    }
+
+    /// Returns half of the edge of the sky's cube in a scene, in metres, given the greatest coordinate of surfaces and eyes; 0 for
+    /// none.
+    pub fn scene_sky_m(&self, farthest_m: f64) -> f64 {
+        let fitted_m = SKY_RADII * self.radius();
+        if farthest_m <= 0.0 {
+            return fitted_m;
+        }
+        (SKY_SURFACES * farthest_m).max(MIN_SKY_RADII * self.radius()).min(fitted_m)
+    }
+
     /// Returns the distance in metres along a ray, from a point relative to the centre, to the cube of the sky.
     pub fn to_sky(&self, origin: DVec3, direction: DVec3) -> f64 {
         let half = SKY_RADII * self.radius();
@@ -133,6 +154,8 @@ mod tests {
         assert_eq!(region.to_sky(DVec3::X, DVec3::X), 399.0);
         assert_eq!(region.to_sky(DVec3::X, DVec3::new(-0.6, 0.8, 0.0)), 500.0);
         assert!(region.before_sky(DVec3::X) < region.to_sky(DVec3::X, DVec3::X) && region.before_sky(DVec3::X) > 398.0);
+        assert_eq!([DVec3::new(3.0, -9.0, 1.0), DVec3::X * 400.0].map(|end| region.surface_m(end)), [Some(9.0), None]);
+        assert_eq!([0.0, 0.5, 10.0, 300.0].map(|farthest| region.scene_sky_m(farthest)), [400.0, 8.0, 40.0, 400.0]);
         assert_eq!((region.border().len(), region.eyes().len()), (3, 5));
         assert!(region.admits(DVec3::X) && !region.contains(DVec3::X) && !region.admits(DVec3::Y));
         let ball = ViewingRegion::given(Region::parse(&["sphere:1,2,3,0.5"]).unwrap());

@@ -57,6 +57,8 @@ pub struct Counts {
 pub struct SelectedTiles {
     pub region: ViewingRegion,
     pub extent: Extent,
+    /// Greatest coordinate of the surfaces relative to the centre of the region, in metres, without the sky; 0 without surfaces.
+    pub surface_m: f64,
     /// Directions in which the capture has surfaces.
     pub seen: SeenDirections,
     /// Tiles in drawing order.
@@ -92,11 +94,12 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
 
     let begun = Instant::now();
     let mut merger = PointMerger::new(MAX_POINTS);
-    let (mut samples, mut dropped_samples, mut farthest_m) = (0, 0, 0f64);
+    let (mut samples, mut dropped_samples, mut farthest_m, mut surface_m) = (0, 0, 0f64, 0f64);
     rules.ends_of_all_images(capture, monitor, |ends, left_out| {
         dropped_samples += left_out;
         samples += ends.len() as u64;
         farthest_m = ends.iter().map(|end| end.length()).fold(farthest_m, f64::max);
+        surface_m = ends.iter().filter_map(|&end| region.surface_m(end)).fold(surface_m, f64::max);
         merger.add(&ends);
     })?;
     if samples == 0 {
@@ -154,7 +157,7 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     let seen = SeenDirections::new(points.iter().map(|point| point.position.as_dvec3()));
     let tiles = TileSet::new(&selection.tilings, &levels, &model).tiles;
     let durations = [merged, fitted - merged, begun.elapsed() - fitted];
-    Ok(SelectedTiles { region, extent, seen, tiles, selection, reserve, counts, durations, notes })
+    Ok(SelectedTiles { region, extent, surface_m, seen, tiles, selection, reserve, counts, durations, notes })
 }
 
 pub(super) fn cost_model(
@@ -212,7 +215,7 @@ impl SelectedTiles {
         let Counts { samples, dropped_samples, points, candidates, fitted_cells } = self.counts;
         let mut words = vec![samples, dropped_samples, points, candidates, fitted_cells];
         words.extend(self.durations.map(|duration| duration.as_nanos() as u64));
-        words.extend([self.extent.min_m, self.extent.max_m, self.extent.margin].map(f64::to_bits));
+        words.extend([self.extent.min_m, self.extent.max_m, self.extent.margin, self.surface_m].map(f64::to_bits));
         words.extend([primal.to_bits(), dual.to_bits(), *iterations as u64]);
         words.extend([self.reserve.share, self.reserve.dual].map(f64::to_bits));
         words.extend(prices.map(f64::to_bits));
@@ -295,6 +298,7 @@ fn read(words: &mut Words<'_>, region: ViewingRegion, notes: Vec<String>) -> Opt
     };
     let durations = [words.word()?, words.word()?, words.word()?].map(Duration::from_nanos);
     let extent = Extent { min_m: words.float()?, max_m: words.float()?, margin: words.float()? };
+    let surface_m = words.float()?;
     let (primal, dual, iterations) = (words.float()?, words.float()?, words.word()? as usize);
     let reserve = Reserve { share: words.float()?, dual: words.float()? };
     let prices = words.floats::<CONSTRAINTS>()?;
@@ -313,5 +317,5 @@ fn read(words: &mut Words<'_>, region: ViewingRegion, notes: Vec<String>) -> Opt
     })?;
     let seen = SeenDirections::of_words(words.0.as_slice())?;
     let selection = Selection { tilings, primal, dual, prices, iterations, convergence, used };
-    Some(SelectedTiles { region, extent, seen, tiles, selection, reserve, counts, durations, notes })
+    Some(SelectedTiles { region, extent, surface_m, seen, tiles, selection, reserve, counts, durations, notes })
 }

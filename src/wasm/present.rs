@@ -4,19 +4,12 @@ use std::sync::OnceLock;
 
 use crate::numbers::Numbers;
 use codec::error::{Error, Result};
-use codec::image::Transfer;
+use codec::image::{ToneCurve, Transfer};
 
 /// Number of intervals of the table of the sRGB curve.
 const CURVE_PARTS: usize = 4096;
 /// Bytes of a pixel of linear RGB and alpha.
 const PIXEL_BYTES: usize = 16;
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ToneCurve {
-    None,
-    Reinhard,
-    Filmic,
-}
 
 /// How pictures are shown.
 #[derive(Debug, Clone, Copy)]
@@ -64,7 +57,7 @@ fn codes(picture: &[u8], gain: f32, how: Presentation) -> Vec<u8> {
     let behind = if how.marks_holes { [1.0, 0.0, 1.0] } else { [0.0; 3] };
     let code = |[r, g, b, alpha]: [f32; 4]| {
         let alpha = alpha.clamp(0.0, 1.0);
-        let over = |light: f32, behind: f32| code(toned(behind + alpha * (gain * light - behind), how.tone));
+        let over = |light: f32, behind: f32| code(toned(how.tone, behind + alpha * (gain * light - behind)));
         [over(r, behind[0]), over(g, behind[1]), over(b, behind[2]), 255]
     };
     pixels(picture).flat_map(code).collect()
@@ -80,13 +73,8 @@ fn mix(codes: &mut [u8], overlay: &[u8], share: f32) {
     }
 }
 
-fn toned(light: f32, tone: ToneCurve) -> f32 {
-    let x = light.max(0.0);
-    match tone {
-        ToneCurve::None => x,
-        ToneCurve::Reinhard => x / (1.0 + x),
-        ToneCurve::Filmic => x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14),
-    }
+fn toned(curve: ToneCurve, light: f32) -> f32 {
+    curve.apply(f64::from(light)) as f32
 }
 
 /// Returns the sRGB code of linear light; 0 for NaN.

@@ -65,6 +65,7 @@ impl Inputs {
             "usda" => (Kind::Bytes, vec![include_bytes!("../data/cameras/shot.usda").to_vec()]),
             "sweep" => (Kind::Bytes, seeds::sweeps()),
             "patterns" => (Kind::Bytes, seeds::patterns()),
+            "cube" => (Kind::Bytes, seeds::lookup_tables()),
             "color-tables" => (Kind::Bytes, vec![include_bytes!("../../formats/color-tables.txt").to_vec()]),
             "depth-tables" => (Kind::Bytes, vec![include_bytes!("../../formats/depth-tables.txt").to_vec()]),
             "gltf" => (Kind::Json, seeds::gltf()),

@@ -257,7 +257,7 @@ pub fn quads() -> Vec<Vec<u8>> {
     let mut scene = QuadMesh { mesh, texture, stq: Vec::new(), light: None, runs: Vec::new() };
     let written = |scene: &QuadMesh| {
         let mut bytes = Vec::new();
-        quads_glb::write(scene, serde_json::json!({ "lightfold": { "frame": 3 } }), &mut bytes)
+        quads_glb::write(scene, serde_json::json!({ "lightfold": { "frame": 3 } }), None, &mut bytes)
             .expect("a scene is written");
         bytes
     };
@@ -460,6 +460,21 @@ pub fn sweeps() -> Vec<Vec<u8>> {
     };
     let rows = [heads.join(","), row("color", "30"), row("color", "40"), row("depth", "")];
     vec![format!("{}\n", rows.join("\n")).into_bytes(), format!("{}\n", heads.join(",")).into_bytes()]
+}
+
+/// Returns `.cube` files with a table of one dimension, of three, and of both.
+pub fn lookup_tables() -> Vec<Vec<u8>> {
+    let corners: String = (0..8).map(|at| format!("{} {} {}\n", at & 1, at >> 1 & 1, at >> 2)).collect();
+    let curve = "0 0 0\n0.25 0.5 0.125\n1 1 1\n";
+    [
+        format!("TITLE \"a\"\n# a\nLUT_1D_SIZE 3\nDOMAIN_MIN 0 0 0\nDOMAIN_MAX 4 4 4\n{curve}"),
+        format!("LUT_3D_SIZE 2\n\n{corners}"),
+        format!(
+            "LUT_1D_SIZE 3\nLUT_1D_INPUT_RANGE -0.01 222.8\nLUT_3D_SIZE 2\nLUT_3D_INPUT_RANGE 0 1\n{curve}{corners}"
+        ),
+    ]
+    .map(String::into_bytes)
+    .into()
 }
 
 /// Returns file name patterns and frame ranges.

@@ -12,10 +12,10 @@ use crate::commands::{fine, refused};
 /// Options for four probes and one between them.
 const PROBES: &str =
     "--position=-0.3,1.5,0 --position=0.3,1.5,0 --position=0,1.8,0.2 --position=0,1.3,-0.2 --position=0,1.5,0";
-const EYE: &str = "--eye 0.05,1.52,0 --look-at -2,1.2,0.8 --fov 80 --size 40";
+pub const EYE: &str = "--eye 0.05,1.52,0 --look-at -2,1.2,0.8 --fov 80 --size 40";
 
 /// Captures three frames of a built-in scene to the dataset `captured` and encodes them to `a.lfold`.
-fn encoded(scene: &str, folder: &Path) {
+pub fn encoded(scene: &str, folder: &Path) {
     fine(&format!("capture {scene} {PROBES} --frames 0-2 --size 48 --samples 4 -o captured"), folder);
     fine("encode captured --clip -o a.lfold", folder);
 }

@@ -209,6 +209,10 @@ fn a_scene_takes_the_cameras_and_outputs_of_a_container() {
     assert!(open("smooth.png") != picture);
     let said = String::from_utf8(fine(&format!("render quads.glb {eye} --null --stats"), at).stdout).unwrap();
     assert!(said.contains("triangles") && said.contains("overdraw: mean") && said.contains("median"), "{said}");
+    // Without a camera, that of the file is used.
+    let own = fine("render quads.glb --size 40x30 -o own.png", at);
+    assert!(String::from_utf8(own.stderr).unwrap().contains("the view of the camera of the scene"));
+    assert!(open("own.png").pixels().all(|pixel| pixel[3] == 255));
     // The type of a file without an extension is detected from its first bytes.
     fs::rename(at.join("quads.glb"), at.join("quads")).unwrap();
     assert!(fine(&format!("render quads {eye} -o -"), at).stdout == printed);

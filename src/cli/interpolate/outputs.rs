@@ -58,7 +58,7 @@ impl Outputs {
         let pattern = Pattern::parse(&name.replace(WORD_FIELD, "")).map_err(|error| error.in_file(path))?;
         let (count, by_word) = (args.range()?.len(), has_word(path));
         let by_frame = by_word || args.frames.frames.is_some();
-        let coding = PictureCoding { tone: ToneMap::default(), holes: HoleFill::Blank };
+        let coding = PictureCoding { look: ToneMap::default().into(), holes: HoleFill::Blank };
         if args.frame_count() > 1 && !pattern.has_field() {
             return refuse(format!(
                 "{}: one file name for several frames: use a pattern such as q.%04d.png for quilts, or %V/v.%04d.png \
@@ -109,7 +109,7 @@ impl Outputs {
 
     /// Sets the tone mapping from linear RGB to codes.
     pub fn set_tone(&mut self, tone: ToneMap) {
-        self.coding.tone = tone;
+        self.coding.look = tone.into();
     }
 
     /// Begins, or resumes where an earlier run stopped. `all` is the number of frames and views.
@@ -148,14 +148,14 @@ impl Outputs {
     pub fn put(&mut self, (frame, view): (u32, usize), picture: &RenderedImage) -> Result<()> {
         let (word, number) = self.file_of(frame, view);
         match &mut self.kind {
-            Kind::Views => self.files.write((&word, number), picture, self.coding).map(|_| ()),
+            Kind::Views => self.files.write((&word, number), picture, &self.coding).map(|_| ()),
             Kind::Quilts { layout, views, tiles } => {
                 let size = [picture.color.width(), picture.color.height()];
                 let quilt = match tiles {
                     Some(quilt) => quilt,
                     None => tiles.insert(Tiles::new(*layout, size, self.files.format)?),
                 };
-                quilt.put(view as u32, picture, self.coding)?;
+                quilt.put(view as u32, picture, &self.coding)?;
                 match tiles.take_if(|quilt| quilt.count == *views) {
                     None => Ok(()),
                     Some(quilt) => self.files.write_by(&word, number, &mut |path: &Path| quilt.write(path)).map(|_| ()),
@@ -194,10 +194,10 @@ impl Tiles {
         Ok(Tiles { pixels, count: 0 })
     }
 
-    fn put(&mut self, view: u32, picture: &RenderedImage, coding: PictureCoding) -> Result<()> {
+    fn put(&mut self, view: u32, picture: &RenderedImage, coding: &PictureCoding) -> Result<()> {
         self.count += 1;
         match &mut self.pixels {
-            Pixels::Png(quilt) => quilt.put(view, &picture.rgba_codes(coding.tone)),
+            Pixels::Png(quilt) => quilt.put(view, &coding.look.rgba_codes(picture)),
             Pixels::Exr(quilt) => quilt.put(view, &picture.rgba_light(coding.holes)),
         }
     }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::options::{Given, MarchArgs, ProjectionArgs, TruthArgs, ViewArgs, parse_size};
 use crate::device::{DEVICES, GpuArgs};
-use crate::options::{CameraArgs, FrameArgs, MemoryArgs, StreamArgs, one_of, parse_shard};
+use crate::options::{CameraArgs, DisplayArgs, FrameArgs, MemoryArgs, StreamArgs, one_of, parse_shard};
 use footage::encode::Shard;
 use gpu::device::DeviceChoice;
 
@@ -17,7 +17,10 @@ use gpu::device::DeviceChoice;
     lightfold render film.lfold --camera path.json --frames 0-23 --size 1280x720 -o view.%04d.png\n  \
     lightfold render film.lfold --camera path.json -o view.%04d.exr --trace views.jsonl --stats\n  \
     lightfold render film.lfold --camera path.json --stereo side-by-side -o view.%V.%04d.png\n  \
-    lightfold render film.lfold --camera path.json --stream-format y4m -o - | ffmpeg -i - film.mp4\n  \
+    lightfold render film.lfold --camera path.json --size 1280x720 -o film.mp4\n  \
+    lightfold render film.lfold --camera path.json --exposure 1.5 --tone-map filmic -o view.%04d.png\n  \
+    lightfold render film.lfold --lut aces.cube --lut-input acescct -o view.png\n  \
+    lightfold render film.lfold --camera path.json --stream-format y4m -o - | ffplay -\n  \
     lightfold render film.lfold --projection vr180 --stereo side-by-side --size 2048 -o vr.png\n  \
     lightfold render film.lfold --projection equirect --stereo over-under --aov depth -o all.exr\n  \
     lightfold render film.lfold --camera path.json --shard 3/8 -o view.%04d.exr\n  \
@@ -35,8 +38,8 @@ use gpu::device::DeviceChoice;
     x N samples of --samples; a triangle covers a sample if its alpha exceeds the threshold of the sample, one of \
     (0.5, 1.5, 2.5, ...) / N^2. PNG and EXR images have the alpha of the scene; with --reference it is composited \
     over black.\n\n\
-    Without a camera, a container is rendered from its first probe: face nz of a cube map, or its perspective view. A \
-    simplified scene needs a camera. A camera path is a camera file as for decode: {\"cameras\": [{\"eye\": [0, 1.5, \
+    Without a camera, a container is rendered from its first probe: face nz of a cube map, or its perspective view; a \
+    simplified scene from the camera of its file, at the centre of the viewing region. A camera path is a camera file as for decode: {\"cameras\": [{\"eye\": [0, 1.5, \
     0], \"look_at\": [2, 1.5, 0], \
     \"fov_y_deg\": 90}]}. Cameras without \"frames\" are poses of one camera, one per frame of --frames; if --frames \
     is one frame or absent, all of them show the same frame. Either all cameras of a path have \"frames\", or none. \
@@ -51,7 +54,17 @@ use gpu::device::DeviceChoice;
     00_px.0000.png. Files in a folder are PNG; use a pattern for EXR. With --shard, reports, --trace and \
     --contact-sheet cover the pictures of the shard.\n\n\
     EXR images store linear light premultiplied by alpha; PNG images store codes after the transfer function of the \
-    container, with straight alpha. Alpha is 1 where footage is opaque, including background and holes filled from \
+    container, with straight alpha. With --exposure EV or --tone-map, 8-bit pictures (PNG, streams, films and contact \
+    sheets) are those of the player: light times 2^EV, then the tone map, then the transfer function of sRGB, whatever \
+    the exposure and the transfer function of the container. They do not change the figures of --reference.\n\n\
+    --lut applies a .cube table (of one dimension, of three, or both) to light times 2^EV, and shows its values as they \
+    are. With --lut-input linear the table takes linear light with the primaries of the container; a log shaper needs \
+    no option, but is coarse in shadows. With acescct it takes ACEScct, for footage of any primaries. OpenColorIO writes \
+    such tables: ociobakelut --inputspace ACEScct --displayview \"sRGB - Display\" \"ACES 1.0 - SDR Video\" --cubesize 65 \
+    --format iridas_cube aces.cube.\n\n\
+    Films are encoded by ffmpeg, which must be installed: H.264 at crf 16 (VP9 at crf 18 in .webm), 8 bits, 4:2:0, \
+    limited range, with the primaries, the matrix and the transfer function of BT.709, at the frame rate of the \
+    container. Colour is composited over black. Width and height must be even. Alpha is 1 where footage is opaque, including background and holes filled from \
     behind. It is 0 where nothing is known, and in holes with --holes blank or nearest; with nearest, EXR images keep \
     the colour of holes. With --background transparent, alpha is the fraction of a pixel that surfaces cover, and \
     colour is that of surfaces only. --aov holes adds a channel that marks holes, which are surfaces that no probe \
@@ -72,7 +85,7 @@ pub struct Args {
     #[arg(value_name = "IN.lfold", required_unless_present = "list_devices")]
     pub input: Option<PathBuf>,
     /// Output: an image ending in .png or .exr, a pattern such as view.%04d.png (%V is left or right), a folder for PNG
-    /// files, or - for a picture stream on standard output
+    /// files, a film ending in .mp4, .mov, .mkv or .webm, or - for a picture stream on standard output
     #[arg(long, short, value_name = "OUT",
         required_unless_present_any = ["null", "list_devices", "contact_sheet", "trace", "reference"])]
     pub output: Option<PathBuf>,
@@ -104,6 +117,8 @@ pub struct Args {
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub display: DisplayArgs,
     #[command(flatten)]
     pub march: MarchArgs,
     #[command(flatten)]

@@ -93,6 +93,8 @@ pub struct ProjectionArgs {
     pub eye_distance: Option<f64>,
 }
 
+/// Number of cube map faces per row.
+pub const CUBE_COLUMNS: u32 = 3;
 /// Mean distance between the pupils of adults, in metres.
 const EYE_DISTANCE_M: f64 = 0.063;
 
@@ -102,8 +104,20 @@ impl ProjectionArgs {
     }
 
     /// Number of pictures that are joined for an eye.
-    pub fn faces(&self) -> usize {
+    pub fn faces(&self) -> u32 {
         if self.projection == PictureProjection::Cubemap { 6 } else { 1 }
+    }
+
+    pub fn eyes_in_row(&self) -> u32 {
+        if self.stereo == Some(StereoLayout::SideBySide) { 2 } else { 1 }
+    }
+
+    /// Returns the size of a picture with both eyes and all faces, given that of one.
+    pub fn joined_size(&self, [width, height]: [u32; 2]) -> [u32; 2] {
+        let eyes = if self.stereo.is_some() { 2 } else { 1 };
+        let columns = CUBE_COLUMNS.min(self.faces());
+        let rows = self.faces().div_ceil(columns);
+        [width * columns * self.eyes_in_row(), height * rows * (eyes / self.eyes_in_row())]
     }
 
     /// Returns the cameras of a picture: by eye, then by face.

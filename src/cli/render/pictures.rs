@@ -7,24 +7,23 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::args::Args;
-use super::options::{ProjectionArgs, StereoLayout};
+use super::options::{CUBE_COLUMNS, ProjectionArgs};
+use crate::film::{FILM_ENDINGS, Film, FilmFormat, is_film};
+use crate::look::Look;
 use crate::picture_files::{PictureCoding, PictureFiles, WORD_FIELD, has_word};
 use crate::refuse;
 use crate::report::picture::contact_sheet::ContactSheet;
 use codec::error::{Error, Result};
 use codec::image::plane::Plane;
 use codec::image::sequence::Pattern;
-use codec::image::transfer::ToneMap;
 use codec::math::Camera;
+use codec::monitor::Monitor;
 use footage::export::FileFormat;
 use footage::files::OutputFile;
 use footage::image_files::picture_stream::{CodePicture, PictureStream};
 use footage::image_files::png;
 use render::frame_requests::FrameRequest;
-use render::rendered_image::{Aov, HoleFill, RenderedImage};
-
-/// Number of cube map faces per row.
-const CUBE_COLUMNS: u32 = 3;
+use render::rendered_image::{Aov, RenderedImage};
 
 const EYES: [&str; 2] = ["left", "right"];
 
@@ -68,6 +67,7 @@ impl Job {
 enum Destination {
     Nowhere,
     StandardOutput(PictureStream<Stdout>),
+    Film(Box<Film>),
     /// Files whose word is the eye.
     Files(PictureFiles),
     /// Files whose word is the content of the picture.
@@ -77,28 +77,30 @@ enum Destination {
 pub struct Pictures {
     destination: Destination,
     projection: ProjectionArgs,
-    tone: ToneMap,
-    holes: HoleFill,
+    coding: PictureCoding,
     sheet: Option<(PathBuf, ContactSheet)>,
-    pub bytes: u64,
+    bytes: u64,
 }
 
 impl Pictures {
     /// Opens the destination. `fps` is the frame rate of streams.
-    pub fn open(args: &Args, jobs: &[Job], (fps, tone): (f64, ToneMap)) -> Result<Pictures> {
+    pub fn open(args: &Args, jobs: &[Job], (fps, look): (f64, Look), threads: Option<u16>) -> Result<Pictures> {
         let stream = args.stream.open(args.output.as_deref(), args.json, fps)?;
         let numbers: Vec<u32> = jobs.iter().flat_map(|job| &job.names).map(|name| name.number).collect();
         let destination = match (&args.output, stream) {
             (None, _) => Destination::Nowhere,
             (_, Some(stream)) => {
-                if let Some(job) = jobs.iter().find(|job| job.size != jobs[0].size) {
-                    let [[a, b], [c, d]] = [jobs[0].size, job.size];
-                    return refuse(format!(
-                        "-o -: all pictures of a stream must have one size, and these have {a}x{b} and {c}x{d} \
-                        pixels: write them into a folder"
-                    ));
-                }
+                one_size(jobs, Path::new("-"))?;
                 Destination::StandardOutput(stream)
+            }
+            (Some(path), None) if is_film(path) => {
+                let format = FilmFormat {
+                    size: args.projection.joined_size(one_size(jobs, path)?),
+                    fps,
+                    transfer: look.transfer(),
+                    threads,
+                };
+                Destination::Film(Box::new(Film::create(path, format)?))
             }
             (Some(path), None) => Self::files(path, &numbers, args)?,
         };
@@ -112,8 +114,7 @@ impl Pictures {
         Ok(Pictures {
             destination,
             projection: args.projection.clone(),
-            tone,
-            holes: args.march.holes,
+            coding: PictureCoding { look, holes: args.march.holes },
             sheet,
             bytes: 0,
         })
@@ -127,7 +128,7 @@ impl Pictures {
                 name.contains('%') || path.extension().is_some_and(|ending| !ending.is_empty() && !path.is_dir());
             if file || has_eyes {
                 return refuse(format!(
-                    "{}: file names ending in .png or .exr were expected, or a folder",
+                    "{}: file names ending in .png or .exr were expected, a film ({FILM_ENDINGS}), or a folder",
                     path.display()
                 ));
             }
@@ -167,7 +168,7 @@ impl Pictures {
     /// Returns the files of a picture, and its words: one, or one for each eye.
     fn words<'a>(&'a self, name: &'a PictureName) -> (Option<&'a PictureFiles>, Vec<&'a str>) {
         match &self.destination {
-            Destination::Nowhere | Destination::StandardOutput(_) => (None, Vec::new()),
+            Destination::Nowhere | Destination::StandardOutput(_) | Destination::Film(_) => (None, Vec::new()),
             Destination::Folder(files) => (Some(files), vec![&name.subject]),
             Destination::Files(files) => (Some(files), if files.has_word() { EYES.to_vec() } else { vec![""] }),
         }
@@ -182,38 +183,65 @@ impl Pictures {
     /// Writes a picture composed of images, which are sorted by eye and then by face. Both eyes are joined unless the
     /// pattern has a field for the eye.
     pub fn put(&mut self, name: &PictureName, job: &Job, images: &[RenderedImage]) -> Result<()> {
-        let eyes: Vec<RenderedImage> =
-            images.chunks(self.projection.faces()).map(|faces| tiled(faces, CUBE_COLUMNS)).collect::<Result<_>>()?;
-        let in_row = if self.projection.stereo == Some(StereoLayout::OverUnder) { 1 } else { 2 };
-        let joined = tiled(&eyes, in_row)?;
+        let eyes: Vec<RenderedImage> = images
+            .chunks(self.projection.faces() as usize)
+            .map(|faces| tiled(faces, CUBE_COLUMNS))
+            .collect::<Result<_>>()?;
+        let joined = tiled(&eyes, self.projection.eyes_in_row())?;
         if let Some((_, sheet)) = &mut self.sheet {
-            sheet.add(job.caption(name), &joined.rgba_codes(self.tone));
+            sheet.add(job.caption(name), &self.coding.look.rgba_codes(&joined));
         }
-        if let Destination::StandardOutput(stream) = &mut self.destination {
-            stream.put(&CodePicture::Rgba8(joined.rgba_codes(self.tone)))?;
-            self.bytes = stream.bytes;
-            return Ok(());
+        match &mut self.destination {
+            Destination::StandardOutput(stream) => {
+                stream.put(&CodePicture::Rgba8(self.coding.look.rgba_codes(&joined)))?;
+                self.bytes = stream.bytes;
+                return Ok(());
+            }
+            Destination::Film(film) => return film.put(&CodePicture::Rgba8(self.coding.look.rgba_codes(&joined))),
+            Destination::Nowhere | Destination::Files(_) | Destination::Folder(_) => {}
         }
         let (Some(files), words) = self.words(name) else { return Ok(()) };
         let pictures = if words.len() > 1 { &eyes[..] } else { std::slice::from_ref(&joined) };
-        let coding = PictureCoding { tone: self.tone, holes: self.holes };
         let mut bytes = 0;
         for (word, picture) in words.iter().zip(pictures) {
-            bytes += files.write((word, name.number), picture, coding)?;
+            bytes += files.write((word, name.number), picture, &self.coding)?;
         }
         self.bytes += bytes;
         Ok(())
     }
 
-    pub fn commit(self) -> Result<()> {
-        match self.destination {
-            Destination::Nowhere | Destination::StandardOutput(_) => {}
-            Destination::Files(files) | Destination::Folder(files) => files.commit()?,
+    /// Moves all files into place. Returns the number of bytes written, without the contact sheet.
+    pub fn commit(self, monitor: &dyn Monitor) -> Result<u64> {
+        let bytes = match self.destination {
+            Destination::Nowhere | Destination::StandardOutput(_) => self.bytes,
+            Destination::Film(film) => film.commit(monitor)?,
+            Destination::Files(files) | Destination::Folder(files) => {
+                files.commit()?;
+                self.bytes
+            }
+        };
+        if let Some((path, sheet)) = self.sheet.filter(|(_, sheet)| !sheet.is_empty()) {
+            let mut file = OutputFile::create(&path)?;
+            png::encode_color8(&mut file, &sheet.draw()?).map_err(|error| error.in_file(&path))?;
+            file.commit()?;
         }
-        let Some((path, sheet)) = self.sheet.filter(|(_, sheet)| !sheet.is_empty()) else { return Ok(()) };
-        let mut file = OutputFile::create(&path)?;
-        png::encode_color8(&mut file, &sheet.draw()?).map_err(|error| error.in_file(&path))?;
-        file.commit()
+        Ok(bytes)
+    }
+}
+
+/// Returns the size of all pictures. Fails if a stream cannot hold them because they have several.
+fn one_size(jobs: &[Job], path: &Path) -> Result<[u32; 2]> {
+    let first = jobs.first().map_or([0, 0], |job| job.size);
+    match jobs.iter().find(|job| job.size != first) {
+        None => Ok(first),
+        Some(job) => {
+            let [[a, b], [c, d]] = [first, job.size];
+            refuse(format!(
+                "-o {}: all pictures of a stream must have one size, and these have {a}x{b} and {c}x{d} pixels: write \
+                them into a folder",
+                path.display()
+            ))
+        }
     }
 }
 

@@ -19,6 +19,7 @@ use codec::image::transfer::ToneMap;
 use codec::math::Camera;
 use codec::memory::Need;
 use codec::monitor::Monitor;
+use evaluate::cameras::{self, ReadSettings};
 use gpu::Gpu;
 use gpu::quads::GpuQuads;
 use render::march::memory::picture_bytes;
@@ -46,6 +47,8 @@ pub fn is_scene(path: &Path) -> bool {
 pub struct QuadSubject<'a> {
     args: &'a Args,
     scene: QuadScene,
+    /// Camera of the file, if it has one.
+    camera: Option<Camera>,
 }
 
 impl<'a> QuadSubject<'a> {
@@ -70,7 +73,10 @@ impl<'a> QuadSubject<'a> {
                 input.display()
             ));
         }
-        Ok(QuadSubject { args, scene: read_glb(input)? })
+        let scene = read_glb(input)?;
+        let cameras = cameras::read(input, ReadSettings::with_fps(STILL_FPS)).map(|found| found.cameras);
+        let camera = cameras.unwrap_or_default().first().map(|camera| camera.timed.camera);
+        Ok(QuadSubject { args, scene, camera })
     }
 
     fn settings(&self) -> DrawSettings {
@@ -105,7 +111,10 @@ impl Subject for QuadSubject<'_> {
     }
 
     fn own_camera(&self, _frame: u32) -> Result<(Camera, String)> {
-        refuse("no camera was given: use --eye and --look-at, or --camera with a camera file")
+        match self.camera {
+            Some(camera) => Ok((camera, "rendering the view of the camera of the scene".to_owned())),
+            None => refuse("no camera was given: use --eye and --look-at, or --camera with a camera file"),
+        }
     }
 
     fn tone(&self) -> ToneMap {

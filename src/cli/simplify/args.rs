@@ -27,6 +27,9 @@ use simplify::texture_sizes::Sizing;
     The scene is valid for eyes inside the viewing region only. Triangles are stored back to front: a viewer must \
     draw them in that order, blended, without depth test, culling or sorting (three.js: sortObjects = false, \
     forceSinglePass = true).\n\n\
+    The sky is a cube around the centre of the region: 4 times as far as the farthest surface, at most 400 and at least \
+    8 times the radius of the region. A .glb file has a camera of 60 degrees at that centre, which looks at the middle \
+    of the scene, or along -Z if the scene is on all sides.\n\n\
     A .glb file contains the texture as PNG; a .obj file comes with a .mtl and a .png file. --hdr writes the texture \
     to a .exr file with the name of the scene, in addition to the PNG of a .glb file or instead of the .png file. All \
     textures have straight alpha.\n\n\
@@ -130,7 +133,7 @@ pub struct Args {
 }
 
 const BACKGROUNDS: &Choices<Background> = &[
-    ("sky", Background::Sky, "Cube around the viewing region, 400 times as large"),
+    ("sky", Background::Sky, "Cube around the viewing region, 4 times as far as the farthest surface"),
     ("transparent", Background::Transparent, "No geometry; background stays transparent"),
 ];
 

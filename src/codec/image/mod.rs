@@ -24,4 +24,4 @@ pub use primaries::{LightMatrix, Primaries};
 pub use projection::ImageProjection;
 pub use sequence::{FrameRange, Pattern, Sequence};
 pub use texel_map::TexelMap;
-pub use transfer::{CodeSteps, DecodeTable, EncodeTable, ToneMap, Transfer};
+pub use transfer::{CodeSteps, DecodeTable, Display, EncodeTable, ToneCurve, ToneMap, Transfer};

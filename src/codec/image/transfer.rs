@@ -53,12 +53,63 @@ pub struct ToneMap {
 impl ToneMap {
     /// Returns the 8-bit code of a linear value, clamped to 0..255; 0 for NaN.
     pub fn code(self, light: f32) -> u8 {
-        // The cast converts NaN to 0.
-        (self.transfer.encode(f64::from(light) * self.gain()) * 255.0).round().clamp(0.0, 255.0) as u8
+        Display::from(self).code(light)
     }
 
-    fn gain(self) -> f64 {
+    /// Returns the factor of the exposure.
+    pub fn gain(self) -> f64 {
         libm::exp2(self.exposure_ev.into())
+    }
+}
+
+/// Curve that maps exposed linear light to the range of a display, before the transfer function.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum ToneCurve {
+    /// Light above 1 is clipped.
+    #[default]
+    None,
+    /// x / (1 + x).
+    Reinhard,
+    /// x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14): a rational curve with a toe and a shoulder.
+    Filmic,
+}
+
+impl ToneCurve {
+    /// Exposed light at which the curves have reached their limit in single precision.
+    const MAX_LIGHT: f64 = 1e9;
+
+    /// Returns the light that is displayed for exposed light: 0 for light below 0 and for NaN, except that [`ToneCurve::None`] keeps
+    /// both. All curves are monotone.
+    pub fn apply(self, light: f64) -> f64 {
+        let x = light.clamp(0.0, Self::MAX_LIGHT).max(0.0);
+        match self {
+            ToneCurve::None => light,
+            ToneCurve::Reinhard => x / (1.0 + x),
+            ToneCurve::Filmic => x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14),
+        }
+    }
+}
+
+/// How linear light is displayed: exposure, then a tone curve, then a transfer function.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Display {
+    /// Exposure and transfer function.
+    pub tone: ToneMap,
+    pub curve: ToneCurve,
+}
+
+impl Display {
+    /// Returns the 8-bit code of a linear value, clamped to 0..255; 0 for NaN.
+    pub fn code(self, light: f32) -> u8 {
+        let shown = self.curve.apply(f64::from(light) * self.tone.gain());
+        // The cast converts NaN to 0.
+        (self.tone.transfer.encode(shown) * 255.0).round().clamp(0.0, 255.0) as u8
+    }
+}
+
+impl From<ToneMap> for Display {
+    fn from(tone: ToneMap) -> Display {
+        Display { tone, curve: ToneCurve::None }
     }
 }
 
@@ -115,20 +166,21 @@ impl EncodeTable {
     }
 }
 
-/// Minimum linear value of each code from 1 on. Gives the codes of [`ToneMap::code`] without a power function.
+/// Minimum linear value of each code from 1 on. Gives the codes of [`Display::code`] without a power function.
 #[derive(Debug, Clone)]
 pub struct CodeSteps {
     least: [f32; 255],
 }
 
 impl CodeSteps {
-    pub fn new(tone: ToneMap) -> CodeSteps {
+    pub fn new(display: impl Into<Display>) -> CodeSteps {
+        let display = display.into();
         let least = |code: usize| {
             // Bits of non-negative floats sort as their values.
             let (mut below, mut from) = (0, f32::INFINITY.to_bits());
             while from - below > 1 {
                 let middle = below + (from - below) / 2;
-                let reaches = usize::from(tone.code(f32::from_bits(middle))) >= code;
+                let reaches = usize::from(display.code(f32::from_bits(middle))) >= code;
                 (below, from) = if reaches { (below, middle) } else { (middle, from) };
             }
             f32::from_bits(from)
@@ -176,15 +228,39 @@ mod tests {
     fn steps_give_the_codes_of_the_curve() {
         for transfer in [Transfer::Srgb, Transfer::Linear] {
             for exposure_ev in [-8.0, 0.0, 2.5] {
-                let tone = ToneMap { transfer, exposure_ev };
-                let steps = CodeSteps::new(tone);
-                let around = steps.least.iter().flat_map(|least| [least.next_down(), *least, least.next_up()]);
-                let all = (0..=u16::MAX).map(|bits| f32::from_bits(u32::from(bits) << 16 | 0x1234));
-                for light in around.chain(all) {
-                    assert_eq!(steps.code(light), tone.code(light), "{tone:?} {light}");
+                for curve in [ToneCurve::None, ToneCurve::Reinhard, ToneCurve::Filmic] {
+                    let display = Display { tone: ToneMap { transfer, exposure_ev }, curve };
+                    let steps = CodeSteps::new(display);
+                    let around = steps.least.iter().flat_map(|least| [least.next_down(), *least, least.next_up()]);
+                    let all = (0..=u16::MAX).map(|bits| f32::from_bits(u32::from(bits) << 16 | 0x1234));
+                    for light in around.chain(all) {
+                        assert_eq!(steps.code(light), display.code(light), "{display:?} {light}");
+                    }
                 }
             }
         }
+    }
+
+    #[test]
+    fn tone_curves_have_their_values() {
+        // By hand, from the formulas of viewer/src/gpu/present.wgsl: light 1/2, 1 and 4.
+        let reinhard = [0.5, 1.0, 4.0].map(|light| ToneCurve::Reinhard.apply(light));
+        assert_eq!(reinhard, [1.0 / 3.0, 0.5, 0.8]);
+        let filmic = [0.5, 1.0, 4.0].map(|light| ToneCurve::Filmic.apply(light));
+        for (found, expected) in filmic.into_iter().zip([0.6425 / 1.0425, 2.54 / 3.16, 40.28 / 41.38]) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+        for curve in [ToneCurve::Reinhard, ToneCurve::Filmic] {
+            assert_eq!([-1.0, 0.0, f64::NAN, f64::NEG_INFINITY].map(|light| curve.apply(light)), [0.0; 4]);
+            assert!((curve.apply(f64::INFINITY) - curve.apply(1e12)).abs() < 1e-6);
+            let display = Display { tone: ToneMap { exposure_ev: 10.0, ..ToneMap::default() }, curve };
+            assert_eq!([f32::INFINITY, f32::MAX, 65504.0].map(|light| display.code(light)), [255; 3]);
+        }
+        // sRGB codes of 1/3, at exposure 0 and for half the light at one stop more: 255 (1.055 (1/3)^(1/2.4) - 0.055) = 156.16.
+        let code = |exposure_ev, light| {
+            Display { tone: ToneMap { exposure_ev, ..ToneMap::default() }, curve: ToneCurve::Reinhard }.code(light)
+        };
+        assert_eq!([code(0.0, 0.5), code(1.0, 0.25), code(-1.0, 1.0)], [156; 3]);
     }
 
     #[test]

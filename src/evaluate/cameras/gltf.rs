@@ -19,14 +19,11 @@ use scene::mesh::folder::Folder;
 use scene::mesh::gltf::buffers::Buffers;
 use scene::mesh::gltf::document::{self, Parsed};
 use scene::mesh::gltf::nodes::{Local, Nodes};
-use scene::mesh::gltf::write::binary_file;
+use scene::mesh::gltf::write::{binary_file, perspective};
 use scene::model::animation::{Animation, Channel};
 
 /// Tolerance between the time of a key and a frame, in frames.
 const NEAR_FRAME: f64 = 1e-3;
-/// Near plane in metres of cameras without one; glTF requires a value above 0.
-const DEFAULT_NEAR_M: f64 = 0.01;
-
 /// Frames per second where neither the film nor the caller states them.
 const DEFAULT_FPS: f64 = 24.0;
 
@@ -174,20 +171,11 @@ impl Parts {
         if keys.iter().any(changes) {
             return Err(Error::unsupported("glTF cannot store its animated field of view: use usd"));
         }
-        let lens = first.lens();
-        let mut perspective = json!({
-            "yfov": lens.fov_y_deg.to_radians(),
-            "aspectRatio": lens.aspect,
-            "znear": if lens.near_m > 0.0 { lens.near_m } else { DEFAULT_NEAR_M },
-        });
-        if lens.far_m.is_finite() {
-            perspective["zfar"] = lens.far_m.into();
-        }
         let node = self.nodes.len();
         let turn = first.orientation().unwrap_or([0.0, 0.0, 0.0, 1.0]);
         let [camera, translation] = [json!(self.cameras.len()), json!(first.eye().to_array())];
         self.nodes.push(json!({ "name": name, "camera": camera, "translation": translation, "rotation": turn }));
-        self.cameras.push(json!({ "name": name, "type": "perspective", "perspective": perspective }));
+        self.cameras.push(json!({ "name": name, "type": "perspective", "perspective": perspective(first) }));
         let frames: Option<Vec<u32>> = keys.iter().map(|(frame, _)| *frame).collect();
         let Some(frames) = frames else { return Ok(()) };
         let times: Vec<f32> = frames.iter().map(|&frame| (f64::from(frame) / fps) as f32).collect();

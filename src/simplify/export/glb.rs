@@ -11,12 +11,23 @@ use crate::quad_mesh::QuadMesh;
 use crate::region::ViewingRegion;
 use crate::selection::Budgets;
 use codec::error::Result;
+use codec::math::{Camera, Lens};
 use scene::mesh::Material;
 use scene::mesh::gltf::write::{self, Additions};
 
 /// glTF has no homogeneous texture coordinates, so they are an application-specific attribute. TEXCOORD_0 is written, too,
 /// because the Khronos validator reports a textured primitive without it.
 const HOMOGENEOUS: &str = "_TEXCOORD_STQ";
+
+/// Vertical field of view of the camera in degrees.
+const FOV_Y_DEG: f64 = 60.0;
+/// Near plane of the camera, as a fraction of the distance of the nearest corner, and far plane, in distances of the farthest.
+const NEAR_PART: f64 = 0.1;
+const FAR_PART: f64 = 2.0;
+/// Minimum length of the mean direction of triangles; below it they are on all sides.
+const MIN_DIRECTION: f64 = 0.1;
+/// Maximum height of the viewing direction, as a sine, above which +Y is no up direction.
+const MAX_HEIGHT: f64 = 0.999;
 
 /// Input of the file writers: a scene, and the metadata that files store with it.
 #[derive(Debug)]
@@ -33,7 +44,7 @@ pub struct Scene<'a> {
 }
 
 /// Writes the mesh. `extras` is stored as the extras of the file.
-pub fn write(quads: &QuadMesh, extras: Value, out: &mut dyn Write) -> Result<()> {
+pub fn write(quads: &QuadMesh, extras: Value, camera: Option<Camera>, out: &mut dyn Write) -> Result<()> {
     let material = Material {
         name: "quads".into(),
         base_color: DVec3::ONE,
@@ -45,15 +56,41 @@ pub fn write(quads: &QuadMesh, extras: Value, out: &mut dyn Write) -> Result<()>
     };
     let stq: &[(&str, &[Vec3])] = &[(HOMOGENEOUS, &quads.stq)];
     let attributes = if quads.stq.is_empty() { &[] } else { stq };
-    let additions = Additions { extras: Some(extras), attributes };
+    let additions = Additions { extras: Some(extras), attributes, camera };
     write::glb(std::slice::from_ref(&quads.mesh), &[material], &additions, out)
 }
 
 /// Returns the bytes of the file. `textures` are the names of files with the same texture.
 pub fn bytes(scene: &Scene, textures: &[&str]) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    write(scene.quads, extras(scene, textures), &mut bytes)?;
+    write(scene.quads, extras(scene, textures), Some(camera(scene)?), &mut bytes)?;
     Ok(bytes)
+}
+
+/// Returns a camera at the centre of the viewing region, which looks at the middle of the triangles.
+fn camera(scene: &Scene) -> Result<Camera> {
+    let (mesh, eye) = (&scene.quads.mesh, scene.region.middle);
+    let distances_m = || mesh.positions.iter().map(|&position| position.distance(eye));
+    let (mut sum, mut all) = (DVec3::ZERO, 0.0);
+    for corners in &mesh.triangles {
+        let [a, b, c] = corners.map(|corner| mesh.positions[corner as usize] - eye);
+        let middle = (a + b + c) / 3.0;
+        // About the solid angle.
+        let seen = (b - a).cross(c - a).dot(middle).abs() / middle.length().powi(3);
+        if seen.is_finite() {
+            sum += seen * middle.normalize_or_zero();
+            all += seen;
+        }
+    }
+    let is_around = sum.length() < MIN_DIRECTION * all;
+    let forward = if is_around { DVec3::NEG_Z } else { sum.normalize_or(DVec3::NEG_Z) };
+    let up = if forward.y.abs() > MAX_HEIGHT { DVec3::NEG_Z } else { DVec3::Y };
+    let lens = Lens {
+        near_m: NEAR_PART * distances_m().fold(f64::INFINITY, f64::min),
+        far_m: FAR_PART * distances_m().fold(0.0, f64::max),
+        ..Lens::new(FOV_Y_DEG)
+    };
+    Camera::look_at(eye, eye + forward, up, lens)
 }
 
 fn extras(scene: &Scene, textures: &[&str]) -> Value {

@@ -93,6 +93,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "usda", execs: 4000, run: texts::run_usda, bound: texts::bound },
     Target { name: "sweep", execs: 4000, run: texts::run_sweep, bound: texts::bound },
     Target { name: "patterns", execs: 4000, run: texts::run_patterns, bound: texts::bound },
+    Target { name: "cube", execs: 4000, run: texts::run_cube, bound: texts::bound },
     Target { name: "color-tables", execs: 2000, run: texts::run_tables::<Transform>, bound: texts::bound },
     Target { name: "depth-tables", execs: 2000, run: texts::run_tables::<Predictive>, bound: texts::bound },
     Target { name: "gltf", execs: 2000, run: models::run_gltf, bound: models::bound },

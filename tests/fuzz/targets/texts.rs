@@ -1,4 +1,4 @@
-//! Text files: manifests, cameras, entropy tables, CSV of sweeps, scans, file patterns and frame ranges.
+//! Text files: manifests, cameras, entropy and lookup tables, CSV of sweeps, scans, file patterns and frame ranges.
 
 use std::path::Path;
 
@@ -13,6 +13,7 @@ use evaluate::cameras::{self, Content, ReadSettings};
 use footage::dataset::seurat::{SeuratCapture, SeuratView};
 use footage::dataset::{Manifest, Source, SourceOptions};
 use footage::encode::ScanFile;
+use footage::image_files::lookup_table;
 use render::views::camera_units::CameraUnits;
 use tempfile::TempDir;
 
@@ -192,6 +193,21 @@ pub fn run_patterns(bytes: &[u8]) -> Judged {
     }
     let below = pattern.below(Path::new("folder"));
     below.path(3);
+    Ok(Verdict::Accepted)
+}
+
+/// Parses a lookup table, and applies it to all kinds of numbers.
+pub fn run_cube(bytes: &[u8]) -> Judged {
+    let table = match lookup_table::parse(&mut &*bytes) {
+        Ok(table) => table,
+        Err(error) => return refused(&error),
+    };
+    for rgb in [[0.0, 0.5, 1.0], [-1e30, f32::INFINITY, f32::NAN], [f32::NEG_INFINITY, 1e-40, 222.0]] {
+        let found = table.apply(rgb);
+        if found.iter().any(|value| value.is_nan()) {
+            return Err(format!("{rgb:?} becomes {found:?}"));
+        }
+    }
     Ok(Verdict::Accepted)
 }
 

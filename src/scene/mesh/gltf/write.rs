@@ -13,6 +13,7 @@ use crate::mesh::material::Material;
 use crate::mesh::texture::{ImageTexture, Wrap};
 use crate::mesh::triangles::Mesh;
 use codec::error::{Error, Result};
+use codec::math::Camera;
 
 const FLOAT: u32 = 5126;
 const UNSIGNED_SHORT: u32 = 5123;
@@ -23,13 +24,15 @@ const INDICES: u32 = 34963;
 /// Linear filter without mipmaps.
 const LINEAR: u32 = 9729;
 
-/// Application-specific data.
+/// Data besides meshes.
 #[derive(Debug, Default)]
 pub struct Additions<'a> {
     /// Extras of the file.
     pub extras: Option<Value>,
     /// Attributes of the corners of the first mesh. Names begin with an underscore (glTF 2.0, section 3.7.2.1).
     pub attributes: &'a [(&'a str, &'a [Vec3])],
+    /// A camera, whose clip planes are stored if they are above 0 and finite.
+    pub camera: Option<Camera>,
 }
 
 /// Writes meshes as a `.glb` file. The materials of their triangles are indices into `materials`. Triangles of a material keep
@@ -43,11 +46,21 @@ pub fn glb(meshes: &[Mesh], materials: &[Material], additions: &Additions, out: 
     let attributes = |at: usize| if at == 0 { additions.attributes } else { &[] };
     let parts = meshes.iter().enumerate().map(|(at, mesh)| document.mesh(mesh, attributes(at)));
     let parts = parts.collect::<Result<Vec<Value>>>()?;
-    let nodes: Vec<Value> = (0..parts.len()).map(|mesh| json!({ "mesh": mesh })).collect();
+    let mut nodes: Vec<Value> = (0..parts.len()).map(|mesh| json!({ "mesh": mesh })).collect();
+    let mut cameras = Vec::new();
+    if let Some(camera) = &additions.camera {
+        let turn = camera.orientation().unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        nodes.push(json!({ "camera": 0, "translation": camera.eye().to_array(), "rotation": turn }));
+        let mut lens = perspective(camera);
+        // The viewer's window defines the aspect ratio.
+        lens.as_object_mut().and_then(|lens| lens.remove("aspectRatio"));
+        cameras.push(json!({ "type": "perspective", "perspective": lens }));
+    }
     let mut root = json!({ "asset": { "version": "2.0", "generator": "lightfold" }, "scene": 0 });
-    root["scenes"] = json!([{ "nodes": (0..parts.len()).collect::<Vec<usize>>() }]);
+    root["scenes"] = json!([{ "nodes": (0..nodes.len()).collect::<Vec<usize>>() }]);
     let lists = [
         ("nodes", nodes),
+        ("cameras", cameras),
         ("meshes", parts),
         ("materials", document.materials),
         ("textures", document.textures),
@@ -65,6 +78,23 @@ pub fn glb(meshes: &[Mesh], materials: &[Material], additions: &Additions, out: 
         root[name] = list.into();
     }
     binary_file(root, &document.bytes, out)
+}
+
+/// Near plane in metres of cameras without one; glTF requires a value above 0.
+const DEFAULT_NEAR_M: f64 = 0.01;
+
+/// Returns the lens of a camera (glTF 2.0, section 5.14).
+pub fn perspective(camera: &Camera) -> Value {
+    let lens = camera.lens();
+    let mut perspective = json!({
+        "yfov": lens.fov_y_deg.to_radians(),
+        "aspectRatio": lens.aspect,
+        "znear": if lens.near_m > 0.0 { lens.near_m } else { DEFAULT_NEAR_M },
+    });
+    if lens.far_m.is_finite() {
+        perspective["zfar"] = lens.far_m.into();
+    }
+    perspective
 }
 
 /// Writes a document and the bytes of its only buffer as a `.glb` file.
@@ -367,7 +397,7 @@ mod tests {
     #[test]
     fn additions_are_of_the_first_mesh() {
         let stq = vec![Vec3::new(0.5, 0.25, 2.0); 80];
-        let additions = Additions { extras: Some(json!({ "a": 1 })), attributes: &[("_STQ", &stq)] };
+        let additions = Additions { extras: Some(json!({ "a": 1 })), attributes: &[("_STQ", &stq)], camera: None };
         let mut bytes = Vec::new();
         glb(&[mesh(), mesh()], &palette(), &additions, &mut bytes).unwrap();
         let read = gltf::Gltf::from_slice(&bytes).unwrap();
@@ -383,7 +413,7 @@ mod tests {
         let primitives: Vec<_> = document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>()).collect();
         let mut read = |at: usize, name| primitives::application_vectors(&primitives[at], name, &mut buffers).unwrap();
         assert_eq!((read(0, "STQ"), read(0, "OTHER"), read(2, "STQ")), (stq.clone(), vec![], vec![]));
-        let wrong = Additions { extras: None, attributes: &[("_STQ", &stq[1..])] };
+        let wrong = Additions { extras: None, attributes: &[("_STQ", &stq[1..])], camera: None };
         let said = glb(&[mesh()], &palette(), &wrong, &mut Vec::new()).unwrap_err().to_string();
         assert!(said.contains("_STQ: 79 values for 80 corners"), "{said}");
     }
