@@ -7,7 +7,7 @@ import { decoder } from "../src/decoder/module.ts";
 import { readFootage } from "../src/format/attributes.ts";
 import { FileFields, quoted } from "../src/format/bytes.ts";
 import { Container } from "../src/format/container.ts";
-import { MemorySource } from "./memory_source.ts";
+import { MemorySource } from "../src/format/memory.ts";
 import { FormatError, UnsupportedError } from "../src/format/types.ts";
 import { chance, NotedSource, seal, spoiled, storedChunk, valid, vectors } from "./vectors.ts";
 

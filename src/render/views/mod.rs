@@ -10,6 +10,7 @@ pub mod inverse_depth;
 pub mod light_field;
 pub mod player;
 pub mod rects;
+pub mod start_view;
 pub mod straight;
 pub mod visibility;
 pub mod visible_set;
@@ -24,6 +25,7 @@ pub use light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightFie
 pub use player::Change;
 pub use rects::{Rect, bounds, overlap};
 pub(crate) use straight::straight;
+pub use start_view::start_view;
 pub use straight::{StraightCodes, finite_half, straight_half};
 pub use visibility::{UnitGrid, cull};
 pub use visible_set::visible_units;
