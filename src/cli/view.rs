@@ -102,9 +102,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
 
 /// True if a film is exported as one file.
 fn is_page(path: &Path) -> bool {
-    let is_html = |extension: &std::ffi::OsStr| {
-        ["html", "htm"].iter().any(|html| extension.eq_ignore_ascii_case(html))
-    };
+    let is_html = |extension: &std::ffi::OsStr| ["html", "htm"].iter().any(|html| extension.eq_ignore_ascii_case(html));
     path.extension().is_some_and(is_html) && !path.is_dir()
 }
 

@@ -190,6 +190,34 @@ test("a panel that opens takes the focus, and gives it back", { skip }, async ()
   });
 });
 
+test("the eye circles where it is asked to, until the first input", { skip }, async () => {
+  await onPage("", async (tab) => {
+    await until(tab, drawn);
+    const eyes = (): Promise<number> =>
+      read(tab, (fake) => new Set(fake.views.map(({ pose }) => pose.eye.join())).size);
+    // Motion is to be reduced.
+    await tab.waitForTimeout(500);
+    assert.equal(await eyes(), 1);
+    await tab.click("#open-settings");
+    assert.equal(await tab.isChecked("#orbit"), false);
+    await tab.check("#orbit");
+    await until(tab, (fake) => new Set(fake.views.map(({ pose }) => pose.eye.join())).size > 5);
+    await tab.mouse.click(200, 300);
+    await tab.waitForSelector("#orbit:not(:checked)");
+    await tab.waitForTimeout(300);
+    const still = await eyes();
+    await tab.waitForTimeout(300);
+    assert.equal(await eyes(), still);
+    // By the keyboard, and off by the field itself.
+    await tab.focus("#orbit");
+    await tab.keyboard.press("Space");
+    await until(tab, (fake) => fake.views.length > 0);
+    assert.equal(await tab.isChecked("#orbit"), true);
+    await tab.keyboard.press("Space");
+    assert.equal(await tab.isChecked("#orbit"), false);
+  });
+});
+
 test("small windows keep most of their height for the picture, and panels lie over it", { skip }, async () => {
   for (const [width, height] of [
     [480, 320],

@@ -25,7 +25,8 @@ mod tests {
 
     #[test]
     fn encodes_the_test_vectors_of_the_standard() {
-        let rows = [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("fooba", "Zm9vYmE=")];
+        let rows =
+            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("fooba", "Zm9vYmE=")];
         for (bytes, text) in rows {
             assert_eq!(encode(bytes.as_bytes()), text.as_bytes());
         }

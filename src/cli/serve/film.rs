@@ -387,7 +387,9 @@ mod tests {
         let shape = |name: &str| {
             let path = folder.path().join(name);
             png::write_color8(&path, &plane).unwrap();
-            Film::open(&path).map(|film| film.description(1, &Opening::default()).quilt).map_err(|error| error.to_string())
+            Film::open(&path)
+                .map(|film| film.description(1, &Opening::default()).quilt)
+                .map_err(|error| error.to_string())
         };
         let quilt = |columns, rows, aspect| Ok(Some(QuiltShape { columns, rows, aspect }));
         assert_eq!(shape("a_qs4x2a0.75.png"), quilt(4, 2, 0.75));

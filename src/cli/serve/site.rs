@@ -91,7 +91,9 @@ fn earlier_site(folder: &Path) -> Result<Earlier> {
     let film = described_film(&folder.join(DESCRIPTION))?;
     for entry in entries {
         let name = entry.file_name().to_string_lossy().into_owned();
-        let is_known = [DESCRIPTION, POSTER].contains(&name.as_str()) || film == Some(name.as_str()) || PlayerFile::named(&name).is_some();
+        let is_known = [DESCRIPTION, POSTER].contains(&name.as_str())
+            || film == Some(name.as_str())
+            || PlayerFile::named(&name).is_some();
         if film.is_none() || !is_known || !entry.file_type().map_err(io)?.is_file() {
             return Ok(Earlier::Other(name));
         }

@@ -382,6 +382,7 @@ mod tests {
             rows.collect::<Vec<_>>().concat()
         };
         assert_eq!(read(vec![(MISSING_FRAMES, missing(&[(b"a", 1, 0, 3, BLACK)]))]).unwrap().missing_frames.len(), 1);
+        let view = |numbers: [f64; 7]| numbers.into_iter().flat_map(f64::to_le_bytes).collect::<Vec<u8>>();
         let order = "rows do not ascend";
         for (name, value, words) in [
             (CHROMATICITIES, vec![0; 31], "more bytes expected"),
@@ -410,6 +411,11 @@ mod tests {
             (POSES, poses(&[("a", 1), ("a", 1)]), order),
             (POSES, poses(&[(".a", 1)]), "not a probe name"),
             (POSES, poses(&[("a", 1 << 31)]), "frame 2147483648"),
+            (VIEW, view([0.0; 7])[..55].to_vec(), "more bytes expected"),
+            (VIEW, view([1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 50.0]), "two different points"),
+            (VIEW, view([1.0, 2.0, 3.0, f64::INFINITY, 2.0, 3.0, 50.0]), "a point is inf"),
+            (VIEW, view([1.0, 2.0, 3.0, 0.0, 2.0, 3.0, 180.0]), "above 0 and below 180"),
+            (VIEW, view([1.0, 2.0, 3.0, 0.0, 2.0, 3.0, 0.0]), "above 0 and below 180"),
             (POSES, [&poses(&[("a", 1)])[..7], &f64::NAN.to_le_bytes(), &[0; 48]].concat(), "a position is NaN"),
         ] {
             let message = read(vec![(name, value)]).unwrap_err().to_string();

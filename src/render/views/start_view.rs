@@ -43,7 +43,9 @@ pub fn start_view(decoder: &Decoder) -> Option<StartView> {
 fn middle_probe(decoder: &Decoder) -> Option<(usize, ProbeEntry)> {
     let streams = decoder.streams();
     let has_color = |depth: &StreamInfo| {
-        streams.iter().any(|other| (other.probe, other.face, other.kind) == (depth.probe, depth.face, StreamKind::Color))
+        streams
+            .iter()
+            .any(|other| (other.probe, other.face, other.kind) == (depth.probe, depth.face, StreamKind::Color))
     };
     let first = streams.iter().map(|stream| stream.frames.first).min()?;
     let mut probes: Vec<(usize, ProbeEntry)> = Vec::new();
@@ -64,9 +66,9 @@ fn richest_direction(decoder: &Decoder, streams: &[&StreamInfo], turn: DQuat) ->
     let own_yaw = f64::atan2(-own.x, -own.z);
     let densities = [StreamKind::Depth, StreamKind::Color].map(|kind| Densities::new(decoder, streams, kind));
     let structure = |forward: DVec3| {
-        let sums = densities.each_ref().map(|density| {
-            rays(forward).map(|ray| density.at((turn.inverse() * ray).as_vec3())).sum::<f64>()
-        });
+        let sums = densities
+            .each_ref()
+            .map(|density| rays(forward).map(|ray| density.at((turn.inverse() * ray).as_vec3())).sum::<f64>());
         sums[0] * sums[1]
     };
     let level = |step: u32| {
