@@ -52,3 +52,9 @@ export function assetUrl(name: string, base: string): string {
   urls.set(name, url);
   return url;
 }
+
+/** A worker of the player. Chromium loads no module of a page without a server, and bundles need none. */
+export function startWorker(name: string, base: string): Worker {
+  const url = assetUrl(name, base);
+  return new Worker(url, { type: url.startsWith("blob:") ? "classic" : "module" });
+}
