@@ -13,12 +13,14 @@ use codec::math::camera::rotation;
 use codec::streams::StartView;
 
 const FOV_Y_DEG: f64 = 60.0;
-/// Level directions of cube maps, evenly spaced.
-const DIRECTIONS: u32 = 12;
+/// Headings of cube maps, evenly spaced, and pitches in degrees, each with the factor by which the structure of its picture must
+/// exceed that of a level one.
+const HEADINGS: u32 = 12;
+const PITCHES: [(f64, f64); 3] = [(0.0, 1.0), (-15.0, 1.2), (-30.0, 2.0)];
 /// Width over height of the pictures that are compared, and rays of each along its sides.
 const ASPECT: f64 = 16.0 / 9.0;
 const RAYS: [u32; 2] = [32, 18];
-/// Factor by which the structure of another direction must exceed that of the probe's own.
+/// Factor by which the structure of another direction must exceed that of the probe's own heading.
 const MIN_GAIN: f64 = 1.1;
 
 /// Returns the view with which players open a film; `None` if no probe has a face with depth and colour.
@@ -60,39 +62,46 @@ fn middle_probe(decoder: &Decoder) -> Option<(usize, ProbeEntry)> {
     probes.into_iter().min_by(|(_, a), (_, b)| away(a).total_cmp(&away(b)))
 }
 
-/// Returns the level direction with the most structure; the first one is the probe's own.
+/// Returns the direction with the most structure; level along the probe's own heading if none has more.
 fn richest_direction(decoder: &Decoder, streams: &[&StreamInfo], turn: DQuat) -> DVec3 {
     let own = turn * DVec3::NEG_Z;
     let own_yaw = f64::atan2(-own.x, -own.z);
     let densities = [StreamKind::Depth, StreamKind::Color].map(|kind| Densities::new(decoder, streams, kind));
-    let structure = |forward: DVec3| {
-        let sums = densities
-            .each_ref()
-            .map(|density| rays(forward).map(|ray| density.at((turn.inverse() * ray).as_vec3())).sum::<f64>());
-        sums[0] * sums[1]
+    let structure = |axes: [DVec3; 3]| {
+        let to_probe = turn.inverse();
+        let sum = |density: &Densities<'_>| rays(axes).map(|ray| density.at((to_probe * ray).as_vec3())).sum::<f64>();
+        let [depth, color] = densities.each_ref().map(sum);
+        depth * color
     };
-    let level = |step: u32| {
-        let yaw = own_yaw + std::f64::consts::TAU * f64::from(step) / f64::from(DIRECTIONS);
-        DVec3::new(-yaw.sin(), 0.0, -yaw.cos())
-    };
-    let mut best = (level(0), structure(level(0)) * MIN_GAIN);
-    for forward in (1..DIRECTIONS).map(level) {
-        let found = structure(forward);
-        if found > best.1 {
-            best = (forward, found);
+    let ahead = axes(own_yaw, 0.0);
+    let mut best = (ahead[0], structure(ahead) * MIN_GAIN);
+    for (pitch_deg, factor) in PITCHES {
+        for step in 0..HEADINGS {
+            let yaw = own_yaw + std::f64::consts::TAU * f64::from(step) / f64::from(HEADINGS);
+            let axes = axes(yaw, pitch_deg.to_radians());
+            let found = structure(axes) / factor;
+            if found > best.1 {
+                best = (axes[0], found);
+            }
         }
     }
     best.0
 }
 
-/// Returns the rays of a picture in a level direction, of any length.
-fn rays(forward: DVec3) -> impl Iterator<Item = DVec3> {
+/// Returns forward, right and up of an upright picture; angles in radians.
+fn axes(yaw: f64, pitch: f64) -> [DVec3; 3] {
+    let forward = DVec3::new(-yaw.sin() * pitch.cos(), pitch.sin(), -yaw.cos() * pitch.cos());
+    let right = DVec3::new(yaw.cos(), 0.0, -yaw.sin());
+    [forward, right, right.cross(forward)]
+}
+
+/// Returns the rays of a picture, of any length.
+fn rays([forward, right, up]: [DVec3; 3]) -> impl Iterator<Item = DVec3> {
     let half = (FOV_Y_DEG.to_radians() / 2.0).tan();
-    let right = forward.cross(DVec3::Y);
     let part = |at: u32, of: u32| (f64::from(at) + 0.5) / f64::from(of) * 2.0 - 1.0;
     (0..RAYS[1]).flat_map(move |row| {
-        let up = DVec3::Y * -part(row, RAYS[1]) * half;
-        (0..RAYS[0]).map(move |column| forward + up + right * part(column, RAYS[0]) * half * ASPECT)
+        let ray = forward - up * part(row, RAYS[1]) * half;
+        (0..RAYS[0]).map(move |column| ray + right * part(column, RAYS[0]) * half * ASPECT)
     })
 }
 
