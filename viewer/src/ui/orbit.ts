@@ -33,8 +33,19 @@ export function orbitEye(pose: Pose, radius: number, seconds: number): Vec3 {
   return add(add(pose.eye, across), [0, HEIGHT_SHARE * grown * Math.cos(angle), 0]);
 }
 
-/** What the orbit does: it waits for the first picture, runs, or has ended for good. */
-type State = "waits" | "runs" | "ended";
+/** What the orbit does: it waits for the first picture, was asked for, runs, or has ended for good. */
+type State = "waits" | "asked" | "runs" | "ended";
+
+/** What the orbit is told at each picture of the screen. */
+interface Now {
+  film: Region;
+  /** Since the last one. */
+  seconds: number;
+  /** The present view is shown in full. */
+  isShown: boolean;
+  /** Full pictures are fast enough to move in. */
+  isFluent: boolean;
+}
 
 export class Orbit {
   #state: State = "waits";
@@ -63,16 +74,13 @@ export class Orbit {
 
   /** The viewer asks for it: it begins as soon as it can. */
   ask(): void {
-    this.#state = "waits";
+    this.#state = "asked";
   }
 
-  /** The eye after so many seconds more; none where the orbit does not run. It begins at `pose` where that is shown and pictures are
+  /** The eye that goes on; none where the orbit does not run. It begins at `pose` once that is shown, by itself only where pictures are
    *  fast. */
-  advance(
-    pose: Pose,
-    { film, seconds, isReady }: { film: Region; seconds: number; isReady: boolean },
-  ): Vec3 | undefined {
-    if (this.#state === "waits" && isReady && orbitRadius(film) > 0) {
+  advance(pose: Pose, { film, seconds, isShown, isFluent }: Now): Vec3 | undefined {
+    if ((this.#state === "asked" || (this.#state === "waits" && isFluent)) && isShown && orbitRadius(film) > 0) {
       [this.#state, this.#middle, this.#seconds] = ["runs", pose, 0];
     }
     if (this.#state !== "runs" || this.#middle === undefined) {

@@ -310,7 +310,7 @@ export class Page {
     if (this.#pose === undefined || this.#file.kind === "quilt") {
       return;
     }
-    const moved = this.#orbit.advance(this.#pose, { film, seconds, isReady: loop.isSettled && loop.isFluent });
+    const moved = this.#orbit.advance(this.#pose, { film, seconds, isShown: loop.isSettled, isFluent: loop.isFluent });
     if (moved !== undefined) {
       this.#pose = { ...this.#pose, eye: clampEye(moved, film.headBox) };
       loop.move();
