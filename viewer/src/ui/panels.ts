@@ -54,8 +54,8 @@ export class Panels {
     }
     if (this.#open !== undefined) {
       this.#side.setAttribute("aria-labelledby", `${name}-title`);
+      byId(name, HTMLElement).focus({ preventScroll: true });
       this.#side.scrollTop = 0;
-      byId(name, HTMLElement).focus();
     } else if (isInside) {
       this.#before?.focus();
     }
