@@ -7,7 +7,7 @@ use std::io::{Read, Write};
 use std::path::Path;
 
 use super::base64::{self, GROUP_BYTES};
-use super::film::{Description, Film, State};
+use super::film::{Film, State};
 use super::opening::POSTER;
 use super::player::{PAGE, PlayerFile};
 use super::site::{DESCRIPTION, Site};
@@ -40,13 +40,15 @@ pub fn export_file(film: &Film, path: &Path, monitor: &dyn Monitor) -> Result<Si
         )));
     }
     let opening = film.opening();
-    let description = film.description(bytes, &opening);
+    let poster = opening.poster();
+    let mut description = film.description(bytes, &opening);
+    description.poster = description.poster.filter(|_| poster.is_some());
     let mut out = OutputFile::create(path)?;
     let mut page = PageFile { out: &mut out, bytes: 0, path };
     let [head, tail] = page_parts()?;
     page.put(head.as_bytes())?;
     page.data(DESCRIPTION, json::pretty(&description)?.as_bytes())?;
-    if let Some(poster) = opening.poster() {
+    if let Some(poster) = poster {
         page.data(POSTER, poster)?;
     }
     for name in film.player_files() {
@@ -74,11 +76,7 @@ pub fn export_file(film: &Film, path: &Path, monitor: &dyn Monitor) -> Result<Si
     page.put(tail.as_bytes())?;
     let written = page.bytes;
     out.commit()?;
-    Ok(site_of(description, written))
-}
-
-fn site_of(film: Description, bytes: u64) -> Site {
-    Site { film, files: 1, bytes }
+    Ok(Site { film: description, files: 1, bytes: written })
 }
 
 /// Returns the page with its styles, up to its data, and what follows them: the script.

@@ -132,12 +132,11 @@ fn write(film: &Film, folder: &Path, monitor: &dyn Monitor) -> Result<Site> {
     let opening = film.opening();
     let mut description = film.description(film_bytes, &opening);
     let mut file_count = player::FILES.len() as u64 + 2;
-    match opening.poster() {
-        Some(poster) => {
-            put(POSTER, poster)?;
-            file_count += 1;
-        }
-        None => description.poster = None,
+    if let Some(poster) = opening.poster() {
+        put(POSTER, poster)?;
+        file_count += 1;
+    } else {
+        description.poster = None;
     }
     put(DESCRIPTION, json::pretty(&description)?.as_bytes())?;
     Ok(Site { bytes: bytes + description.bytes, files: file_count, film: description })
