@@ -32,12 +32,6 @@ pub struct Site {
     pub bytes: u64,
 }
 
-impl Site {
-    fn has_poster(&self) -> bool {
-        self.film.poster.is_some()
-    }
-}
-
 /// Writes a site into a folder, which must be new, empty, or hold an earlier site, which is replaced. The monitor advances by
 /// the bytes of the film.
 pub fn export(film: &Film, path: &Path, monitor: &dyn Monitor) -> Result<Site> {
@@ -53,7 +47,7 @@ pub fn export(film: &Film, path: &Path, monitor: &dyn Monitor) -> Result<Site> {
     let site = write(film, folder.work_path(), monitor).map_err(|error| folder.present(error))?;
     folder.commit()?;
     let other = earlier.filter(|url| *url != film.url());
-    let poster = (!site.has_poster() && earlier.is_some()).then_some(POSTER);
+    let poster = (site.film.poster.is_none() && earlier.is_some()).then_some(POSTER);
     for name in other.into_iter().chain(poster) {
         let old = path.join(name);
         match files::remove_file(&old) {
