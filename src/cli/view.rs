@@ -19,7 +19,7 @@ use simplify::read_glb::check_glb;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold view film.lfold --open\n  lightfold view room.glb --port 8000\n  \
-    lightfold view film_qs8x6a0.75.png\n  lightfold view film.lfold --export site\n\n\
+    lightfold view film_qs8x6a0.75.png\n  lightfold view film.lfold --export site\n  lightfold view film.lfold --export film.html\n\n\
     The address of the page is printed on standard output; Ctrl-C stops the server. It serves only the page and FILE, \
     by default only to programs on this machine (see --listen), and only to requests by address or localhost, not by \
     host name. Containers are rendered with WebGPU, which browsers provide to pages from this machine and to HTTPS \
@@ -27,7 +27,8 @@ use simplify::read_glb::check_glb;
     the port (ssh -L 8000:localhost:8000 HOST), or upload the site written by --export to an HTTPS server that \
     supports range requests, such as nginx or Apache; python3 -m http.server does not.\n\n\
     --export writes into a new or empty folder, or replaces an earlier site without other files. All of FILE is \
-    checked first: if it is damaged, nothing is written, and the exit code is 1.\n\n\
+    checked first: if it is damaged, nothing is written, and the exit code is 1. With a name that ends in .html it \
+    writes one file, which browsers open without a server, of a FILE of up to 50 MB.\n\n\
     The server has up to 256 connections. A connection on which the client neither sends a request nor receives 64 \
     KiB of a response within 10 seconds is closed. If all are in use, one is closed for a new client.")]
 pub struct Args {
@@ -43,9 +44,9 @@ pub struct Args {
     /// Address to listen on, 0.0.0.0 for all interfaces; everyone who reaches it can see the film
     #[arg(long, value_name = "ADDR", default_value_t = Ipv4Addr::LOCALHOST.into(), value_parser = parse_address)]
     pub listen: IpAddr,
-    /// Write the page and a copy of FILE as a static site instead of starting a server; an earlier site in DIR is
-    /// replaced
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["port", "open", "listen"])]
+    /// Write the page and a copy of FILE instead of starting a server: as a static site in a folder, where an earlier
+    /// site is replaced, or as one file, such as film.html
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["port", "open", "listen"])]
     pub export: Option<PathBuf>,
     /// Report the address, or the written site, as JSON
     #[arg(long)]
@@ -99,6 +100,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     export(&film, folder, args, global)
 }
 
+/// True if a film is exported as one file.
+fn is_page(path: &Path) -> bool {
+    let is_html = |extension: &std::ffi::OsStr| ["html", "htm"].iter().any(|html| extension.eq_ignore_ascii_case(html));
+    path.extension().is_some_and(is_html) && !path.is_dir()
+}
+
 /// Reports a film that is not exported because it is damaged, as a failed check.
 fn damaged(damage: &Error, args: &Args) -> ExitStatus {
     output::note(format_args!("lightfold: {damage}; nothing was exported"));
@@ -129,7 +136,8 @@ fn find_damage(args: &Args, global: &GlobalArgs) -> Result<Option<Error>> {
 fn export(film: &Film, folder: &Path, args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let bytes = std::fs::metadata(&args.input).map_or(0, |metadata| metadata.len());
     let progress = Progress::start(global, "copying", bytes)?;
-    let Site { film, files, bytes } = serve::export(film, folder, &progress)?;
+    let export = if is_page(folder) { serve::export_file } else { serve::export };
+    let Site { film, files, bytes } = export(film, folder, &progress)?;
     drop(progress);
     let path = folder.to_string_lossy();
     let report = Report { film: &film, address: None, site: Some(SiteReport { path, files, bytes }) };
@@ -147,7 +155,7 @@ fn serve(film: Film, args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         return refuse(format!("no handler for Ctrl-C could be set: {error}"));
     }
     let bytes = std::fs::metadata(&args.input).map_or(0, |metadata| metadata.len());
-    let description = film.description(bytes);
+    let description = film.description(bytes, &film.opening());
     let server = Server::bind(film, SocketAddr::new(args.listen, args.port), Limits::default())?;
     let page = server.page();
     if args.json {

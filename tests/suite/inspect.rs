@@ -102,6 +102,7 @@ fn dataset(kinds: &[StreamKind]) -> TempDir {
         material: files.material.is_some().then(|| MaterialInfo { channels: MaterialChannels::default() }),
         alpha: None,
         missing: None,
+        view: None,
         files,
         probes: vec![Probe { name: "00".into(), position: Some([1.0, 2.0, 3.0]), ..Probe::default() }],
         extra: None,

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use codec::image::{Eye, StereoLayout};
+use codec::streams::StartView;
 use footage::dataset::manifest::{
     AlphaInfo, Background, ColorInfo, DepthInfo, FaceFiles, FileDepth, Files, Keep, MaterialChannels, MaterialInfo,
     Pose, Probe, Unit,
@@ -244,6 +245,7 @@ fn whole() -> Manifest {
         material: Some(MaterialInfo { channels: MaterialChannels::default() }),
         alpha: Some(AlphaInfo { channel: text("A") }),
         missing: Some(Missing::Hold),
+        view: Some(StartView { eye: [0.0, 1.5, 0.0], look_at: [0.0, 1.5, -1.0], fov_y_deg: 50.0 }),
         files: Files { color: text("c"), depth: text("d"), material: text("m"), alpha: text("a"), normal: text("n") },
         probes: vec![Probe {
             name: "a".into(),

@@ -177,6 +177,7 @@ fn manifest() -> impl Strategy<Value = Manifest> {
                 material: Some(MaterialInfo { channels: MaterialChannels { reflection, refraction, ior } }),
                 alpha: None,
                 missing: None,
+                view: None,
                 files: Files {
                     color: None,
                     depth: Some("{probe}/{face}.%04d.exr".into()),

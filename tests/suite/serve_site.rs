@@ -4,9 +4,13 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
+use codec::image::{Face, Plane};
+use half::f16;
 use serde_json::{Value, json};
+use tempfile::TempDir;
 
 use crate::commands::{fine, lightfold, refused};
+use crate::footage::Footage;
 use crate::serve::{bytes_below, place, player, write_glb};
 
 fn names(folder: &Path) -> BTreeSet<String> {
@@ -46,6 +50,107 @@ fn a_site_has_the_page_and_the_film_and_replaces_an_earlier_one() {
     // A film of the site can be exported to the same site.
     fine("view deep/site/film.glb --export deep/site", at);
     assert_eq!(fs::read(site.join("film.glb")).unwrap(), fs::read(at.join("b.glb")).unwrap());
+}
+
+/// Creates a folder with `a.lfold`: a cube map in which only +X and -Y are not flat, and which states a view if `view` is not
+/// empty.
+fn room(view: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let is_rich = |face: Face| matches!(face, Face::Px | Face::Ny);
+    let noise = |face: Face, x: u32, y: u32| {
+        let hash = (x * 31 + y * 17 + face as u32).wrapping_mul(2_654_435_761) >> 16 & 255;
+        if is_rich(face) { hash as f32 / 255.0 } else { 0.5 }
+    };
+    let depth = |face: Face, _: u32| Plane::from_fn(32, 32, |x, y| 2.0 + noise(face, x, y));
+    let color = |face: Face, _: u32| Plane::from_fn(32, 32, |x, y| [noise(face, x, y); 3].map(f16::from_f32));
+    let footage = Footage {
+        faces: &Face::CUBE,
+        frames: [0, 0],
+        depth: Some(&depth),
+        color: Some(&color),
+        ..Footage::new(32, 32)
+    };
+    footage.write(folder.path());
+    let path = folder.path().join("lightfield.json");
+    let mut manifest: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+    if !view.is_empty() {
+        manifest["view"] = serde_json::from_str(view).unwrap();
+        fs::write(&path, manifest.to_string()).unwrap();
+    }
+    fine("encode . -o a.lfold", folder.path());
+    folder
+}
+
+#[test]
+fn a_film_opens_where_the_most_is_to_see_and_shows_a_poster() {
+    let folder = room("");
+    let at = folder.path();
+    fine("view a.lfold --export site", at);
+    let described = described(&at.join("site"));
+    assert_eq!(described["poster"], "poster.jpg");
+    let start = |key: &str| {
+        described["start"][key].as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect::<Vec<_>>()
+    };
+    let forward: Vec<f64> = start("eye").iter().zip(start("look_at")).map(|(eye, point)| point - eye).collect();
+    assert!(forward[0] > 0.999 && forward[1] == 0.0, "{forward:?}");
+    let poster = fs::read(at.join("site/poster.jpg")).unwrap();
+    assert!(poster.starts_with(&[0xff, 0xd8, 0xff]) && poster.ends_with(&[0xff, 0xd9]));
+    // A film without a poster removes that of the earlier site.
+    let other = place();
+    fs::copy(other.path().join("a.lfold"), at.join("b.lfold")).unwrap();
+    fine("view b.lfold --export site", at);
+    assert!(!names(&at.join("site")).contains("poster.jpg"));
+}
+
+#[test]
+fn the_view_of_a_manifest_is_stored_and_comes_back() {
+    let view = json!({"eye": [0.5, 1.0, 2.0], "look_at": [0.0, 1.25, -2.0], "fov_y_deg": 40.0});
+    let folder = room(&view.to_string());
+    let at = folder.path();
+    fine("view a.lfold --export site", at);
+    assert_eq!(described(&at.join("site"))["start"], view);
+    fine("decode a.lfold -o decoded", at);
+    let manifest: Value = serde_json::from_slice(&fs::read(at.join("decoded/lightfield.json")).unwrap()).unwrap();
+    assert_eq!(manifest["view"], view);
+    for wrong in [
+        r#"{"eye": [0, 1, 2], "look_at": [0, 1, 2], "fov_y_deg": 40}"#,
+        r#"{"eye": [0, 1, 2], "look_at": [0, 1, 3], "fov_y_deg": 0}"#,
+    ] {
+        let mut changed = manifest.clone();
+        changed["view"] = serde_json::from_str(wrong).unwrap();
+        fs::write(at.join("decoded/lightfield.json"), changed.to_string()).unwrap();
+        let said = refused("encode decoded -o b.lfold", at);
+        assert!(said.contains("\"view\": "), "{said}");
+    }
+}
+
+#[test]
+fn one_file_has_the_page_and_the_film() {
+    let folder = room("");
+    let at = folder.path();
+    let output = fine("view a.lfold --export film.html --json", at);
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let page = fs::read_to_string(at.join("film.html")).unwrap();
+    assert_eq!(report["site"], json!({"path": "film.html", "files": 1, "bytes": page.len()}));
+    let data = |name: &str| {
+        let (_, rest) = page.split_once(&format!("data-file=\"{name}\">")).unwrap_or_else(|| panic!("no {name}"));
+        rest.split_once("</script>").unwrap().0.to_owned()
+    };
+    let film = fs::read(at.join("a.lfold")).unwrap();
+    assert_eq!(data("film.lfold").len(), film.len().div_ceil(3) * 4);
+    for name in ["film.json", "poster.jpg", "worker.js", "cpu_worker.js", "lightfold.wasm"] {
+        assert!(data(name).len() > 100, "{name}");
+    }
+    assert!(!page.contains("data-file=\"glb.js\""));
+    // Another export replaces the file.
+    write_glb(&at.join("b.glb"), 50_000);
+    fine("view b.glb --export film.html", at);
+    assert!(fs::read_to_string(at.join("film.html")).unwrap().contains("data-file=\"film.glb\""));
+    // A film that is too large is refused, and the file is left as it is.
+    write_glb(&at.join("b.glb"), 50_000_001);
+    let said = refused("view b.glb --export film.html", at);
+    assert!(said.contains("51 MB") && said.contains("--export DIR"), "{said}");
+    assert!(at.join("film.html").is_file());
 }
 
 #[test]

@@ -202,6 +202,12 @@ def read_poses(fields):
     read_ascending(fields, row)
 
 
+def read_view(fields):
+    numbers = fields.take("7d")
+    check(all(map(math.isfinite, numbers)) and numbers[:3] != numbers[3:6], "eye and look_at are not two points")
+    check(0 < numbers[6] < 180, "a field of view is illegal")
+
+
 def read_ascending(fields, row):
     before = None
     while fields.at < len(fields.data):
@@ -215,6 +221,7 @@ VALUES = {
     "color.clipped_pixels": lambda value: value.take("Q"),
     "frames.missing": read_missing_frames,
     "probes.poses": read_poses,
+    "view": read_view,
 }
 
 

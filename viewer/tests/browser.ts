@@ -69,7 +69,8 @@ async function listen(server: Server): Promise<string> {
 export async function inPage<T>(use: (page: Page) => Promise<T>): Promise<T> {
   const browser = await chromium.launch({ executablePath: CHROMIUM, args: FLAGS });
   try {
-    const page = await browser.newPage();
+    // The eye does not circle by itself.
+    const page = await browser.newPage({ reducedMotion: "reduce" });
     const broken = new Promise<never>((_, reject) => page.on("pageerror", reject));
     return await Promise.race([use(page), broken]);
   } finally {

@@ -11,7 +11,7 @@ import { Container } from "../src/format/container.ts";
 import { stepsOver } from "../src/gpu/steps.ts";
 import { blendOf, changedPixels } from "../src/gpu/timeline.ts";
 import type { Job } from "../src/player/jobs.ts";
-import { MemorySource } from "./memory_source.ts";
+import { MemorySource } from "../src/format/memory.ts";
 import { MODULE } from "./use_decoder.ts";
 import { storedChunk, valid, vectors } from "./vectors.ts";
 import { vectorOpcodes } from "./wasm_opcodes.ts";

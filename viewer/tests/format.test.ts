@@ -7,7 +7,7 @@ import { decoder } from "../src/decoder/module.ts";
 import { readFootage } from "../src/format/attributes.ts";
 import { FileFields, quoted } from "../src/format/bytes.ts";
 import { Container } from "../src/format/container.ts";
-import { MemorySource } from "./memory_source.ts";
+import { MemorySource } from "../src/format/memory.ts";
 import { FormatError, UnsupportedError } from "../src/format/types.ts";
 import { chance, NotedSource, seal, spoiled, storedChunk, valid, vectors } from "./vectors.ts";
 
@@ -268,6 +268,10 @@ function pose(probe: string, frame: number, x: number): ["s" | "u" | "d", string
   ];
 }
 
+function doubles(...values: number[]): ["d", number][] {
+  return values.map((value) => ["d", value]);
+}
+
 /** A row of frames.missing. */
 function missing(probe: string, frame: number, held: number): ["s" | "b" | "u", string | number][] {
   return [
@@ -316,6 +320,9 @@ void test("attributes of the footage come back", () => {
     ],
   );
   assert.deepEqual(poses.get("b")?.[0].orientation, [0, 0.6, 0, 0.8]);
+  assert.equal(usual.view, undefined);
+  const { view } = footageOf("view", ...doubles(0, 1.5, 2, 0, 1, -3, 50));
+  assert.deepEqual(view, { eye: [0, 1.5, 2], lookAt: [0, 1, -3], fovDeg: 50 });
 });
 
 void test("attributes that break a rule are refused", () => {
@@ -340,6 +347,11 @@ void test("attributes that break a rule are refused", () => {
     ["poses, cut", () => footageOf("probes.poses", ...zeros(61))],
     ["poses twice", () => footageOf("probes.poses", ...pose("a", 1, 0), ...pose("a", 1, 1))],
     ["poses that descend", () => footageOf("probes.poses", ...pose("b", 1, 0), ...pose("a", 2, 0))],
+    ["a view of its own eye", () => footageOf("view", ...doubles(1, 2, 3, 1, 2, 3, 50))],
+    ["a view of no field", () => footageOf("view", ...doubles(1, 2, 3, 1, 2, 4, 0))],
+    ["a view of all around", () => footageOf("view", ...doubles(1, 2, 3, 1, 2, 4, 180))],
+    ["a view, longer", () => footageOf("view", ...doubles(1, 2, 3, 1, 2, 4, 50, 0))],
+    ["a view from nowhere", () => footageOf("view", ...doubles(1, NaN, 3, 1, 2, 4, 50))],
     ["a position that is none", () => footageOf("probes.poses", ...pose("a", 1, NaN))],
   ];
   for (const [what, read] of refused) {

@@ -3,7 +3,7 @@
 import { decoder, loadDecoder } from "../src/decoder/module.ts";
 import type { Pixels, Prepared } from "../src/decoder/types.ts";
 import { Container } from "../src/format/container.ts";
-import { MemorySource } from "./memory_source.ts";
+import { MemorySource } from "../src/format/memory.ts";
 import type { DepthHeader, Stream } from "../src/format/types.ts";
 import { FamilyDecoder } from "../src/gpu/decoder.ts";
 import type { Decoded, Wanted } from "../src/gpu/decoder.ts";

@@ -13,7 +13,7 @@ import { selectViews } from "../src/views/selection.ts";
 import { unitsUnder } from "../src/views/rects.ts";
 import { colorTexels } from "../src/views/straight.ts";
 import type { Shot } from "./films.ts";
-import { MemorySource } from "./memory_source.ts";
+import { MemorySource } from "../src/format/memory.ts";
 import "./use_decoder.ts";
 
 /** One frame of a film in memory. */

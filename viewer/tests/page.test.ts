@@ -114,6 +114,62 @@ describe("The page of lightfold view", { skip }, () => {
     }
   });
 
+  test("opens at the start of the film, of which a poster is there first", async () => {
+    const { address, end } = await serveFilm(films.path("film.lfold"));
+    try {
+      const { complaints } = await visit("about:blank", async (page) => {
+        // The film itself does not come.
+        let release: () => void = () => undefined;
+        const held = new Promise<void>((resolve) => (release = resolve));
+        await page.route("**/film.lfold", (route) => held.then(() => route.continue()));
+        await page.goto(address);
+        await page.locator("img.poster").waitFor({ state: "visible", timeout: 60_000 });
+        await page.waitForFunction(() => document.querySelector<HTMLImageElement>("img.poster")!.naturalWidth > 0);
+        assert.ok((await colorsOf(page, "poster")) > 100);
+        release();
+        await settled(page);
+        await page.locator("img.poster").waitFor({ state: "detached" });
+        const { start } = (await (await fetch(`${address}film.json`)).json()) as { start: Record<string, number[]> };
+        await page.waitForFunction(() => location.hash !== "");
+        const hash = new URLSearchParams((await page.evaluate(() => location.hash)).slice(1));
+        assert.deepEqual(hash.get("eye")!.split(",").map(Number), start["eye"]);
+        const [x, , z] = start["look_at"]!.map((value, axis) => value - start["eye"]![axis]!);
+        const yaw = (Number(hash.get("look")!.split(",")[0]) * Math.PI) / 180;
+        assert.ok(Math.hypot(-Math.sin(yaw) - x!, -Math.cos(yaw) - z!) < 1e-3, `${hash}`);
+      });
+      assert.deepEqual(complaints, []);
+      // A link with a pose has no poster.
+      await visit(`${address}#look=45,0`, async (page) => {
+        await settled(page);
+        assert.equal(await page.locator("img.poster").count(), 0);
+        assert.match(await page.evaluate(() => location.hash), /look=45,0/u);
+      });
+    } finally {
+      end();
+    }
+  });
+
+  test("opens without a server where it is one file, and says so where it is not", async () => {
+    const [page, folder] = [films.path("film.html"), films.path("site")];
+    lightfold("view", films.path("film.lfold"), "--export", page, "-q");
+    lightfold("view", films.path("film.lfold"), "--export", folder, "-q");
+    for (const renderer of ["gpu", "cpu"]) {
+      const { complaints, asked } = await visit(`file://${page}#renderer=${renderer}&scale=0.25`, async (tab) => {
+        await settled(tab);
+        assert.ok((await colorsOf(tab, `file-${renderer}`)) > 100);
+      });
+      assert.deepEqual(complaints, []);
+      assert.deepEqual(
+        asked.filter((url) => !/^(blob|data):/u.test(url)),
+        [`file://${page}`],
+      );
+    }
+    await visit(`file://${folder}/index.html`, async (tab) => {
+      await tab.locator("#notice-text").waitFor({ state: "visible" });
+      assert.match(await tab.innerText("#notice"), /web server.*--export film\.html/su);
+    });
+  });
+
   test("says what a file that is no film is", async () => {
     const { address, end } = await serveFilm(films.path("film.lfold"));
     try {

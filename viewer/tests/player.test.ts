@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { after, before, describe, test } from "node:test";
 import { Container } from "../src/format/container.ts";
-import { MemorySource } from "./memory_source.ts";
+import { MemorySource } from "../src/format/memory.ts";
 import type { PlayerStats, Problem, RendererChoice } from "../src/player/types.ts";
 import { bundle, type Call, pageFiles, withFunctions, withoutBrowser } from "./browser.ts";
 import { filmServer, type FilmServer } from "./film_server.ts";

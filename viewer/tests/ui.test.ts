@@ -6,6 +6,7 @@ import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
 import type { AddressInfo } from "node:net";
 import { test } from "node:test";
+import { bytesOfBase64 } from "../src/assets.ts";
 import type { Vec3 } from "../src/format/types.ts";
 import { parseSceneHead } from "../src/glb/glb_file.ts";
 import type { PlayerStats } from "../src/player/types.ts";
@@ -19,7 +20,8 @@ import { actionOf, isForPage, motionOf, motionOfPad } from "../src/ui/keys.ts";
 import type { KeyPress } from "../src/ui/keys.ts";
 import { formatLink, parseLink } from "../src/ui/link.ts";
 import { DrawLoop, Resolution } from "../src/ui/loop.ts";
-import { forwardOf, MAX_PITCH, rightOf, stepOf, turned } from "../src/ui/pose.ts";
+import { orbitEye, orbitRadius } from "../src/ui/orbit.ts";
+import { forwardOf, MAX_PITCH, poseOf, rightOf, stepOf, turned } from "../src/ui/pose.ts";
 import { screenshotName } from "../src/ui/screenshot.ts";
 import { DEFAULTS } from "../src/ui/settings.ts";
 import type { Settings } from "../src/ui/settings.ts";
@@ -221,6 +223,43 @@ test("film.json names a film of the page's own server", () => {
   const quilt = { columns: 8, rows: 6, aspect: 0.75 };
   assert.deepEqual(parseFilmFile(film({ kind: "quilt", quilt }), BASE).quilt, quilt);
   assert.equal(parseFilmFile(film({ quilt }), BASE).quilt, undefined);
+  const start = { eye: [1, 2, 3], look_at: [0, 2, 3], fov_y_deg: 50 };
+  const started = parseFilmFile(film({ start, poster: "poster.jpg" }), BASE);
+  assert.equal(started.poster, "https://example.org/films/poster.jpg");
+  assert.deepEqual(started.start, { pose: { eye: [1, 2, 3], yaw: Math.PI / 2, pitch: 0 }, fovDeg: 50 });
+});
+
+test("a pose looks at a point, upright", () => {
+  const forward: Vec3 = [0.48, -0.6, -0.64];
+  forwardOf(poseOf([1, 2, 3], forward)).forEach((value, axis) => near(value, forward[axis]!));
+  assert.deepEqual(poseOf([0, 0, 0], [0, -2, 0]), { eye: [0, 0, 0], yaw: 0, pitch: -MAX_PITCH });
+});
+
+test("the eye circles among the probes, near to where it was, and is there at first", () => {
+  const headBox = { least: [-0.3, 1.5, 0] as Vec3, greatest: [0.3, 1.5, 0] as Vec3 };
+  near(orbitRadius({ headBox, nearM: 1.2 }), 0.06);
+  near(orbitRadius({ headBox, nearM: 100 }), 0.15);
+  near(orbitRadius({ headBox }), 0.15);
+  assert.equal(orbitRadius({ headBox: { least: [1, 2, 3], greatest: [1, 2, 3] }, nearM: 1 }), 0);
+  const pose = { eye: [0, 1.5, 0] as Vec3, yaw: Math.PI / 2, pitch: 0 };
+  const away = (seconds: number): number =>
+    Math.hypot(...orbitEye(pose, 0.06, seconds).map((value, axis) => value - pose.eye[axis]!));
+  near(away(0), 0);
+  assert.ok(away(0.1) < 0.001, String(away(0.1)));
+  for (let seconds = 0; seconds < 30; seconds += 0.25) {
+    assert.ok(away(seconds) <= 0.06, String(away(seconds)));
+  }
+  near(away(15), 0.06);
+  // Across the picture, which looks along -X.
+  near(orbitEye(pose, 0.06, 15)[2], -0.06, 1e-6);
+});
+
+test("base64 becomes bytes, in pieces", () => {
+  for (const length of [0, 1, 2, 3, 4, 786_431, 786_432, 786_433, 2_000_000]) {
+    const bytes = Uint8Array.from({ length }, (_, at) => (at * 7919) >> 3);
+    assert.ok(Buffer.from(bytes).equals(bytesOfBase64(Buffer.from(bytes).toString("base64"))), String(length));
+  }
+  assert.throws(() => bytesOfBase64("a$=="));
 });
 
 test("a film.json that is wrong, or of another origin, is refused with a sentence", () => {
@@ -251,6 +290,14 @@ test("a film.json that is wrong, or of another origin, is refused with a sentenc
     ...[-1, 1.5, 2 ** 60, "1", null].map((bytes) => film({ bytes })),
     ...["", 1, "x".repeat(2000)].map((name) => film({ name })),
     ...tiles.map((quilt) => film({ kind: "quilt", quilt })),
+    ...["//evil.example/x", "", 1, null].map((poster) => film({ poster })),
+    ...[null, [], {}, { eye: [0, 0, 0], look_at: [0, 0, 0], fov_y_deg: 60 }].map((start) => film({ start })),
+    ...[0, 180, "60", null].map((fov) => film({ start: { eye: [0, 0, 0], look_at: [0, 0, 1], fov_y_deg: fov } })),
+    ...[
+      [0, 0],
+      [0, 0, "1"],
+      [0, 0, null],
+    ].map((eye) => film({ start: { eye, look_at: [0, 0, 1], fov_y_deg: 60 } })),
     ...[0, -1, "1", 1e9].map((aspect) => film({ kind: "quilt", quilt: { columns: 1, rows: 1, aspect } })),
   ];
   for (const json of faulty) {

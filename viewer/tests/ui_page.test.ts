@@ -165,13 +165,13 @@ test("a panel that opens takes the focus, and gives it back", { skip }, async ()
     ]) {
       await tab.focus(`#open-${name}`);
       await tab.keyboard.press("Enter");
-      assert.equal(await focused(), `${name}-title`);
+      assert.equal(await focused(), name);
       assert.equal(await tab.getAttribute("#side", "aria-labelledby"), `${name}-title`);
       await tab.keyboard.press("Escape");
       assert.equal(await focused(), `open-${name}`);
       await tab.focus("#stage");
       await tab.keyboard.press(key!);
-      assert.equal(await focused(), `${name}-title`);
+      assert.equal(await focused(), name);
       await tab.keyboard.press(key!);
       assert.equal(await focused(), "stage");
       assert.ok(!(await tab.isVisible("#side")));
@@ -179,12 +179,42 @@ test("a panel that opens takes the focus, and gives it back", { skip }, async ()
     // From panel to panel, and back to where it was.
     await tab.keyboard.press("v");
     await tab.keyboard.press("i");
-    assert.equal(await focused(), "inspector-title");
+    assert.equal(await focused(), "inspector");
     await tab.keyboard.press("Escape");
     assert.equal(await focused(), "stage");
     // By pointer.
     await tab.click("#open-settings");
-    assert.equal(await focused(), "settings-title");
+    assert.equal(await focused(), "settings");
+    // Headings are text: neither fields nor buttons.
+    assert.equal(await tab.locator("#side :is(h2, h3)[tabindex], #side :is(h2, h3) *").count(), 0);
+  });
+});
+
+test("the eye circles where it is asked to, until the first input", { skip }, async () => {
+  await onPage("", async (tab) => {
+    await until(tab, drawn);
+    const eyes = (): Promise<number> =>
+      read(tab, (fake) => new Set(fake.views.map(({ pose }) => pose.eye.join())).size);
+    // Motion is to be reduced.
+    await tab.waitForTimeout(500);
+    assert.equal(await eyes(), 1);
+    await tab.click("#open-settings");
+    assert.equal(await tab.isChecked("#orbit"), false);
+    await tab.check("#orbit");
+    await until(tab, (fake) => new Set(fake.views.map(({ pose }) => pose.eye.join())).size > 5);
+    await tab.mouse.click(200, 300);
+    await tab.waitForSelector("#orbit:not(:checked)");
+    await tab.waitForTimeout(300);
+    const still = await eyes();
+    await tab.waitForTimeout(300);
+    assert.equal(await eyes(), still);
+    // By the keyboard, and off by the field itself.
+    await tab.focus("#orbit");
+    await tab.keyboard.press("Space");
+    await until(tab, (fake) => fake.views.length > 0);
+    assert.equal(await tab.isChecked("#orbit"), true);
+    await tab.keyboard.press("Space");
+    assert.equal(await tab.isChecked("#orbit"), false);
   });
 });
 
@@ -253,7 +283,7 @@ test("letters act on the page while a list, a button or a checkbox has the focus
   await onPage("", async (tab) => {
     await until(tab, drawn);
     await tab.keyboard.press("i");
-    for (const [at, selector] of ["#speed", "#marks input[value=holes]", "#copy-link", "#inspector-title"].entries()) {
+    for (const [at, selector] of ["#speed", "#marks input[value=holes]", "#copy-link", "#inspector"].entries()) {
       await tab.focus(selector);
       await tab.keyboard.press(".");
       await until(

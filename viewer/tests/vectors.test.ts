@@ -6,7 +6,7 @@ import type { ChunkDecoder, DecoderStream } from "../src/decoder/decoder.ts";
 import { decoder } from "../src/decoder/module.ts";
 import type { Pixels } from "../src/decoder/types.ts";
 import { Container } from "../src/format/container.ts";
-import { MemorySource } from "./memory_source.ts";
+import { MemorySource } from "../src/format/memory.ts";
 import { FormatError, type Stream, UnsupportedError } from "../src/format/types.ts";
 import {
   chance,

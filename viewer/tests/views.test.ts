@@ -103,7 +103,7 @@ function layout(probes: Probe[], faces: readonly number[], moving = ""): Constru
   return {
     probes,
     streams: places.map(({ of, face, kind }, index) => stream(index, of, face, kind)),
-    footage: { chromaticities: [], clippedPixels: undefined, missingFrames: [], poses },
+    footage: { chromaticities: [], clippedPixels: undefined, missingFrames: [], poses, view: undefined },
     unitCount: () => 16,
   };
 }

@@ -20,8 +20,10 @@ use super::connections::Connections;
 use super::film::{Film, OpenFilm};
 use super::film_body;
 use super::hosts::{Addressee, addressee};
+use super::opening::{Opening, POSTER, POSTER_MEDIA_TYPE};
 use super::player::PlayerFile;
 use super::range::{Asked, asked};
+use super::site::DESCRIPTION;
 use codec::error::{Error, Result};
 use footage::json;
 
@@ -60,11 +62,13 @@ pub struct Served {
     connections: Arc<Connections>,
     /// The open film, if any response is sending it: connections share one open file.
     sent: Mutex<Weak<OpenFilm>>,
+    /// The start of the film, with the tag of the file that it was read from.
+    opening: Mutex<Option<(String, Arc<Opening>)>>,
 }
 
 impl Served {
     pub fn new(film: Film, bound: IpAddr, connections: Arc<Connections>) -> Served {
-        Served { film, bound, connections, sent: Mutex::default() }
+        Served { film, bound, connections, sent: Mutex::default(), opening: Mutex::default() }
     }
 
     /// Opens the file that currently has the film's name, or reuses it if it is open.
@@ -77,6 +81,24 @@ impl Served {
         let now = Arc::new(now);
         *sent = Arc::downgrade(&now);
         Ok(now)
+    }
+
+    /// Returns the start of the film with this tag.
+    fn opening(&self, tag: String) -> Arc<Opening> {
+        let mut known = self.opening.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, opening)) = known.as_ref().filter(|(other, _)| *other == tag) {
+            return Arc::clone(opening);
+        }
+        let opening = Arc::new(self.film.opening());
+        *known = Some((tag, Arc::clone(&opening)));
+        opening
+    }
+
+    /// Renders the poster, so that the first request does not wait for it. Blocks.
+    pub fn prepare(&self) {
+        if let Ok(film) = self.open_film() {
+            self.opening(film.tag()).poster();
+        }
     }
 }
 
@@ -156,17 +178,25 @@ async fn find(served: &Arc<Served>, path: &str) -> Result<Option<Found>> {
     if let Some(file) = PlayerFile::named(name) {
         return Ok(Some(Found::of_bytes(Bytes::from_static(file.bytes), file.media_type())));
     }
-    let is_description = name == "film.json";
-    if !is_description && name != served.film.url() {
+    let is_film = name == served.film.url();
+    if !is_film && ![DESCRIPTION, POSTER].contains(&name) {
         return Ok(None);
     }
     let film = open_film(served).await?;
-    let bytes = film.state.bytes;
-    if is_description {
-        let text = json::pretty(&served.film.description(bytes))?;
-        return Ok(Some(Found::of_bytes(text.into(), "application/json")));
+    let (bytes, tag) = (film.state.bytes, film.tag());
+    if !is_film {
+        let (server, is_poster) = (Arc::clone(served), name == POSTER);
+        let found = tokio::task::spawn_blocking(move || {
+            let opening = server.opening(tag);
+            if is_poster {
+                let poster = opening.poster().map(<[u8]>::to_vec);
+                return Ok(poster.map(|jpeg| Found::of_bytes(jpeg.into(), POSTER_MEDIA_TYPE)));
+            }
+            let text = json::pretty(&server.film.description(bytes, &opening))?;
+            Ok(Some(Found::of_bytes(text.into(), "application/json")))
+        });
+        return found.await.unwrap_or_else(|error| Err(Error::invalid(error.to_string())));
     }
-    let tag = film.tag();
     let media_type = served.film.media_type();
     Ok(Some(Found { content: Content::Film(film), length: bytes, tag, media_type }))
 }

@@ -7,10 +7,12 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
+use super::opening::{Opening, POSTER};
 use codec::container::header::{FOOT_BYTES, MAGIC};
 use codec::decode::Decoder;
 use codec::error::{Error, Result};
 use codec::image::ReadLimits;
+use codec::streams::StartView;
 use footage::dataset::manifest::{MANIFEST_NAME, MAX_MANIFEST_BYTES};
 use footage::files::open_regular;
 use footage::image_files::png;
@@ -55,6 +57,12 @@ pub struct Description {
     pub bytes: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub quilt: Option<QuiltShape>,
+    /// Camera with which a container opens.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start: Option<StartView>,
+    /// Picture of the start, relative to the page.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub poster: Option<&'static str>,
 }
 
 /// An open film, and its state when it was opened.
@@ -127,15 +135,30 @@ impl Film {
         }
     }
 
+    /// Returns the start of the film as it is now.
+    pub fn opening(&self) -> Opening {
+        if self.is_container() { Opening::of_container(&self.path) } else { Opening::default() }
+    }
+
+    /// Returns the files of the player, beside the page, that it loads to play this film.
+    pub fn player_files(&self) -> &'static [&'static str] {
+        match self.kind {
+            Kind::Container => &["worker.js", "cpu_worker.js", "lightfold.wasm"],
+            Kind::Glb => &["glb.js"],
+            Kind::Quilt(_) => &[],
+        }
+    }
+
     /// Returns the description for the page, of a file of `bytes` bytes.
-    pub fn description(&self, bytes: u64) -> Description {
+    pub fn description(&self, bytes: u64, opening: &Opening) -> Description {
         let (kind, quilt) = match self.kind {
             Kind::Container => ("lfold", None),
             Kind::Glb => ("glb", None),
             Kind::Quilt(shape) => ("quilt", Some(shape)),
         };
         let name = self.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Description { kind, url: self.url(), name, bytes, quilt }
+        let poster = opening.start.map(|_| POSTER);
+        Description { kind, url: self.url(), name, bytes, quilt, start: opening.start, poster }
     }
 
     /// Returns the error for a file that another program has modified meanwhile.
@@ -364,7 +387,9 @@ mod tests {
         let shape = |name: &str| {
             let path = folder.path().join(name);
             png::write_color8(&path, &plane).unwrap();
-            Film::open(&path).map(|film| film.description(1).quilt).map_err(|error| error.to_string())
+            Film::open(&path)
+                .map(|film| film.description(1, &Opening::default()).quilt)
+                .map_err(|error| error.to_string())
         };
         let quilt = |columns, rows, aspect| Ok(Some(QuiltShape { columns, rows, aspect }));
         assert_eq!(shape("a_qs4x2a0.75.png"), quilt(4, 2, 0.75));

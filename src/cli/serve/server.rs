@@ -91,9 +91,11 @@ impl Server {
     pub fn run(self, stop: &Stop) {
         let connections = Arc::new(Connections::new(self.limits));
         let served = Arc::new(Served::new(self.film, self.address.ip(), Arc::clone(&connections)));
+        let prepared = Arc::clone(&served);
         self.runtime.block_on(async {
             tokio::spawn(accept(self.listener, served, Arc::clone(&connections)));
             tokio::spawn(sweep(connections));
+            tokio::task::spawn_blocking(move || prepared.prepare());
             stop.0.notified().await;
         });
         // Does not wait for blocking reads.

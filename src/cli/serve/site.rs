@@ -7,6 +7,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::film::{Description, Film, State};
+use super::opening::POSTER;
 use super::player::{self, PlayerFile};
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
@@ -16,7 +17,7 @@ use footage::json;
 /// Bytes copied between checks of the monitor.
 const PIECE_BYTES: u64 = 16 << 20;
 /// Name of the film's description.
-const DESCRIPTION: &str = "film.json";
+pub const DESCRIPTION: &str = "film.json";
 /// Maximum bytes of the description.
 const MAX_DESCRIPTION_BYTES: u64 = 64 << 10;
 /// Names that a film can have on a site.
@@ -45,9 +46,14 @@ pub fn export(film: &Film, path: &Path, monitor: &dyn Monitor) -> Result<Site> {
     let folder = OutputFolder::create(path)?;
     let site = write(film, folder.work_path(), monitor).map_err(|error| folder.present(error))?;
     folder.commit()?;
-    if let Some(other) = earlier.filter(|url| *url != film.url()) {
-        let other = path.join(other);
-        files::remove_file(&other).map_err(|error| Error::io(other, error))?;
+    let other = earlier.filter(|url| *url != film.url());
+    let poster = (site.film.poster.is_none() && earlier.is_some()).then_some(POSTER);
+    for name in other.into_iter().chain(poster) {
+        let old = path.join(name);
+        match files::remove_file(&old) {
+            Err(error) if error.kind() != ErrorKind::NotFound => return Err(Error::io(old, error)),
+            _ => {}
+        }
     }
     Ok(site)
 }
@@ -79,7 +85,9 @@ fn earlier_site(folder: &Path) -> Result<Earlier> {
     let film = described_film(&folder.join(DESCRIPTION))?;
     for entry in entries {
         let name = entry.file_name().to_string_lossy().into_owned();
-        let is_known = name == DESCRIPTION || film == Some(name.as_str()) || PlayerFile::named(&name).is_some();
+        let is_known = [DESCRIPTION, POSTER].contains(&name.as_str())
+            || film == Some(name.as_str())
+            || PlayerFile::named(&name).is_some();
         if film.is_none() || !is_known || !entry.file_type().map_err(io)?.is_file() {
             return Ok(Earlier::Other(name));
         }
@@ -114,9 +122,18 @@ fn write(film: &Film, folder: &Path, monitor: &dyn Monitor) -> Result<Site> {
     for file in &player::FILES {
         put(file.name, file.bytes)?;
     }
-    let description = film.description(copy(film, &folder.join(film.url()), monitor)?);
+    let film_bytes = copy(film, &folder.join(film.url()), monitor)?;
+    let opening = film.opening();
+    let mut description = film.description(film_bytes, &opening);
+    let mut file_count = player::FILES.len() as u64 + 2;
+    if let Some(poster) = opening.poster() {
+        put(POSTER, poster)?;
+        file_count += 1;
+    } else {
+        description.poster = None;
+    }
     put(DESCRIPTION, json::pretty(&description)?.as_bytes())?;
-    Ok(Site { bytes: bytes + description.bytes, files: player::FILES.len() as u64 + 2, film: description })
+    Ok(Site { bytes: bytes + description.bytes, files: file_count, film: description })
 }
 
 /// Copies the film; returns its size in bytes.

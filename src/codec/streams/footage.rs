@@ -14,6 +14,8 @@ const CLIPPED_PIXELS: &str = "color.clipped_pixels";
 const MISSING_FRAMES: &str = "frames.missing";
 /// Rows of [`FramePose`], ascending by probe and frame.
 const POSES: &str = "probes.poses";
+/// A [`StartView`]: 7 64-bit floats.
+const VIEW: &str = "view";
 /// Stands for a frame of black colour and background depth.
 const BLACK: u32 = u32::MAX;
 
@@ -51,6 +53,30 @@ impl MissingFrame {
     }
 }
 
+/// Camera with which players open a film.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "encode", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct StartView {
+    /// Position in metres.
+    pub eye: [f64; 3],
+    /// A point straight ahead in metres, other than `eye`; +Y is up.
+    pub look_at: [f64; 3],
+    /// Vertical field of view in degrees, above 0 and below 180.
+    pub fov_y_deg: f64,
+}
+
+impl StartView {
+    /// Returns the rule that the view breaks, if any.
+    pub fn fault(&self) -> Option<&'static str> {
+        let is_finite = self.eye.iter().chain(&self.look_at).all(|value| value.is_finite());
+        if !is_finite || self.eye == self.look_at {
+            return Some("eye and look_at must be two different points");
+        }
+        let is_angle = self.fov_y_deg > 0.0 && self.fov_y_deg < 180.0;
+        (!is_angle).then_some("fov_y_deg must be above 0 and below 180")
+    }
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub struct FootageInfo {
     /// Primaries of colour; Rec. 709 has no attribute.
@@ -61,6 +87,8 @@ pub struct FootageInfo {
     pub missing_frames: Vec<MissingFrame>,
     /// Poses of moving probes, ascending by probe and frame when read.
     pub poses: Vec<FramePose>,
+    /// Camera with which players open the film, if the footage states one.
+    pub view: Option<StartView>,
 }
 
 impl Default for FootageInfo {
@@ -70,6 +98,7 @@ impl Default for FootageInfo {
             clipped_pixels: None,
             missing_frames: Vec::new(),
             poses: Vec::new(),
+            view: None,
         }
     }
 }
@@ -96,6 +125,9 @@ impl FootageInfo {
         }
         if let Some(value) = attributes.get(POSES) {
             read.poses = in_attribute(POSES, value, read_poses)?;
+        }
+        if let Some(value) = attributes.get(VIEW) {
+            read.view = Some(in_attribute(VIEW, value, read_view)?);
         }
         Ok(read)
     }
@@ -149,16 +181,20 @@ impl FootageInfo {
         if !bytes.is_empty() {
             values.push((POSES, bytes));
         }
+        if let Some(StartView { eye, look_at, fov_y_deg }) = self.view {
+            let numbers = eye.into_iter().chain(look_at).chain([fov_y_deg]);
+            values.push((VIEW, numbers.flat_map(f64::to_le_bytes).collect()));
+        }
         values
     }
 
     /// True if `name` is one of these attributes.
     pub fn has(name: &str) -> bool {
-        [CHROMATICITIES, CLIPPED_PIXELS, MISSING_FRAMES, POSES].contains(&name)
+        [CHROMATICITIES, CLIPPED_PIXELS, MISSING_FRAMES, POSES, VIEW].contains(&name)
     }
 
     /// Joins the properties of a container with other streams or frames. The primaries are those of `other` if only `other`
-    /// has colour.
+    /// has colour; the view is that of `self`, if it has one.
     ///
     /// # Errors
     /// If both have colour, with different primaries.
@@ -178,6 +214,7 @@ impl FootageInfo {
         self.clipped_pixels = Some(clipped).filter(|count| *count > 0);
         self.missing_frames.extend(other.missing_frames);
         self.poses.extend(other.poses);
+        self.view = self.view.or(other.view);
         Ok(())
     }
 }
@@ -244,6 +281,16 @@ fn read_poses(fields: &mut Fields<'_>) -> Result<Vec<FramePose>> {
     Ok(rows)
 }
 
+fn read_view(fields: &mut Fields<'_>) -> Result<StartView> {
+    let start = fields.offset();
+    let (eye, look_at) = (fields.finite_f64s("an eye")?, fields.finite_f64s("a point")?);
+    let view = StartView { eye, look_at, fov_y_deg: fields.finite_f64("a field of view")? };
+    match view.fault() {
+        None => Ok(view),
+        Some(fault) => Err(fields.error_at(start, fault)),
+    }
+}
+
 fn read_probe_name(fields: &mut Fields<'_>) -> Result<String> {
     let start = fields.offset();
     let name = fields.string("a probe's name")?;
@@ -281,6 +328,8 @@ mod tests {
         FramePose { probe: probe.to_owned(), frame, position, orientation: [0.0, 0.6, 0.0, 0.8] }
     }
 
+    const VIEW_OF_TEST: StartView = StartView { eye: [0.0, 1.5, 2.0], look_at: [0.0, 1.0, -3.0], fov_y_deg: 50.0 };
+
     #[test]
     fn what_is_not_as_usual_comes_back_and_the_usual_takes_no_bytes() {
         assert!(FootageInfo::default().to_values().is_empty());
@@ -290,6 +339,7 @@ mod tests {
             clipped_pixels: Some(1 << 40),
             missing_frames: vec![missing("00", 3, Some(2)), missing("00", 4, None), missing("left", 0, None)],
             poses: vec![pose("a", 7), pose("a", 9), pose("b", 7)],
+            view: Some(VIEW_OF_TEST),
         };
         assert_eq!((all.pose("a", 9), all.pose("a", 8)), (Some(&pose("a", 9)), None));
         let frames = |probe| all.poses_of(probe).iter().map(|pose| pose.frame).collect::<Vec<_>>();
@@ -332,6 +382,7 @@ mod tests {
             rows.collect::<Vec<_>>().concat()
         };
         assert_eq!(read(vec![(MISSING_FRAMES, missing(&[(b"a", 1, 0, 3, BLACK)]))]).unwrap().missing_frames.len(), 1);
+        let view = |numbers: [f64; 7]| numbers.into_iter().flat_map(f64::to_le_bytes).collect::<Vec<u8>>();
         let order = "rows do not ascend";
         for (name, value, words) in [
             (CHROMATICITIES, vec![0; 31], "more bytes expected"),
@@ -360,6 +411,11 @@ mod tests {
             (POSES, poses(&[("a", 1), ("a", 1)]), order),
             (POSES, poses(&[(".a", 1)]), "not a probe name"),
             (POSES, poses(&[("a", 1 << 31)]), "frame 2147483648"),
+            (VIEW, view([0.0; 7])[..55].to_vec(), "more bytes expected"),
+            (VIEW, view([1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 50.0]), "two different points"),
+            (VIEW, view([1.0, 2.0, 3.0, f64::INFINITY, 2.0, 3.0, 50.0]), "a point is inf"),
+            (VIEW, view([1.0, 2.0, 3.0, 0.0, 2.0, 3.0, 180.0]), "above 0 and below 180"),
+            (VIEW, view([1.0, 2.0, 3.0, 0.0, 2.0, 3.0, 0.0]), "above 0 and below 180"),
             (POSES, [&poses(&[("a", 1)])[..7], &f64::NAN.to_le_bytes(), &[0; 48]].concat(), "a position is NaN"),
         ] {
             let message = read(vec![(name, value)]).unwrap_err().to_string();

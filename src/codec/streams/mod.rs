@@ -12,7 +12,7 @@ mod stream_chunk;
 
 pub use crate::image::{DepthKind, Projection, StreamKind};
 pub use depth_chunk::DepthChunk;
-pub use footage::{FootageInfo, FramePose, MissingFrame};
+pub use footage::{FootageInfo, FramePose, MissingFrame, StartView};
 pub use header::{
     ALPHA_PREDICTIVE, AlphaHeader, COLOR_CELLS_8, COLOR_CELLS_BC1, COLOR_CELLS_BC6H, COLOR_CELLS_BC7, COLOR_CELLS_HALF,
     COLOR_TRANSFORM_8, COLOR_TRANSFORM_HALF, CodecHeader, ColorBlocks, ColorCoding, ColorFormat, ColorHeader,

@@ -230,6 +230,7 @@ impl Draft<'_> {
                 normal: self.normals(&names)?,
             },
             probes,
+            view: None,
             extra: None,
         };
         manifest.validate()?;

@@ -19,6 +19,7 @@ use codec::error::{Error, Result};
 use codec::image::layout::eye_size;
 use codec::image::{DepthKind, Eye, Face, FrameRange, Pattern, Projection, StereoLayout, StreamKind};
 use codec::math::camera::rotation;
+use codec::streams::StartView;
 
 pub const MANIFEST_NAME: &str = "lightfield.json";
 /// Version of the schema that this program reads and writes.
@@ -69,6 +70,9 @@ pub struct Manifest {
     pub missing: Option<Missing>,
     pub files: Files,
     pub probes: Vec<Probe>,
+    /// Camera with which players open the film; chosen by them if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub view: Option<StartView>,
     /// Other data; preserved, never read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,

@@ -495,6 +495,7 @@ impl<W: Write> Job<'_, W> {
     }
 
     fn note_footage(&mut self, group: &SourceGroup) {
+        self.footage.view = self.plan.source.view();
         if group.kind == StreamKind::Color {
             self.footage.primaries = self.plan.source.primaries();
         }

@@ -15,6 +15,7 @@ use codec::container::Attributes;
 use codec::error::Result;
 use codec::image::{AlphaPlane, ColorPlane, DepthKind, DepthPlane, MaterialPlane, Primaries, Projection, StreamKind};
 use codec::monitor::Monitor;
+use codec::streams::StartView;
 use codec::streams::shard::{FootageDigests, SHARD, SHARD_FOOTAGE, ShardEntry, WholeStream};
 
 const SCAN: &str = "the scan";
@@ -188,6 +189,10 @@ impl FrameSource for Part<'_> {
 
     fn primaries(&self) -> Primaries {
         self.source.primaries()
+    }
+
+    fn view(&self) -> Option<StartView> {
+        self.source.view()
     }
 
     fn missing_frames(&self, group: &SourceGroup) -> Vec<(u32, Option<u32>)> {

@@ -10,7 +10,7 @@ use codec::error::Result;
 use codec::image::{
     AlphaPlane, ColorPlane, DepthKind, DepthPlane, Face, MaterialPlane, Primaries, Projection, StreamKind,
 };
-use codec::streams::MissingFrame;
+use codec::streams::{MissingFrame, StartView};
 
 /// Source of frames: probes, groups of streams that are read together, and their pixels. Frames are read in parallel.
 pub trait FrameSource: Sync {
@@ -66,6 +66,11 @@ pub trait FrameSource: Sync {
     /// Primaries of the colour that [`Self::read_color`] returns.
     fn primaries(&self) -> Primaries {
         Primaries::REC709
+    }
+
+    /// Camera with which players open the film, if the source states one.
+    fn view(&self) -> Option<StartView> {
+        None
     }
 
     /// Frames of a group whose file is missing, each with the frame that replaces it; `None` for black and background.
@@ -170,6 +175,10 @@ impl FrameSource for Source {
 
     fn primaries(&self) -> Primaries {
         self.primaries()
+    }
+
+    fn view(&self) -> Option<StartView> {
+        self.manifest.as_ref().and_then(|manifest| manifest.view)
     }
 
     fn missing_frames(&self, group: &SourceGroup) -> Vec<(u32, Option<u32>)> {

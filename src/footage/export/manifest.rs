@@ -148,6 +148,7 @@ pub(super) fn manifest_of(
         missing: None,
         files,
         probes: probes_of(decoder, &listed, all),
+        view: decoder.footage().view,
         extra: Some(json!({ "lightfold": coding_of(decoder, streams) })),
     })
 }

@@ -101,6 +101,7 @@ impl CapturePlan {
                 normal: files(Pass::Normal),
             },
             probes,
+            view: None,
             extra: None,
         };
         manifest.validate()?;

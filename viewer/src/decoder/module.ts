@@ -1,5 +1,6 @@
-// The decoder of this page or worker: lightfold.wasm, which lies beside its script, compiled once.
+// The decoder of this page or worker: lightfold.wasm, which lies beside its script or inside the page, compiled once.
 
+import { assetUrl } from "../assets.ts";
 import { TransportError } from "../format/http.ts";
 import { Decoder } from "./decoder.ts";
 
@@ -8,14 +9,14 @@ let current: Decoder | undefined;
 
 /** Loads the decoder, or another instance if it has stopped; a TransportError where the server fails. */
 export async function loadDecoder(): Promise<void> {
-  compiled ??= await compile(new URL("./lightfold.wasm", import.meta.url));
+  compiled ??= await compile(assetUrl("lightfold.wasm", import.meta.url));
   if (current === undefined || current.isStopped) {
     // A page may not do it without waiting.
     current = new Decoder(await WebAssembly.instantiate(compiled));
   }
 }
 
-async function compile(url: URL): Promise<WebAssembly.Module> {
+async function compile(url: string): Promise<WebAssembly.Module> {
   const response = await fetch(url).catch((error: unknown) => {
     throw new TransportError(
       `The decoder cannot be loaded: ${error instanceof Error ? error.message : String(error)}.`,

@@ -34,6 +34,16 @@ export interface FramePose {
   orientation: Quaternion;
 }
 
+/** The camera with which players open a film (container.md 6.5). */
+export interface StartView {
+  /** Metres. */
+  eye: Vec3;
+  /** A point straight ahead. */
+  lookAt: Vec3;
+  /** Vertical field of view in degrees. */
+  fovDeg: number;
+}
+
 /** How the footage was made (container.md 6.5). */
 export interface Footage {
   /** CIE 1931 x and y of red, green, blue and white, of which color is linear light. */
@@ -43,6 +53,8 @@ export interface Footage {
   missingFrames: MissingFrame[];
   /** Poses of probes that move, by name, ascending by frame. */
   poses: ReadonlyMap<string, readonly FramePose[]>;
+  /** None where the footage states none. */
+  view: StartView | undefined;
 }
 
 /** Reads the attributes, which fill the rest of an index (container.md 6.3). Values are not read. */
@@ -72,6 +84,7 @@ export function readFootage(attributes: ReadonlyMap<string, Uint8Array>): Footag
     clippedPixels: undefined,
     missingFrames: [],
     poses: new Map(),
+    view: undefined,
   };
   const value = (name: string) => {
     const bytes = attributes.get(name);
@@ -93,6 +106,10 @@ export function readFootage(attributes: ReadonlyMap<string, Uint8Array>): Footag
   const poses = value("probes.poses");
   if (poses) {
     footage.poses = readPoses(poses);
+  }
+  const view = value("view");
+  if (view) {
+    footage.view = readView(view);
   }
   return footage;
 }
@@ -184,4 +201,18 @@ function readPoses(fields: FileFields): ReadonlyMap<string, readonly FramePose[]
     }
   }
   return poses;
+}
+
+function readView(fields: FileFields): StartView {
+  const eye = readPosition(fields, "An eye");
+  const lookAt = readPosition(fields, "A point");
+  const fovDeg = fields.f64();
+  fields.finish();
+  if (eye.join() === lookAt.join()) {
+    throw new FormatError(`The view looks at its own eye (${fields.section}).`);
+  }
+  if (!(fovDeg > 0 && fovDeg < 180)) {
+    throw new FormatError(`The view has a field of view of ${fovDeg} degrees (${fields.section}).`);
+  }
+  return { eye, lookAt, fovDeg };
 }

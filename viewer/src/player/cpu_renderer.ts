@@ -1,5 +1,6 @@
 // Draws on the processor, in a worker, where the browser has no graphics device: small pictures.
 
+import { startWorker } from "../assets.ts";
 import type { FieldSettings, Order, Rendered } from "../cpu/messages.ts";
 import { present } from "../cpu/present.ts";
 import { decoderModule } from "../decoder/module.ts";
@@ -35,7 +36,7 @@ export class CpuRenderer implements Renderer {
   #picture: Awaited<ReturnType<Renderer["pixels"]>> = { size: [0, 0], rgba: new Float32Array() };
 
   constructor(private readonly scene: Scene) {
-    this.#worker = new Worker(new URL("./cpu_worker.js", import.meta.url), { type: "module" });
+    this.#worker = startWorker("cpu_worker.js", import.meta.url);
     this.#worker.onmessage = ({ data }: MessageEvent<Rendered>) => {
       this.#waiting?.resolve(data);
       this.#waiting = undefined;

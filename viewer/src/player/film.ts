@@ -55,9 +55,17 @@ export function filmOf(container: Container, probes: readonly number[]): Film {
     frameCount: lastFrame - firstFrame + 1,
     headBox,
     probes: first.map(({ name, position }) => ({ name, position })),
+    nearM: nearestOf(container, probes),
     start,
     streams: streamRows(container),
   };
+}
+
+function nearestOf({ streams }: Container, probes: readonly number[]): number {
+  const nears = streams.flatMap(({ probe, header }) =>
+    header.kind === "depth" && probes.includes(probe) ? [header.range.nearM] : [],
+  );
+  return nears.reduce((least, near) => Math.min(least, near), Infinity);
 }
 
 function streamRows({ streams, chunks }: Container): Film["streams"] {

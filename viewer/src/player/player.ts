@@ -3,6 +3,7 @@
 // A picture takes what is here: a unit whose chunks are not here yet shows an older frame, or nothing, and other probes show what is
 // there. Nothing waits for a fetch.
 
+import { startWorker } from "../assets.ts";
 import { decoderModule } from "../decoder/module.ts";
 import { Container } from "../format/container.ts";
 import { type ByteSource, type Chunk, type Stream, UnsupportedError, type Vec3 } from "../format/types.ts";
@@ -109,7 +110,7 @@ function decodeContextOf(container: Container): DecodeContext {
   const workers = Math.max(1, Math.min(MAX_WORKERS, (navigator.hardwareConcurrency || 2) - 1));
   const settings: WorkerSettings = { module: decoderModule(), keptBytes: DECODER_BYTES / workers };
   const start = (): Worker => {
-    const worker = new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
+    const worker = startWorker("worker.js", import.meta.url);
     worker.postMessage(settings);
     return worker;
   };

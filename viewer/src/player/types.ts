@@ -15,6 +15,8 @@ export interface Film {
   /** The box of the probes' positions over all frames, in metres. */
   headBox: { least: Vec3; greatest: Vec3 };
   probes: { name: string; position: Vec3 }[];
+  /** No surface is nearer to a probe than this, in metres; none where it is unknown. */
+  nearM?: number;
   /** Where to begin: the middle probe, looking as it does. */
   start: Pose;
   /** Rows for the inspector: kind, codec, and stored bytes of all such streams. */

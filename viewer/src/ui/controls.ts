@@ -35,7 +35,7 @@ function focusOf(target: EventTarget | null): Focus {
     const isPressed = ["checkbox", "radio", "button"].includes(target.type);
     return target.type === "range" ? "slider" : isPressed ? "widget" : "text";
   }
-  if (target.matches("aside, aside h2")) {
+  if (target.matches("aside, aside section")) {
     return "panel";
   }
   return target.closest("button, a, summary, pre, aside") === null ? "picture" : "widget";

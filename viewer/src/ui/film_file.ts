@@ -1,6 +1,12 @@
 // film.json, which lies beside the page and names the film.
 
+import { embeddedFile } from "../assets.ts";
 import { readBody } from "../format/http.ts";
+import type { Vec3 } from "../format/types.ts";
+import { length, subtract } from "../math.ts";
+import type { Pose } from "../player/types.ts";
+import { poseOf } from "./pose.ts";
+import { inRange } from "./settings.ts";
 
 /** Kinds of files that the page shows. */
 export type FilmKind = "lfold" | "glb" | "quilt";
@@ -21,6 +27,16 @@ export interface FilmFile {
   name: string;
   bytes: number;
   quilt?: QuiltLayout;
+  /** Where to begin, unless the link has a pose; else the film says. */
+  start?: Start;
+  /** Absolute, of the page's origin: a small picture of the start in the first frame. */
+  poster?: string;
+}
+
+/** A pose and its vertical field of view in degrees. */
+export interface Start {
+  pose: Pose;
+  fovDeg: number;
 }
 
 /** film.json is not as it should be, or there is none. One sentence. */
@@ -57,18 +73,40 @@ function whole(value: unknown, what: string, [least, greatest]: [number, number]
   return value;
 }
 
+function point(value: unknown, what: string): Vec3 {
+  const isPoint = Array.isArray(value) && value.length === 3 && value.every((part) => Number.isFinite(part));
+  if (!isPoint) {
+    throw new FilmFileError(`${what}: three numbers were expected.`);
+  }
+  return [...value] as Vec3;
+}
+
+function startOf(value: unknown): Start {
+  const start = asObject(value, "film.json, start");
+  const eye = point(start.eye, "film.json, start.eye");
+  const forward = subtract(point(start.look_at, "film.json, start.look_at"), eye);
+  const fovDeg = start.fov_y_deg;
+  if (typeof fovDeg !== "number" || !(fovDeg > 0 && fovDeg < 180)) {
+    throw new FilmFileError("film.json, start.fov_y_deg: a number above 0 and below 180 was expected.");
+  }
+  if (!(length(forward) > 0)) {
+    throw new FilmFileError("film.json, start.look_at: another point than the eye was expected.");
+  }
+  return { pose: poseOf(eye, forward), fovDeg: inRange("fovDeg", fovDeg) };
+}
+
 /** A path of the page's own origin, relative to the page. */
-function ownUrl(value: unknown, base: string): string {
-  const path = text(value, "film.json, url", MAX_URL);
+function ownUrl(value: unknown, what: string, base: string): string {
+  const path = text(value, what, MAX_URL);
   const page = new URL(base);
   const isRelative =
     !/^[a-z][a-z0-9+.-]*:/i.test(path) && !/^\s|[\\\u0000-\u001f]/.test(path) && !path.startsWith("//");
   if (!isRelative || !URL.canParse(path, page)) {
-    throw new FilmFileError("film.json, url: a path relative to the page was expected.");
+    throw new FilmFileError(`${what}: a path relative to the page was expected.`);
   }
   const url = new URL(path, page);
   if (url.origin !== page.origin || url.username !== page.username || url.password !== page.password) {
-    throw new FilmFileError("film.json, url: the film must come from the page's own server.");
+    throw new FilmFileError(`${what}: the file must come from the page's own server.`);
   }
   url.hash = "";
   return url.href;
@@ -102,15 +140,25 @@ export function parseFilmFile(json: string, base: string): FilmFile {
   }
   const film: FilmFile = {
     kind,
-    url: ownUrl(value.url, base),
+    url: ownUrl(value.url, "film.json, url", base),
     name: text(value.name, "film.json, name", MAX_NAME),
     bytes: whole(value.bytes, "film.json, bytes", [0, Number.MAX_SAFE_INTEGER]),
   };
+  if (value.start !== undefined) {
+    film.start = startOf(value.start);
+  }
+  if (value.poster !== undefined) {
+    film.poster = ownUrl(value.poster, "film.json, poster", base);
+  }
   return kind === "quilt" ? { ...film, quilt: quiltOf(value.quilt) } : film;
 }
 
-/** Reads film.json at an address: what it says, or a FilmFileError. */
+/** Reads film.json at an address, or the one inside the page: what it says, or a FilmFileError. */
 export async function fetchFilmFile(url: string): Promise<FilmFile> {
+  const own = embeddedFile("film.json");
+  if (own !== undefined) {
+    return parseFilmFile(new TextDecoder().decode(own), url);
+  }
   const unreachable = (): never => {
     throw new FilmFileError("film.json, which names the film, cannot be reached.");
   };

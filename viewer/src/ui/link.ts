@@ -59,6 +59,11 @@ function defined<T extends object>(values: T): Partial<T> {
   return Object.fromEntries(Object.entries(values).filter(([, value]) => value !== undefined)) as Partial<T>;
 }
 
+/** Whether a link says where the eye is, or looks. */
+export function hasPose({ eye, look }: Link): boolean {
+  return eye !== undefined || look !== undefined;
+}
+
 /** Reads a hash with or without its #. Never fails: what is wrong is left out. */
 export function parseLink(hash: string): Link {
   if (hash.length > MAX_LENGTH) {

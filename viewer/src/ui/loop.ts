@@ -81,6 +81,11 @@ export class DrawLoop {
     return this.#host.now() - this.#movedMs >= STILL_MS;
   }
 
+  /** Pictures in full resolution are fast enough to move in. */
+  get isFluent(): boolean {
+    return this.#resolution.factor(true) === 1;
+  }
+
   /** The present view is shown in full. */
   get isSettled(): boolean {
     return !this.#isBusy && !this.#isChanged && !this.#isMissing && this.#drawnFactor === 1;

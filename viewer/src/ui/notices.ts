@@ -106,6 +106,7 @@ export class Notice {
   #show(title: string, text: string): void {
     setText(this.#title, title);
     setText(this.#text, text);
+    [this.#title, this.#text].forEach((part) => part.classList.remove("unopened"));
     this.#section.hidden = false;
     this.#parts.forEach((part) => (part.hidden = true));
     this.#stage.inert = true;

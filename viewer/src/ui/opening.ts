@@ -1,6 +1,9 @@
 // Opens the film that film.json names.
 
+import { assetUrl, embeddedFile } from "../assets.ts";
 import { HttpSource } from "../format/http.ts";
+import { MemorySource } from "../format/memory.ts";
+import type { ByteSource } from "../format/types.ts";
 import { openPlayer } from "../player/player.ts";
 import { withRetries } from "../player/retries.ts";
 import type { Player, Pose, RendererChoice } from "../player/types.ts";
@@ -26,11 +29,17 @@ export interface OpenFilm {
 const CONTAINER_MARKS: readonly OverlayName[] = ["probes", "nodes", "holes", "units", "keyframes", "fetched"];
 
 /** The bundle of scenes, beside this one; three.js is in it alone. */
-const SCENES = "./glb.js";
+const SCENES = "glb.js";
+
+/** The film: inside the page, or on its server. */
+async function sourceOf({ url }: FilmFile): Promise<ByteSource> {
+  const bytes = embeddedFile(new URL(url).pathname.split("/").pop() ?? "");
+  return bytes === undefined ? withRetries(() => HttpSource.open(url)) : new MemorySource(bytes);
+}
 
 async function openScene(file: FilmFile, canvas: HTMLCanvasElement): Promise<OpenFilm> {
-  const source = await withRetries(() => HttpSource.open(file.url));
-  const { openScene } = (await import(SCENES)) as typeof import("../glb/main.ts");
+  const source = await sourceOf(file);
+  const { openScene } = (await import(assetUrl(SCENES, import.meta.url))) as typeof import("../glb/main.ts");
   const scene = await openScene(source, canvas, file.name);
   const opened: OpenFilm = {
     player: scene,
@@ -49,7 +58,7 @@ export async function openFilm(file: FilmFile, canvas: HTMLCanvasElement, render
   if (file.kind === "glb") {
     return openScene(file, canvas);
   }
-  const source = await withRetries(() => HttpSource.open(file.url));
+  const source = await sourceOf(file);
   if (file.kind === "lfold") {
     return { player: await openPlayer(source, canvas, renderer), marks: CONTAINER_MARKS, isFixed: false };
   }

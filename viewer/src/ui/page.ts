@@ -1,7 +1,7 @@
 // The page: holds pose, film time and settings, and joins input, drawing, panels and the link.
 
 import type { Vec3 } from "../format/types.ts";
-import type { Pose, Problem, RendererChoice, View } from "../player/types.ts";
+import type { Film, Pose, Problem, RendererChoice, View } from "../player/types.ts";
 import { clampEye, moveEye } from "./bounds.ts";
 import { FilmClock } from "./clock.ts";
 import { renderCommand } from "./command.ts";
@@ -11,11 +11,14 @@ import type { FilmFile, FilmKind } from "./film_file.ts";
 import { Inspector } from "./inspector.ts";
 import type { Reading } from "./inspector.ts";
 import type { Action } from "./keys.ts";
-import { formatLink, parseLink } from "./link.ts";
+import { formatLink, hasPose, parseLink } from "./link.ts";
+import type { Link } from "./link.ts";
 import { DrawLoop } from "./loop.ts";
 import { Messages, Notice } from "./notices.ts";
 import type { OpenFilm } from "./opening.ts";
+import { Orbit, orbitRadius } from "./orbit.ts";
 import { stepOf, turned } from "./pose.ts";
+import { Poster } from "./poster.ts";
 import { savePicture, screenshotName } from "./screenshot.ts";
 import { DEFAULTS, inRange } from "./settings.ts";
 import type { OverlayName, Settings } from "./settings.ts";
@@ -68,6 +71,9 @@ export class Page {
   readonly #inspector: Inspector;
   readonly #timeline: Timeline;
   readonly #controls: Controls;
+  readonly #orbit = new Orbit();
+  /** Until the film shows the same. */
+  #poster: Poster | undefined;
   #settings: Settings = { ...DEFAULTS };
   #shown: Shown | undefined;
   /** None before the film is known. */
@@ -112,7 +118,14 @@ export class Page {
       reach: () => this.#moveSpeed() * 2,
     });
     this.#buttons();
-    this.#settings = { ...DEFAULTS, ...parseLink(location.hash).settings };
+    const link = parseLink(location.hash);
+    this.#settings = this.#linked(link);
+    if (!hasPose(link) && link.frame === undefined && file.poster !== undefined) {
+      this.#poster = new Poster(file.poster);
+    }
+    if (hasPose(link) || matchMedia("(prefers-reduced-motion: reduce)").matches) {
+      this.#orbit.stop();
+    }
     this.#settingsPanel.show(this.#settings);
     this.#inspector.showMarks(this.#settings.marks);
     window.addEventListener("hashchange", () => this.#follow());
@@ -138,6 +151,7 @@ export class Page {
       this.#panels.restore();
     } catch (error) {
       this.#leave();
+      this.#poster?.remove();
       this.#stage.replaceChildren();
       setText(byId("film-facts", HTMLElement), "");
       this.#notice.failed(error, this.#command());
@@ -188,7 +202,7 @@ export class Page {
       }
     };
     const link = parseLink(location.hash);
-    this.#pose ??= this.#posed(film.start, link);
+    this.#pose ??= this.#posed(this.#start(film), link);
     this.#pose = { ...this.#pose, eye: clampEye(this.#pose.eye, film.headBox) };
     clock.isLooped = this.#settings.isLooped;
     clock.setSpeed(this.#settings.speed, performance.now());
@@ -208,6 +222,7 @@ export class Page {
     }
     ["transport", "help-playing"].forEach((id) => (byId(id, HTMLElement).hidden = isStill));
     byId("headset", HTMLButtonElement).hidden = enterHeadset === undefined;
+    byId("orbit", HTMLInputElement).disabled = orbitRadius(film) === 0;
     this.#timeline.setFilm(film, isQuilt ? "View" : "Frame");
     this.#inspector.setFilm(film, marks);
     // The processor takes few.
@@ -260,6 +275,7 @@ export class Page {
       return;
     }
     this.#controls.advance(seconds);
+    this.#circle(shown, seconds);
     const time = performance.now();
     const frame = shown.clock.frame(time);
     if (frame !== this.#frame) {
@@ -271,6 +287,10 @@ export class Page {
       shown.loop.change();
     }
     shown.loop.tick();
+    if (shown.loop.isSettled || !this.#isAtStart(shown)) {
+      this.#poster?.remove();
+      this.#poster = undefined;
+    }
     this.#stage.ariaBusy = String(!shown.loop.isSettled);
     this.#timeline.showFrame(frame, this.#drawn?.stats.shownFrame ?? frame);
     byId("play", HTMLButtonElement).classList.toggle("playing", shown.clock.isPlaying);
@@ -283,6 +303,27 @@ export class Page {
       this.#linkMs = time;
       this.#writeLink(frame);
     }
+  }
+
+  /** Moves the eye by the orbit, which begins once the start is shown in full, where pictures are fast enough. */
+  #circle({ player: { film }, loop }: Shown, seconds: number): void {
+    if (this.#pose === undefined || this.#file.kind === "quilt") {
+      return;
+    }
+    const moved = this.#orbit.advance(this.#pose, { film, seconds, isShown: loop.isSettled, isFluent: loop.isFluent });
+    if (moved !== undefined) {
+      this.#pose = { ...this.#pose, eye: clampEye(moved, film.headBox) };
+      loop.move();
+    }
+    byId("orbit", HTMLInputElement).checked = this.#orbit.isOn;
+  }
+
+  /** Whether the view is the one of the poster. */
+  #isAtStart({ player: { film }, clock }: Shown): boolean {
+    const { eye, yaw, pitch } = this.#start(film);
+    const pose = this.#pose ?? ORIGIN;
+    const isSame = pose.yaw === yaw && pose.pitch === pitch && pose.eye.join() === clampEye(eye, film.headBox).join();
+    return isSame && !clock.isPlaying && this.#frame === film.firstFrame;
   }
 
   #savePicture(canvas: HTMLCanvasElement): void {
@@ -356,6 +397,7 @@ export class Page {
     if (this.#pose === undefined || this.#shown === undefined || this.#file.kind === "quilt") {
       return;
     }
+    this.#orbit.stop();
     this.#pose = turned(this.#pose, left, up);
     this.#shown.loop.move();
   }
@@ -364,6 +406,7 @@ export class Page {
     if (this.#pose === undefined || this.#shown === undefined || this.#file.kind === "quilt") {
       return;
     }
+    this.#orbit.stop();
     const eye = moveEye(this.#pose.eye, stepOf(this.#pose, step), this.#shown.player.film.headBox);
     this.#pose = { ...this.#pose, eye };
     this.#shown.loop.move();
@@ -406,8 +449,20 @@ export class Page {
     this.#set({ marks: new Set(isOn ? [...others, mark] : others) });
   }
 
+  /** Where the film begins. */
+  #start(film: Film): Pose {
+    return this.#file.start?.pose ?? film.start;
+  }
+
+  /** Settings of a link. The field of view of the start goes with its pose. */
+  #linked(link: Link): Settings {
+    const { start } = this.#file;
+    const fovDeg = start === undefined || hasPose(link) ? DEFAULTS.fovDeg : start.fovDeg;
+    return { ...DEFAULTS, fovDeg, ...link.settings };
+  }
+
   /** A pose of the film with what a link says. */
-  #posed(pose: Pose, { eye, look }: ReturnType<typeof parseLink>): Pose {
+  #posed(pose: Pose, { eye, look }: Link): Pose {
     const box = this.#shown?.player.film.headBox;
     const placed = eye !== undefined && box !== undefined ? clampEye(eye, box) : pose.eye;
     return { eye: placed, yaw: look?.[0] ?? pose.yaw, pitch: look?.[1] ?? pose.pitch };
@@ -417,13 +472,14 @@ export class Page {
   #follow(): void {
     const link = parseLink(location.hash);
     const shown = this.#shown;
-    this.#pose = shown && this.#posed(shown.player.film.start, link);
+    this.#orbit.stop();
+    this.#pose = shown && this.#posed(this.#start(shown.player.film), link);
     this.#frame = undefined;
     if (shown !== undefined) {
       this.#seek(link.frame ?? shown.player.film.firstFrame);
     }
     // Another renderer opens the film anew.
-    this.#set({ ...DEFAULTS, ...link.settings });
+    this.#set(this.#linked(link));
     this.#shown?.loop.move();
   }
 
@@ -469,7 +525,7 @@ export class Page {
       case "faster":
         return this.#set({ speed: SPEEDS.find((speed) => speed > this.#settings.speed) ?? SPEEDS[SPEEDS.length - 1] });
       case "reset":
-        this.#pose = film.start;
+        this.#pose = this.#start(film);
         return loop.move();
       case "lock-pointer":
         return this.#controls.toggleLock();
@@ -500,6 +556,8 @@ export class Page {
       }
       void copyText(location.href, copy);
     });
+    const orbit = byId("orbit", HTMLInputElement);
+    orbit.addEventListener("change", () => (orbit.checked ? this.#orbit.ask() : this.#orbit.stop()));
     onPress("headset", () => {
       const asked = this.#shown?.enterHeadset?.(this.#pose ?? ORIGIN);
       asked?.catch((error: unknown) => this.#messages.say(`The headset does not open: ${messageOf(error)}`));

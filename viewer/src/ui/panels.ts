@@ -35,7 +35,7 @@ export class Panels {
     this.#side.hidden = this.#open === undefined;
   }
 
-  /** Opens a panel and moves the focus to its heading, or closes it and gives the focus back. Does nothing where the panel has no
+  /** Opens a panel and moves the focus to it, or closes it and gives the focus back. Does nothing where the panel has no
    *  button. */
   toggle(name: PanelName): void {
     if (byId(`open-${name}`, HTMLButtonElement).hidden) {
@@ -53,10 +53,9 @@ export class Panels {
       byId(`open-${other}`, HTMLButtonElement).setAttribute("aria-expanded", String(other === this.#open));
     }
     if (this.#open !== undefined) {
-      const heading = byId(`${name}-title`, HTMLElement);
-      this.#side.setAttribute("aria-labelledby", heading.id);
+      this.#side.setAttribute("aria-labelledby", `${name}-title`);
+      byId(name, HTMLElement).focus({ preventScroll: true });
       this.#side.scrollTop = 0;
-      heading.focus();
     } else if (isInside) {
       this.#before?.focus();
     }

@@ -11,6 +11,13 @@ export function forwardOf({ yaw, pitch }: Pose): Vec3 {
   return [-Math.sin(yaw) * Math.cos(pitch), Math.sin(pitch), -Math.cos(yaw) * Math.cos(pitch)];
 }
 
+/** The upright pose at an eye that looks along a direction of any length above 0. */
+export function poseOf(eye: Vec3, [x, y, z]: Vec3): Pose {
+  const pitch = Math.atan2(y, Math.hypot(x, z));
+  const yaw = x === 0 && z === 0 ? 0 : Math.atan2(-x, -z);
+  return { eye, yaw, pitch: Math.min(Math.max(pitch, -MAX_PITCH), MAX_PITCH) };
+}
+
 /** Unit vector to the right of the picture; it is level. */
 export function rightOf({ yaw }: Pose): Vec3 {
   return [Math.cos(yaw), 0, -Math.sin(yaw)];

@@ -47,6 +47,9 @@ impl Manifest {
         if let Some(names) = &self.face_names {
             self.validate_face_names(names)?;
         }
+        if let Some(fault) = self.view.and_then(|view| view.fault()) {
+            return wrong(format!("\"view\": {fault}"));
+        }
         self.validate_depth()?;
         self.validate_files()?;
         self.validate_probes()

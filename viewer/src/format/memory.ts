@@ -1,6 +1,6 @@
-// A file in memory, for tests.
+// A file in memory.
 
-import { type ByteSource, FormatError } from "../src/format/types.ts";
+import { type ByteSource, FormatError } from "./types.ts";
 
 /** Bytes that are all here. */
 export class MemorySource implements ByteSource {
