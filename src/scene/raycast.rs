@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::shadow_cube::ShadowCube;
 use super::shadow_grid::ShadowGrid;
 use super::{Light, Object, SceneMesh};
 use crate::mesh::{AxisBox, Bvh, ImageTexture, Intersection, Ray, TriangleHit};
@@ -41,6 +42,8 @@ pub struct SceneAtTime {
     pub light_rays: LightRays,
     /// One per sun.
     pub(super) shadows: Vec<ShadowGrid>,
+    /// One per lamp.
+    pub(super) lamp_shadows: Vec<ShadowCube>,
     /// The smallest box around the boxes of all finite objects and meshes; `None` for an empty scene.
     pub bounds: Option<AxisBox>,
     /// Diagonal of the bounds, metres.
@@ -84,6 +87,7 @@ impl SceneAtTime {
 
     pub fn with_meshes(objects: Vec<Object>, meshes: Vec<Arc<SceneMesh>>, light: Light) -> Self {
         let shadows = light.suns.iter().map(|sun| ShadowGrid::new(&objects, sun.direction)).collect();
+        let lamp_shadows = light.lamps.iter().map(|lamp| ShadowCube::new(&objects, lamp)).collect();
         let boxes = objects.iter().map(|object| object.bounds).chain(meshes.iter().filter_map(|mesh| mesh.bvh.bounds));
         // Shapes that are not finite are invisible; excluding them keeps the size finite.
         let boxes = boxes.filter(|bounds| bounds.min.is_finite() && bounds.max.is_finite());
@@ -95,6 +99,7 @@ impl SceneAtTime {
             light,
             light_rays: LightRays::default(),
             shadows,
+            lamp_shadows,
             bounds,
             size,
             lift: lift_m(size),
