@@ -83,7 +83,7 @@ fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     let lantern = HOOK + CORD_M * DVec3::new(swing.sin(), -swing.cos(), 0.0);
     let v = 0.014 * DVec3::new(swing.cos(), swing.sin(), 0.0);
     objects.push(cord(Quad { corner: HOOK - 0.5 * v, u: lantern - HOOK, v }));
-    objects.push(bulb(lantern, 0.15, rgb(2.2, 0.95, 0.28)));
+    objects.push(bulb(lantern, 0.15, rgb(1.5, 0.7, 0.2)));
 
     let balloon = BALLOON + DVec3::new(0.12 * cos, 0.3 * sin, 0.0);
     let stripes = Texture::Stripes { colors: [rgb(0.72, 0.14, 0.08), rgb(0.85, 0.74, 0.48)], wave: DVec3::X * 2.4 };
@@ -102,7 +102,7 @@ fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     let mut lamps: Vec<Lamp> = LANE_LAMPS.iter().map(|at| reaching(*at, 3.0 * WARM, 6.5)).collect();
     lamps.extend(shop::LAMPS.map(|(at, radiance, reach)| reaching(at, radiance * WARM, reach)));
     lamps.push(reaching(lantern, rgb(1.0, 0.5, 0.18), 3.4));
-    let sun = Sun { direction: DVec3::new(-0.85, 0.4, 0.25).normalize(), radiance: rgb(2.3, 1.25, 0.6) };
+    let sun = Sun { direction: DVec3::new(-0.85, 0.4, 0.25).normalize(), radiance: rgb(1.75, 1.02, 0.55) };
     let sky = Sky {
         horizon: rgb(0.95, 0.56, 0.36),
         zenith: rgb(0.13, 0.24, 0.52),

@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 
 use super::super::parts::{ball, block, rgb};
 use super::WARM;
-use crate::{Object, Quad, Shape, Material, Texture};
+use crate::{CastsShadow, Material, Object, Quad, Shape, Texture};
 
 /// Plane of a wall, in metres, and the axis that it faces.
 #[derive(Debug, Clone, Copy)]
@@ -48,7 +48,7 @@ pub(super) fn window(way: Way, along: [f64; 2], up: [f64; 2], pane: Pane) -> Vec
     }
     let ([a, b], [low, high]) = (along, up);
     let (middle, height) = (0.5 * (a + b), low + 0.62 * (high - low));
-    vec![
+    let parts = [
         glass,
         way.block([a - 0.06, b + 0.06], [low - 0.07, low], [0.0, 0.09], frame),
         way.block([a - 0.05, b + 0.05], [high, high + 0.06], [0.0, 0.05], frame),
@@ -56,7 +56,9 @@ pub(super) fn window(way: Way, along: [f64; 2], up: [f64; 2], pane: Pane) -> Vec
         way.block([b, b + 0.05], [low, high], [0.0, 0.04], frame),
         way.block([middle - 0.018, middle + 0.018], [low, high], [0.0, 0.03], frame),
         way.block([a, b], [height - 0.018, height + 0.018], [0.0, 0.03], frame),
-    ]
+    ];
+    // Their shadows are smaller than a pixel from most places.
+    parts.map(|part| Object { casts_shadow: CastsShadow::No, ..part }).into()
 }
 
 fn plaster(light: DVec3) -> Texture {
@@ -73,14 +75,14 @@ pub(super) fn objects() -> Vec<Object> {
         objects.push(block([min[0] - 0.16, y, min[2] - 0.1], [x + 0.16, y + 0.16, z + 0.1], slate));
     };
     // The right side of the lane, and its left side beyond the shop.
-    house([2.4, 0.0, -9.0], [7.0, 5.3, 5.6], plaster(rgb(0.6, 0.43, 0.24)));
+    house([2.4, 0.0, -9.0], [7.0, 5.3, 5.6], plaster(rgb(0.56, 0.43, 0.29)));
     house([2.6, 0.0, -17.0], [7.0, 6.5, -9.0], plaster(rgb(0.55, 0.3, 0.24)));
     house([2.4, 0.0, -27.5], [7.0, 5.2, -17.0], plaster(rgb(0.42, 0.45, 0.44)));
     house([-5.0, 0.0, -17.0], [-0.7, 5.9, -9.0], plaster(rgb(0.62, 0.54, 0.4)));
     house([-5.0, 0.0, -27.5], [-0.5, 5.0, -17.0], plaster(rgb(0.5, 0.33, 0.22)));
     // The left and the rear of the square.
-    house([-10.0, 0.0, -9.5], [-6.4, 5.4, 3.6], plaster(rgb(0.52, 0.46, 0.38)));
-    house([-9.5, 0.0, 6.2], [7.0, 4.6, 8.8], plaster(rgb(0.5, 0.36, 0.26)));
+    house([-10.0, 0.0, -9.5], [-6.4, 5.4, 3.6], plaster(rgb(0.62, 0.53, 0.43)));
+    house([-9.5, 0.0, 6.2], [7.0, 4.6, 8.8], plaster(rgb(0.6, 0.43, 0.32)));
 
     let right = [
         (2.4, -7.9, [Pane::Dark, Pane::Lit(0.75)]),
@@ -167,7 +169,7 @@ fn square() -> Vec<Object> {
     for (at, radius) in [([-4.2, 2.9, 1.2], 1.0), ([-4.8, 2.4, 0.8], 0.65), ([-3.6, 2.5, 1.7], 0.6), ([-4.0, 3.5, 0.7], 0.6)] {
         objects.push(ball(at.into(), radius, leaves));
     }
-    // Flower boxes under the shop's upper windows, and pots beside its door.
+    // Flower boxes under the shop's upper windows, and a pot beside it.
     let blossoms = [rgb(0.7, 0.1, 0.12), rgb(0.8, 0.45, 0.5), rgb(0.75, 0.55, 0.1)];
     for x in [-2.9, -1.65] {
         objects.push(block([x, 3.38, -4.0], [x + 0.85, 3.52, -3.8], wood));
@@ -176,14 +178,13 @@ fn square() -> Vec<Object> {
             objects.push(ball(at, 0.075, if number % 2 == 0 { leaves } else { Texture::Solid(color) }));
         }
     }
-    for x in [-3.35, -0.42] {
-        let clay = Texture::Mottled { colors: [rgb(0.45, 0.2, 0.1), rgb(0.33, 0.14, 0.07)], size: 0.1 };
-        objects.push(block([x - 0.16, 0.0, -3.75], [x + 0.16, 0.34, -3.43], clay));
-        objects.push(ball(DVec3::new(x, 0.56, -3.59), 0.27, leaves));
-        for (step, color) in (0..5).zip(blossoms.into_iter().cycle()) {
-            let (sin, cos) = (1.4 * f64::from(step)).sin_cos();
-            objects.push(ball(DVec3::new(x + 0.17 * cos, 0.72 + 0.05 * sin, -3.59 + 0.17 * sin), 0.05, Texture::Solid(color)));
-        }
+    let clay = Texture::Mottled { colors: [rgb(0.45, 0.2, 0.1), rgb(0.33, 0.14, 0.07)], size: 0.1 };
+    objects.push(block([-3.51, 0.0, -3.75], [-3.19, 0.34, -3.43], clay));
+    objects.push(ball(DVec3::new(-3.35, 0.56, -3.59), 0.27, leaves));
+    for (step, color) in (0..5).zip(blossoms.into_iter().cycle()) {
+        let (sin, cos) = (1.4 * f64::from(step)).sin_cos();
+        let at = DVec3::new(-3.35 + 0.17 * cos, 0.72 + 0.05 * sin, -3.59 + 0.17 * sin);
+        objects.push(ball(at, 0.05, Texture::Solid(color)));
     }
     objects
 }

@@ -47,7 +47,7 @@ pub(super) fn objects() -> Vec<Object> {
     globe.material.phong = Phong { weight: DVec3::splat(0.04), exponent: 400.0 };
     objects.push(globe);
     for (x, y, z) in [(0.66, 0.075, -1.04), (0.74, 0.075, -1.08), (0.7, 0.075, -1.14), (0.7, 0.125, -1.09)] {
-        let peel = Texture::Mottled { colors: [rgb(0.75, 0.3, 0.03), rgb(0.62, 0.2, 0.02)], size: 0.02 };
+        let peel = Texture::Mottled { colors: [rgb(0.9, 0.4, 0.04), rgb(0.78, 0.29, 0.02)], size: 0.02 };
         let mut orange = ball(DVec3::new(x, TABLE_Y + y, z), 0.042, peel);
         orange.material.phong = Phong { weight: DVec3::splat(0.06), exponent: 30.0 };
         objects.push(orange);
@@ -70,7 +70,7 @@ pub(super) fn moving(phase: f64) -> Vec<Object> {
         (-1.12, 0.05, [0.024, 0.026, 0.05], green),
     ];
     for (behind, height, half, color) in parts {
-        let angle = TAU * phase + behind;
+        let angle = TAU * phase - 1.3 + behind;
         let (sin, cos) = angle.sin_cos();
         let center = TRACK + DVec3::new(TRACK_M * cos, height, -TRACK_M * sin);
         // Its long side points along the track.
