@@ -2,6 +2,7 @@
 
 pub mod pixels;
 pub mod plan;
+pub mod reference;
 pub mod samples;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -10,6 +11,7 @@ pub mod write;
 
 pub use pixels::{PixelTracer, Viewpoint, halves, mean_light};
 pub use plan::{CapturePlan, FrameRequest, frames_of_animation};
+pub use reference::Reference;
 pub use samples::{MAX_SAMPLES, SamplePattern};
 pub use view::{Images, MAX_FACE_SIZE, Pass, PassSettings, capture_view};
 pub use write::{CaptureReport, CaptureSummary};

@@ -147,7 +147,7 @@ impl SceneAtTime {
         #[cfg(test)]
         SECONDARY_RAYS.with(|count| count.set(count.get() + 1));
         let ray = Ray::from_unit(surface.point + self.lift(surface.point) * out, direction);
-        match self.first_hit(&ray, 0..self.objects.len()) {
+        match self.first_hit(&ray, self.on_path(&ray)) {
             None => self.light.sky.radiance(direction),
             Some(hit) => self.radiance(&self.surface(&ray, &hit), direction, path).total(),
         }

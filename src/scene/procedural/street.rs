@@ -1,7 +1,7 @@
 //! A street corner in the evening: a toy shop with a sign at −Z, a lane beside it that ends at a clock tower 28 m away, houses
 //! around a small square, and a stall with toys within reach. The last sun is on the roofs; lamps are lit below.
 //!
-//! A toy train, a pinwheel, a lantern with its light, and a balloon move.
+//! A toy train, a pinwheel, a lantern and a balloon move. They cast no shadows, so all else is static.
 
 mod houses;
 mod shop;
@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::parts::{Definition, ball, block, bulb, lamp, rgb, wall};
-use crate::{Lamp, Light, Object, Quad, SceneAtTime, Sky, Sun, Texture};
+use crate::{CastsShadow, Lamp, Light, Object, Quad, SceneAtTime, Sky, Sun, Texture};
 
 pub(super) const SCENE: Definition =
     Definition { name: "street", region: (DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.3, 0.15, 0.3)), fixed, at };
@@ -25,7 +25,7 @@ const LANE_LAMPS: [DVec3; 3] =
 /// Hook of the swinging lantern, and length of its cord, metres.
 const HOOK: DVec3 = DVec3::new(1.0, 3.15, -3.1);
 const CORD_M: f64 = 0.72;
-const BALLOON: DVec3 = DVec3::new(2.3, 10.6, -27.0);
+const BALLOON: DVec3 = DVec3::new(2.3, 10.1, -27.0);
 
 fn fixed() -> Vec<Object> {
     let paving = Texture::Bricks { colors: [rgb(0.3, 0.29, 0.28), rgb(0.13, 0.125, 0.125)], size: [0.46, 0.3], joint: 0.02 };
@@ -77,6 +77,7 @@ fn cord(quad: Quad) -> Object {
 
 fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     let (sin, cos) = (TAU * phase).sin_cos();
+    let still = objects.len();
     objects.extend(stall::moving(phase));
 
     let swing = 0.14 * sin;
@@ -101,7 +102,8 @@ fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     let reaching = |at: DVec3, radiance: DVec3, reach: f64| Lamp { reach, ..lamp(at, radiance) };
     let mut lamps: Vec<Lamp> = LANE_LAMPS.iter().map(|at| reaching(*at, 3.0 * WARM, 6.5)).collect();
     lamps.extend(shop::LAMPS.map(|(at, radiance, reach)| reaching(at, radiance * WARM, reach)));
-    lamps.push(reaching(lantern, rgb(1.0, 0.5, 0.18), 3.4));
+    // The light of the lantern does not swing with it.
+    lamps.push(reaching(HOOK - CORD_M * DVec3::Y, rgb(1.0, 0.5, 0.18), 3.4));
     let sun = Sun { direction: DVec3::new(-0.85, 0.4, 0.25).normalize(), radiance: rgb(1.75, 1.02, 0.55) };
     let sky = Sky {
         horizon: rgb(0.95, 0.56, 0.36),
@@ -109,6 +111,9 @@ fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
         ambient: rgb(0.2, 0.24, 0.36),
         gradient_start: 0.0,
     };
+    for object in objects.iter_mut().skip(still) {
+        object.casts_shadow = CastsShadow::No;
+    }
     SceneAtTime::with_meshes(objects, stall::meshes(), Light { suns: vec![sun], lamps, sky })
 }
 

@@ -42,20 +42,18 @@ pub(super) enum Pane {
 /// Returns a window with a frame and a cross, on a wall.
 pub(super) fn window(way: Way, along: [f64; 2], up: [f64; 2], pane: Pane) -> Vec<Object> {
     let frame = Texture::Solid(rgb(0.55, 0.52, 0.46));
-    let mut glass = way.block(along, up, [0.0, 0.015], Texture::Solid(rgb(0.035, 0.045, 0.06)));
+    let mut glass = way.block(along, up, [0.0, 0.035], Texture::Solid(rgb(0.035, 0.045, 0.06)));
     if let Pane::Lit(radiance) = pane {
         glass.material.emission = radiance * WARM;
     }
     let ([a, b], [low, high]) = (along, up);
     let (middle, height) = (0.5 * (a + b), low + 0.62 * (high - low));
     let parts = [
+        way.block([a - 0.055, b + 0.055], [low - 0.05, high + 0.055], [0.0, 0.03], frame),
+        way.block([a - 0.08, b + 0.08], [low - 0.09, low - 0.03], [0.0, 0.1], frame),
         glass,
-        way.block([a - 0.06, b + 0.06], [low - 0.07, low], [0.0, 0.09], frame),
-        way.block([a - 0.05, b + 0.05], [high, high + 0.06], [0.0, 0.05], frame),
-        way.block([a - 0.05, a], [low, high], [0.0, 0.04], frame),
-        way.block([b, b + 0.05], [low, high], [0.0, 0.04], frame),
-        way.block([middle - 0.018, middle + 0.018], [low, high], [0.0, 0.03], frame),
-        way.block([a, b], [height - 0.018, height + 0.018], [0.0, 0.03], frame),
+        way.block([middle - 0.018, middle + 0.018], [low, high], [0.0, 0.05], frame),
+        way.block([a, b], [height - 0.018, height + 0.018], [0.0, 0.05], frame),
     ];
     // Their shadows are smaller than a pixel from most places.
     parts.map(|part| Object { casts_shadow: CastsShadow::No, ..part }).into()
