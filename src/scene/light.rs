@@ -83,12 +83,8 @@ impl Sky {
     /// Just above sin 45°: the four horizontal faces of a cube map see a constant.
     pub const GRADIENT_START: f64 = 0.71;
 
-    pub const NONE: Sky = Sky {
-        horizon: DVec3::ZERO,
-        zenith: DVec3::ZERO,
-        ambient: DVec3::ZERO,
-        gradient_start: Sky::GRADIENT_START,
-    };
+    pub const NONE: Sky =
+        Sky { horizon: DVec3::ZERO, zenith: DVec3::ZERO, ambient: DVec3::ZERO, gradient_start: Sky::GRADIENT_START };
 
     /// Returns the radiance in a unit direction.
     pub fn radiance(&self, direction: DVec3) -> DVec3 {

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use super::view::Images;
+use super::images::Images;
 use crate::mesh::AxisBox;
 use crate::{Optics, SceneAtTime};
 
@@ -57,5 +57,54 @@ impl<'a> Copied<'a> {
     pub(super) fn covers(&self, scene: &SceneAtTime, outside: impl Fn(&AxisBox) -> bool, candidates: &[usize]) -> bool {
         let is_opaque = |&index: &usize| scene.objects[index].material.optics == Optics::Opaque;
         self.moved.iter().chain(&self.optical).all(outside) && candidates.iter().all(is_opaque)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::view::capture_view_after;
+    use crate::capture::{PassSettings, SamplePattern, Viewpoint, capture_view};
+    use crate::{DemoKind, DemoScene, Pass};
+    use codec::image::{DepthKind, Face, ImageProjection};
+    use codec::monitor::Silent;
+
+    #[test]
+    fn copies_have_the_bits_of_traced_images() {
+        let samples = SamplePattern::new(2).unwrap();
+        let settings =
+            PassSettings { passes: &Pass::ALL, samples: &samples, depth: DepthKind::Distance, far_m: f64::INFINITY };
+        for kind in DemoKind::ALL {
+            let scene = DemoScene::new(kind);
+            let position = scene.probe_region().0;
+            let [old, new] = [0.0, 0.8].map(|time| scene.at(time));
+            for projection in [
+                ImageProjection::cube_face(Face::Nz, 64),
+                ImageProjection::cube_face(Face::Px, 32),
+                ImageProjection::Equirect { size: [96, 48] },
+            ] {
+                let from = Viewpoint { position, orientation: None, projection };
+                let images = capture_view(&old, &from, &settings, &Silent).unwrap();
+                let reference = Some(Reference { scene: &old, images: &images });
+                let after = capture_view_after(reference, &new, &from, &settings, &Silent).unwrap();
+                assert!(after == capture_view(&new, &from, &settings, &Silent).unwrap(), "{kind:?} {projection:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn only_scenes_with_the_same_light_and_shadows_are_compared() {
+        let images = Images::default();
+        let compared = |kind: DemoKind| {
+            let [old, new] = [0.0, 0.8].map(|time| DemoScene::new(kind).at(time));
+            let copied = Copied::new(&Reference { scene: &old, images: &images }, &new)?;
+            let is_outside = |within: f64| move |bounds: &AxisBox| bounds.min.z > within;
+            Some([-40.0, 40.0].map(|within| copied.covers(&new, is_outside(within), &[])))
+        };
+        // A lamp pulses; a ball casts a shadow.
+        assert_eq!([DemoKind::Courtyard, DemoKind::Interior].map(compared), [None, None]);
+        assert_eq!(compared(DemoKind::Street), Some([true, false]));
+        let still = DemoScene::new(DemoKind::Cornell).at(0.0);
+        assert!(Copied::new(&Reference { scene: &still, images: &images }, &still).is_some());
     }
 }

@@ -8,13 +8,14 @@ use std::ops::Range;
 use half::f16;
 use rayon::prelude::*;
 
+use super::images::Images;
 use super::pixels::{PixelTracer, Viewpoint, halves};
 use super::reference::{Copied, Reference};
 use super::samples::SamplePattern;
 use crate::{Hit, OPAQUE, SceneAtTime};
 use codec::error::{Error, Result};
 use codec::image::DepthKind;
-use codec::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
+use codec::image::plane::Plane;
 use codec::monitor::Monitor;
 
 /// Maximum width and height of an image: a face of 16,384² pixels takes 2.5 GiB for colour and depth.
@@ -71,15 +72,6 @@ impl PassSettings<'_> {
         let centre = self.passes.iter().any(|pass| *pass != Pass::Color);
         color + u64::from(centre && !(color > 0 && self.samples.is_centre()))
     }
-}
-
-/// Planes of the requested passes.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Images {
-    pub color: Option<ColorPlane>,
-    pub depth: Option<DepthPlane>,
-    pub normal: Option<Plane<[f32; 3]>>,
-    pub material: Option<MaterialPlane>,
 }
 
 /// Captures an image. The result does not depend on the number of threads.
@@ -161,16 +153,6 @@ fn copy<T: Copy>(band: &mut Option<&mut [T]>, from: &Option<Plane<T>>, to: &Rang
         && let (Some(to), Some(source)) = (band.get_mut(to.clone()), plane.data().get(source.clone()))
     {
         to.copy_from_slice(source);
-    }
-}
-
-impl Images {
-    /// Returns the size of each plane.
-    fn shape(&self) -> [Option<[u32; 2]>; 4] {
-        fn size<T: Copy>(plane: &Option<Plane<T>>) -> Option<[u32; 2]> {
-            plane.as_ref().map(|plane| [plane.width(), plane.height()])
-        }
-        [size(&self.color), size(&self.depth), size(&self.normal), size(&self.material)]
     }
 }
 

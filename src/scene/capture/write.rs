@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::plan::{CapturePlan, FrameRequest};
-use super::samples::SamplePattern;
+use super::images::Images;
 use super::pixels::Viewpoint;
+use super::plan::{CapturePlan, FrameRequest};
 use super::reference::Reference;
-use super::view::{Images, Pass, PassSettings, capture_view_after};
+use super::samples::SamplePattern;
+use super::view::{Pass, PassSettings, capture_view_after};
 use crate::{Scene, SceneAtTime};
 use codec::error::{Error, Result};
 use codec::image::{ChannelSelect, DepthPlane, Plane, ReadLimits};

@@ -35,15 +35,21 @@ impl Lathe<'_> {
             Sides::Round(count) => (count, 0.0),
             Sides::Flat(count) => (count, 0.5),
         };
-        let parts: Vec<[DVec2; 2]> =
-            self.profile.windows(2).filter_map(|pair| Some([(*pair.first()?).into(), (*pair.last()?).into()])).collect();
+        let parts: Vec<[DVec2; 2]> = self
+            .profile
+            .windows(2)
+            .filter_map(|pair| Some([(*pair.first()?).into(), (*pair.last()?).into()]))
+            .collect();
         let normals: Vec<DVec2> = parts.iter().map(|[from, to]| (*from - *to).perp().normalize_or_zero()).collect();
         for (at, ([low, high], own)) in parts.iter().zip(&normals).enumerate() {
             let shared = |other: Option<&DVec2>| match other {
                 Some(other) if other.dot(*own) > SMOOTH_COS => (*other + *own).normalize_or_zero(),
                 _ => *own,
             };
-            let ends = [(*low, shared(at.checked_sub(1).and_then(|at| normals.get(at)))), (*high, shared(normals.get(at + 1)))];
+            let ends = [
+                (*low, shared(at.checked_sub(1).and_then(|at| normals.get(at)))),
+                (*high, shared(normals.get(at + 1))),
+            ];
             for side in 0..count {
                 let angle = |step: f64| TAU * (f64::from(side) + start + step) / f64::from(count);
                 let corner = |step: f64, (point, normal): (DVec2, DVec2)| {
@@ -53,7 +59,8 @@ impl Lathe<'_> {
                 };
                 let [bottom, top] = ends;
                 let first = mesh.positions.len() as u32;
-                for (position, normal) in [corner(0.0, bottom), corner(1.0, bottom), corner(1.0, top), corner(0.0, top)] {
+                for (position, normal) in [corner(0.0, bottom), corner(1.0, bottom), corner(1.0, top), corner(0.0, top)]
+                {
                     mesh.positions.push(position);
                     mesh.normals.push(normal);
                 }

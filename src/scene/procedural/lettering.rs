@@ -35,7 +35,8 @@ pub(super) fn line(text: &str, height_m: f64) -> Vec<Segment> {
     let scale = height_m / HEIGHT;
     let (mut left, mut segments) = (-0.5 * length, Vec::new());
     for letter in text.chars() {
-        let place = |[column, row]: [u8; 2]| [scale * (left + f64::from(column)), scale * (f64::from(row) - 0.5 * HEIGHT)];
+        let place =
+            |[column, row]: [u8; 2]| [scale * (left + f64::from(column)), scale * (f64::from(row) - 0.5 * HEIGHT)];
         for pair in strokes(letter).iter().flat_map(|stroke| stroke.windows(2)) {
             if let [from, to] = *pair {
                 segments.push([place(from), place(to)]);

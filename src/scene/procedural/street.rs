@@ -11,24 +11,23 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use self::houses::WARM;
 use super::parts::{Definition, ball, block, bulb, lamp, rgb, wall};
 use crate::{CastsShadow, Lamp, Light, Object, Quad, SceneAtTime, Sky, Sun, Texture};
 
 pub(super) const SCENE: Definition =
     Definition { name: "street", region: (DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.3, 0.15, 0.3)), fixed, at };
 
-/// Colours of lamplight, of radiance 1.
-const WARM: DVec3 = DVec3::new(1.0, 0.66, 0.32);
 /// Lamps on brackets along the lane.
-const LANE_LAMPS: [DVec3; 3] =
-    [DVec3::new(1.95, 2.7, -5.4), DVec3::new(0.0, 2.8, -12.0), DVec3::new(1.95, 2.8, -20.0)];
+const LANE_LAMPS: [DVec3; 3] = [DVec3::new(1.95, 2.7, -5.4), DVec3::new(0.0, 2.8, -12.0), DVec3::new(1.95, 2.8, -20.0)];
 /// Hook of the swinging lantern, and length of its cord, metres.
 const HOOK: DVec3 = DVec3::new(1.0, 3.15, -3.1);
 const CORD_M: f64 = 0.72;
 const BALLOON: DVec3 = DVec3::new(2.3, 10.1, -27.0);
 
 fn fixed() -> Vec<Object> {
-    let paving = Texture::Bricks { colors: [rgb(0.3, 0.29, 0.28), rgb(0.13, 0.125, 0.125)], size: [0.46, 0.3], joint: 0.02 };
+    let paving =
+        Texture::Bricks { colors: [rgb(0.3, 0.29, 0.28), rgb(0.13, 0.125, 0.125)], size: [0.46, 0.3], joint: 0.02 };
     let iron = Texture::Solid(rgb(0.03, 0.032, 0.035));
     // The ground casts no shadow: nothing is below it, and nearly every shadow ray starts on it.
     let mut objects = vec![wall([-11.0, 0.0, -34.0], DVec3::Z * 43.0, DVec3::X * 18.0, paving)];
@@ -199,7 +198,8 @@ mod tests {
         let scene = DemoScene::new(DemoKind::Street).at(0.5);
         let depth = capture_face(&scene, middle - DVec3::Z * half.z, Face::Nz, 64).unwrap().1;
         let finite = depth.data().iter().copied().filter(|metres| metres.is_finite());
-        let (near, far) = finite.fold((f32::INFINITY, 0.0f32), |(near, far), metres| (near.min(metres), far.max(metres)));
+        let (near, far) =
+            finite.fold((f32::INFINITY, 0.0f32), |(near, far), metres| (near.min(metres), far.max(metres)));
         assert!((0.5..1.1).contains(&near) && (27.0..33.0).contains(&far), "{near} {far}");
         // Half of the pixels are farther than 3 m.
         assert!(depth.data().iter().filter(|metres| **metres > 3.0).count() > 64 * 64 / 2);

@@ -3,8 +3,10 @@
 use glam::{DQuat, DVec3};
 
 use super::super::parts::{ball, block, rgb};
-use super::WARM;
 use crate::{CastsShadow, Material, Object, Quad, Shape, Texture};
+
+/// Colour of lamplight, of radiance 1.
+pub(super) const WARM: DVec3 = DVec3::new(1.0, 0.66, 0.32);
 
 /// Plane of a wall, in metres, and the axis that it faces.
 #[derive(Debug, Clone, Copy)]
@@ -108,9 +110,13 @@ pub(super) fn objects() -> Vec<Object> {
         objects.extend(window(Way::BackZ(6.2), [x, x + 0.9], [1.1, 2.4], pane));
     }
     // Doors.
-    let oak = Texture::Planks { colors: [rgb(0.3, 0.15, 0.07), rgb(0.17, 0.08, 0.04)], size: [2.4, 0.14], joint: 0.008 };
-    let green = Texture::Planks { colors: [rgb(0.1, 0.2, 0.12), rgb(0.06, 0.13, 0.08)], size: [2.4, 0.14], joint: 0.008 };
-    for (way, at, paint) in [(Way::BackX(2.4), -1.8, oak), (Way::BackX(2.6), -15.6, green), (Way::BackZ(6.2), -0.4, green)] {
+    let oak =
+        Texture::Planks { colors: [rgb(0.3, 0.15, 0.07), rgb(0.17, 0.08, 0.04)], size: [2.4, 0.14], joint: 0.008 };
+    let green =
+        Texture::Planks { colors: [rgb(0.1, 0.2, 0.12), rgb(0.06, 0.13, 0.08)], size: [2.4, 0.14], joint: 0.008 };
+    for (way, at, paint) in
+        [(Way::BackX(2.4), -1.8, oak), (Way::BackX(2.6), -15.6, green), (Way::BackZ(6.2), -0.4, green)]
+    {
         let turn = match way {
             Way::BackX(_) | Way::X(_) => DQuat::from_rotation_x(0.5 * std::f64::consts::PI),
             _ => DQuat::from_rotation_z(0.5 * std::f64::consts::PI),
@@ -128,7 +134,8 @@ pub(super) fn objects() -> Vec<Object> {
 }
 
 fn tower() -> Vec<Object> {
-    let stone = Texture::Bricks { colors: [rgb(0.5, 0.43, 0.35), rgb(0.36, 0.31, 0.26)], size: [0.7, 0.35], joint: 0.03 };
+    let stone =
+        Texture::Bricks { colors: [rgb(0.5, 0.43, 0.35), rgb(0.36, 0.31, 0.26)], size: [0.7, 0.35], joint: 0.03 };
     let dark = Texture::Solid(rgb(0.04, 0.035, 0.035));
     let mut face = ball(DVec3::new(0.95, 6.0, -29.75), 1.9, Texture::Solid(rgb(0.3, 0.3, 0.3)));
     face.material.emission = rgb(1.1, 0.92, 0.6);
@@ -149,7 +156,8 @@ fn tower() -> Vec<Object> {
 
 /// Returns a tree, a bench, crates and flower boxes.
 fn square() -> Vec<Object> {
-    let wood = Texture::Planks { colors: [rgb(0.42, 0.27, 0.15), rgb(0.27, 0.16, 0.08)], size: [1.5, 0.12], joint: 0.008 };
+    let wood =
+        Texture::Planks { colors: [rgb(0.42, 0.27, 0.15), rgb(0.27, 0.16, 0.08)], size: [1.5, 0.12], joint: 0.008 };
     let bark = Texture::Mottled { colors: [rgb(0.2, 0.14, 0.09), rgb(0.1, 0.07, 0.05)], size: 0.08 };
     let leaves = Texture::Mottled { colors: [rgb(0.05, 0.13, 0.03), rgb(0.2, 0.3, 0.07)], size: 0.16 };
     let mut objects = vec![
@@ -164,7 +172,9 @@ fn square() -> Vec<Object> {
         block([-1.4, 0.0, 2.65], [-1.32, 0.42, 3.0], wood),
         block([-4.3, 0.0, 1.1], [-4.1, 2.0, 1.3], bark),
     ];
-    for (at, radius) in [([-4.2, 2.9, 1.2], 1.0), ([-4.8, 2.4, 0.8], 0.65), ([-3.6, 2.5, 1.7], 0.6), ([-4.0, 3.5, 0.7], 0.6)] {
+    for (at, radius) in
+        [([-4.2, 2.9, 1.2], 1.0), ([-4.8, 2.4, 0.8], 0.65), ([-3.6, 2.5, 1.7], 0.6), ([-4.0, 3.5, 0.7], 0.6)]
+    {
         objects.push(ball(at.into(), radius, leaves));
     }
     // Flower boxes under the shop's upper windows, and a pot beside it.

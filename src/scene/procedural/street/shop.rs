@@ -6,8 +6,7 @@ use glam::{DQuat, DVec3};
 
 use super::super::lettering;
 use super::super::parts::{ball, block, bulb, rgb, room, wall};
-use super::WARM;
-use super::houses::{Pane, Way, window};
+use super::houses::{Pane, WARM, Way, window};
 use crate::mesh::AxisBox;
 use crate::{CastsShadow, Object, Phong, Segment, Texture};
 
@@ -25,9 +24,11 @@ pub(super) const LAMPS: [(DVec3, f64, f64); 2] =
 static LETTERS: LazyLock<Vec<Segment>> = LazyLock::new(|| lettering::line("LIGHTFOLD", LETTERS_M));
 
 pub(super) fn objects() -> Vec<Object> {
-    let bricks = Texture::Bricks { colors: [rgb(0.42, 0.19, 0.12), rgb(0.36, 0.32, 0.28)], size: [0.24, 0.08], joint: 0.012 };
+    let bricks =
+        Texture::Bricks { colors: [rgb(0.42, 0.19, 0.12), rgb(0.36, 0.32, 0.28)], size: [0.24, 0.08], joint: 0.012 };
     let stone = Texture::Mottled { colors: [rgb(0.5, 0.47, 0.42), rgb(0.38, 0.35, 0.31)], size: 0.4 };
-    let teal = Texture::Planks { colors: [rgb(0.07, 0.2, 0.19), rgb(0.045, 0.14, 0.135)], size: [1.4, 0.16], joint: 0.008 };
+    let teal =
+        Texture::Planks { colors: [rgb(0.07, 0.2, 0.19), rgb(0.045, 0.14, 0.135)], size: [1.4, 0.16], joint: 0.008 };
     let back_z = FRONT_Z - 0.25;
     let mut objects = vec![
         // The front around the window and the door, and the wall along the lane.
@@ -61,7 +62,8 @@ pub(super) fn objects() -> Vec<Object> {
 fn display() -> Vec<Object> {
     let inside = AxisBox { min: DVec3::new(-3.1, 0.8, -5.5), max: DVec3::new(-1.35, 2.5, FRONT_Z - 0.25) };
     let cream = Texture::Mottled { colors: [rgb(0.7, 0.6, 0.44), rgb(0.6, 0.5, 0.35)], size: 0.5 };
-    let wood = Texture::Planks { colors: [rgb(0.5, 0.31, 0.16), rgb(0.33, 0.18, 0.08)], size: [0.9, 0.12], joint: 0.005 };
+    let wood =
+        Texture::Planks { colors: [rgb(0.5, 0.31, 0.16), rgb(0.33, 0.18, 0.08)], size: [0.9, 0.12], joint: 0.005 };
     let mut objects = room(inside, [wood, cream, cream, cream, cream, cream]);
     // The last wall is open.
     objects.pop();
@@ -71,7 +73,8 @@ fn display() -> Vec<Object> {
     let painted = |r: f64, g: f64, b: f64| Texture::Solid(rgb(r, g, b));
     let (red, blue, yellow, green) =
         (painted(0.6, 0.07, 0.04), painted(0.06, 0.17, 0.5), painted(0.75, 0.5, 0.06), painted(0.1, 0.36, 0.14));
-    let beach = Texture::Stripes { colors: [rgb(0.65, 0.08, 0.05), rgb(0.75, 0.7, 0.6)], wave: DVec3::new(5.0, 2.0, 0.0) };
+    let beach =
+        Texture::Stripes { colors: [rgb(0.65, 0.08, 0.05), rgb(0.75, 0.7, 0.6)], wave: DVec3::new(5.0, 2.0, 0.0) };
     let checker = Texture::Checker { colors: [rgb(0.08, 0.2, 0.55), rgb(0.72, 0.68, 0.55)], size: 0.09 };
     objects.extend([
         ball(DVec3::new(-2.62, 0.97, -4.6), 0.17, beach),
@@ -102,7 +105,8 @@ fn display() -> Vec<Object> {
 }
 
 fn door() -> Vec<Object> {
-    let oak = Texture::Planks { colors: [rgb(0.3, 0.13, 0.05), rgb(0.18, 0.07, 0.03)], size: [2.3, 0.13], joint: 0.008 };
+    let oak =
+        Texture::Planks { colors: [rgb(0.3, 0.13, 0.05), rgb(0.18, 0.07, 0.03)], size: [2.3, 0.13], joint: 0.008 };
     let z = FRONT_Z - 0.15;
     let leaf = block([-1.32, 0.0, z - 0.05], [-0.65, 2.15, z], oak);
     let mut knob = ball(DVec3::new(-0.76, 1.02, z + 0.03), 0.028, Texture::Solid(rgb(0.5, 0.32, 0.08)));
@@ -118,7 +122,8 @@ fn door() -> Vec<Object> {
 fn sign() -> Vec<Object> {
     let gold = Texture::Solid(rgb(0.6, 0.4, 0.1));
     let half = DVec3::new(1.22, 0.26, 0.0);
-    let lettering = Texture::Strokes { colors: [rgb(0.02, 0.075, 0.06), rgb(0.85, 0.62, 0.2)], segments: &LETTERS, width: 0.05 };
+    let lettering =
+        Texture::Strokes { colors: [rgb(0.02, 0.075, 0.06), rgb(0.85, 0.62, 0.2)], segments: &LETTERS, width: 0.05 };
     let (min, max) = (SIGN - half, SIGN + half);
     let board = block([min.x, min.y, FRONT_Z], max.to_array(), lettering);
     let mut objects = vec![Object { anchor: SIGN, ..board }];
