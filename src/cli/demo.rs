@@ -27,7 +27,7 @@ use scene::{CapturePlan, DemoKind, DemoScene, FootagePlan, Scene};
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  lightfold demo\n  lightfold demo -o out/demo --frame-count 48 --size 256 --json\n\n\
-    Captures a procedural courtyard into DIR/scene, encodes it to DIR/demo.lfold, decodes that into DIR/decoded and \
+    Captures a procedural street corner into DIR/scene, encodes it to DIR/demo.lfold, decodes that into DIR/decoded and \
     compares both. The same options write the same bytes in every run. The exit code is 1 if an error exceeds the \
     bounds of the encoder."
 )]
@@ -176,10 +176,10 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
 
 fn capture(args: &Args, path: &Path, global: &GlobalArgs) -> Result<()> {
     let plan =
-        FootagePlan { kind: DemoKind::Courtyard, frames: args.frame_count, face_size: args.size, probes: args.probes };
+        FootagePlan { kind: DemoKind::Street, frames: args.frame_count, face_size: args.size, probes: args.probes };
     let plan = CapturePlan { samples: SAMPLES, ..plan.capture()? };
     let progress = Progress::start(global, "capturing", plan.image_count())?;
-    plan.write(&Scene::Procedural(DemoScene::new(DemoKind::Courtyard)), path, &progress).map(drop)
+    plan.write(&Scene::Procedural(DemoScene::new(DemoKind::Street)), path, &progress).map(drop)
 }
 
 fn decode(decoder: &Decoder, path: &Path, global: &GlobalArgs) -> Result<()> {

@@ -69,23 +69,26 @@ impl Cone {
 /// Background and ambient light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sky {
-    /// Radiance up to the elevation whose sine is [`Sky::GRADIENT_START`].
+    /// Radiance up to the start of the gradient.
     pub horizon: DVec3,
     /// Radiance at the zenith.
     pub zenith: DVec3,
     /// Radiance of a white surface that faces up, from ambient light alone.
     pub ambient: DVec3,
+    /// Sine of the elevation at which the gradient from the horizon to the zenith starts, less than 1.
+    pub gradient_start: f64,
 }
 
 impl Sky {
     /// Just above sin 45°: the four horizontal faces of a cube map see a constant.
     pub const GRADIENT_START: f64 = 0.71;
 
-    pub const NONE: Sky = Sky { horizon: DVec3::ZERO, zenith: DVec3::ZERO, ambient: DVec3::ZERO };
+    pub const NONE: Sky =
+        Sky { horizon: DVec3::ZERO, zenith: DVec3::ZERO, ambient: DVec3::ZERO, gradient_start: Sky::GRADIENT_START };
 
     /// Returns the radiance in a unit direction.
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
-        let rise = (direction.y - Sky::GRADIENT_START) / (1.0 - Sky::GRADIENT_START);
+        let rise = (direction.y - self.gradient_start) / (1.0 - self.gradient_start);
         if rise <= 0.0 { self.horizon } else { self.horizon.lerp(self.zenith, rise.min(1.0)) }
     }
 }
@@ -106,6 +109,7 @@ impl Default for Light {
             horizon: DVec3::new(0.5, 0.66, 0.86),
             zenith: DVec3::new(0.16, 0.32, 0.68),
             ambient: DVec3::new(0.3, 0.36, 0.46),
+            ..Sky::NONE
         };
         Light { suns: vec![sun], lamps: Vec::new(), sky }
     }

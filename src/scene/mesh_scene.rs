@@ -115,6 +115,11 @@ impl SceneMesh {
         alpha < cutoff
     }
 
+    /// True if any material is a mirror or glass.
+    pub fn has_optics(&self) -> bool {
+        self.materials.iter().any(|material| material.optics != Optics::Opaque)
+    }
+
     fn is_glass(&self, triangle: usize) -> bool {
         self.has_glass
             && self.material(triangle).is_some_and(|material| matches!(material.optics, Optics::Glass { .. }))

@@ -5,7 +5,7 @@ use glam::{DQuat, DVec3};
 use super::{Material, Optics, Shape};
 use crate::mesh::AxisBox;
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Object {
     pub shape: Shape,
     /// A box that contains the shape.

@@ -5,8 +5,11 @@ mod cornell;
 mod courtyard;
 mod fence;
 mod interior;
+mod lathe;
+mod lettering;
 mod mirrors;
 mod parts;
+mod street;
 mod turning;
 
 use glam::DVec3;
@@ -22,16 +25,18 @@ pub enum DemoKind {
     Mirrors,
     Cornell,
     Fence,
+    Street,
 }
 
 impl DemoKind {
-    pub const ALL: [DemoKind; 6] = [
+    pub const ALL: [DemoKind; 7] = [
         DemoKind::Courtyard,
         DemoKind::Interior,
         DemoKind::Object,
         DemoKind::Mirrors,
         DemoKind::Cornell,
         DemoKind::Fence,
+        DemoKind::Street,
     ];
 
     fn definition(self) -> &'static Definition {
@@ -42,6 +47,7 @@ impl DemoKind {
             DemoKind::Mirrors => &mirrors::SCENE,
             DemoKind::Cornell => &cornell::SCENE,
             DemoKind::Fence => &fence::SCENE,
+            DemoKind::Street => &street::SCENE,
         }
     }
 

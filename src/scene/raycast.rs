@@ -4,10 +4,12 @@
 //! time. Static objects are in meshes that all times share; moving ones get a new bounding volume hierarchy for each time.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::shadow_cube::ShadowCube;
 use super::shadow_grid::ShadowGrid;
 use super::{Light, Object, SceneMesh};
 use crate::mesh::{AxisBox, Bvh, ImageTexture, Intersection, Ray, TriangleHit};
@@ -41,11 +43,39 @@ pub struct SceneAtTime {
     pub light_rays: LightRays,
     /// One per sun.
     pub(super) shadows: Vec<ShadowGrid>,
+    /// One per lamp.
+    pub(super) lamp_shadows: Vec<ShadowCube>,
+    /// Runs of objects with a box around them.
+    clusters: Vec<Cluster>,
     /// The smallest box around the boxes of all finite objects and meshes; `None` for an empty scene.
     pub bounds: Option<AxisBox>,
     /// Diagonal of the bounds, metres.
     size: f64,
     lift: f64,
+}
+
+/// A run of consecutive objects.
+#[derive(Debug, Clone)]
+struct Cluster {
+    objects: Range<usize>,
+    /// A box around their boxes, inflated by far more than rounding errors.
+    bounds: AxisBox,
+}
+
+impl Cluster {
+    /// Number of objects: few enough that most rays miss most clusters, if neighbours in the list are neighbours in space.
+    const SIZE: usize = 8;
+
+    fn all(objects: &[Object]) -> Vec<Cluster> {
+        let cluster = |(number, run): (usize, &[Object])| {
+            let joined = run.iter().map(|object| object.bounds).reduce(AxisBox::join)?;
+            let margin = f64::max(1e-4, 1e-9 * joined.min.abs().max(joined.max.abs()).max_element());
+            let start = number * Self::SIZE;
+            let bounds = AxisBox { min: joined.min - margin, max: joined.max + margin };
+            Some(Cluster { objects: start..start + run.len(), bounds })
+        };
+        objects.chunks(Self::SIZE).enumerate().filter_map(cluster).collect()
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,7 +114,9 @@ impl SceneAtTime {
 
     pub fn with_meshes(objects: Vec<Object>, meshes: Vec<Arc<SceneMesh>>, light: Light) -> Self {
         let shadows = light.suns.iter().map(|sun| ShadowGrid::new(&objects, sun.direction)).collect();
+        let lamp_shadows = light.lamps.iter().map(|lamp| ShadowCube::new(&objects, lamp)).collect();
         let boxes = objects.iter().map(|object| object.bounds).chain(meshes.iter().filter_map(|mesh| mesh.bvh.bounds));
+        let clusters = Cluster::all(&objects);
         // Shapes that are not finite are invisible; excluding them keeps the size finite.
         let boxes = boxes.filter(|bounds| bounds.min.is_finite() && bounds.max.is_finite());
         let bounds = boxes.reduce(AxisBox::join);
@@ -95,6 +127,8 @@ impl SceneAtTime {
             light,
             light_rays: LightRays::default(),
             shadows,
+            lamp_shadows,
+            clusters,
             bounds,
             size,
             lift: lift_m(size),
@@ -162,6 +196,16 @@ impl SceneAtTime {
             }
         }
         first
+    }
+
+    /// Returns the indices, in order, of the objects that a ray may hit.
+    pub(super) fn on_path(&self, ray: &Ray) -> impl Iterator<Item = usize> {
+        let is_met = |cluster: &&Cluster| {
+            let slabs = cluster.bounds.slabs(ray);
+            // Not `<=`: boxes that are not finite are met.
+            !(slabs.enter() > slabs.leave() || slabs.leave() < 0.0)
+        };
+        self.clusters.iter().filter(is_met).flat_map(|cluster| cluster.objects.clone())
     }
 
     /// Returns all hits along a ray, by distance, among all meshes and the `candidates`. Of several equally near hits, only the

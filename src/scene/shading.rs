@@ -12,7 +12,9 @@ use glam::DVec3;
 
 use super::light::Lamp;
 use super::mesh_scene::{Optics, Phong};
+use super::object::Object;
 use super::raycast::SceneAtTime;
+use super::shadow_cube::ShadowCube;
 use super::surface::Surface;
 use crate::mesh::Ray;
 
@@ -145,7 +147,7 @@ impl SceneAtTime {
         #[cfg(test)]
         SECONDARY_RAYS.with(|count| count.set(count.get() + 1));
         let ray = Ray::from_unit(surface.point + self.lift(surface.point) * out, direction);
-        match self.first_hit(&ray, 0..self.objects.len()) {
+        match self.first_hit(&ray, self.on_path(&ray)) {
             None => self.light.sky.radiance(direction),
             Some(hit) => self.radiance(&self.surface(&ray, &hit), direction, path).total(),
         }
@@ -205,15 +207,20 @@ impl SceneAtTime {
                 add(facing * sun.radiance, sun.direction);
             }
         }
-        for lamp in &self.light.lamps {
-            if let Some((light, towards)) = self.lamp_light(lamp, above, surface) {
+        for (lamp, shadows) in self.light.lamps.iter().zip(&self.lamp_shadows) {
+            if let Some((light, towards)) = self.lamp_light((lamp, shadows), above, surface) {
                 add(light, towards);
             }
         }
     }
 
     /// Returns the radiance that a lamp causes on a white matte surface, and the direction to the lamp.
-    fn lamp_light(&self, lamp: &Lamp, point: DVec3, surface: &Surface) -> Option<(DVec3, DVec3)> {
+    fn lamp_light(
+        &self,
+        (lamp, shadows): (&Lamp, &ShadowCube),
+        point: DVec3,
+        surface: &Surface,
+    ) -> Option<(DVec3, DVec3)> {
         let to_lamp = lamp.position - point;
         let squared = to_lamp.length_squared();
         let reach = lamp.reach * lamp.reach;
@@ -226,7 +233,10 @@ impl SceneAtTime {
         let distance = squared.sqrt();
         let towards = to_lamp / distance;
         let strength = lamp.cone.map_or(1.0, |cone| cone.strength(-towards));
-        let is_shadowed = || self.light_rays.shadows && self.light_stopped(&Ray::from_unit(point, towards), distance);
+        let is_shadowed = || {
+            let casters = shadows.casters(point).iter().map(|&index| &self.objects[index]);
+            self.light_rays.shadows && self.any_stops(casters, &Ray::from_unit(point, towards), distance)
+        };
         if strength <= 0.0 || is_shadowed() {
             return None;
         }
@@ -237,7 +247,13 @@ impl SceneAtTime {
 
     /// True if a shadow caster is within the first `length` metres of a ray.
     fn light_stopped(&self, ray: &Ray, length: f64) -> bool {
-        self.objects.iter().filter(|object| object.is_occluder()).any(|object| {
+        let casters = self.objects.iter().filter(|object| object.is_occluder());
+        self.any_stops(casters, ray, length)
+    }
+
+    /// True if one of the casters or a mesh is within the first `length` metres of a ray.
+    fn any_stops<'a>(&self, mut casters: impl Iterator<Item = &'a Object>, ray: &Ray, length: f64) -> bool {
+        casters.any(|object| {
             object.bounds.intersect(ray, 0.0).is_some()
                 && object.shape.intersect(ray, 0.0).is_some_and(|hit| hit.distance < length)
         }) || self.meshes.iter().any(|mesh| mesh.casts_shadow(ray, 0.0..length))

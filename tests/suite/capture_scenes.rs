@@ -169,7 +169,7 @@ fn folders_hide_no_built_in_scenes_and_what_is_no_scene_is_told_what_would_be() 
     for (scene, says) in [("castle", "castle: no such file"), (".", ".: a folder")] {
         let said = refused(&format!("capture {scene} {line} -o out"), folder.path());
         assert!(said.contains(says) && said.contains(".glb, .gltf, .obj"), "{said}");
-        assert!(said.contains("courtyard, interior, object, mirrors, cornell, fence"), "{said}");
+        assert!(said.contains("courtyard, interior, object, mirrors, cornell, fence, street"), "{said}");
     }
     // A file does hide a built-in scene.
     fs::write(folder.path().join("cornell"), "no scene").unwrap();

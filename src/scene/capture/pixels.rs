@@ -19,7 +19,7 @@ pub struct Viewpoint {
     pub projection: ImageProjection,
 }
 
-type BoxTest = Box<dyn Fn(&AxisBox) -> bool>;
+pub(super) type BoxTest = Box<dyn Fn(&AxisBox) -> bool>;
 
 /// Traces the rays of an image.
 #[derive(Debug, Clone, Copy)]
@@ -74,12 +74,21 @@ impl<'a> PixelTracer<'a> {
 
     /// Returns the indices, in order, of the objects that may be visible in a rectangle of the image, given by two corners.
     pub fn in_view(&self, from: [f64; 2], to: [f64; 2]) -> Vec<usize> {
+        self.inside(&self.outside(from, to))
+    }
+
+    /// Returns the indices, in order, of the objects that a test does not exclude.
+    pub(super) fn inside(&self, outside: &BoxTest) -> Vec<usize> {
         let objects = &self.scene.objects;
-        let outside = match self.axes {
+        (0..objects.len()).filter(|&index| !outside(&objects[index].bounds)).collect()
+    }
+
+    /// Returns a test that is true only for boxes that no ray through a rectangle of the image meets.
+    pub(super) fn outside(&self, from: [f64; 2], to: [f64; 2]) -> BoxTest {
+        match self.axes {
             Some(axes) => self.outside_of_pyramid(axes, from, to),
             None => self.outside_of_cone(from, to),
-        };
-        (0..objects.len()).filter(|&index| !outside(&objects[index].bounds)).collect()
+        }
     }
 
     /// Returns a test that is true for boxes entirely outside one of the five planes of the rectangle's pyramid.

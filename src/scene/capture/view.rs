@@ -3,15 +3,19 @@
 //! sample, all passes use the same ray. Ray directions have length 1; planar depth is the distance divided by
 //! `ImageProjection::ray_length_factor`.
 
+use std::ops::Range;
+
 use half::f16;
 use rayon::prelude::*;
 
+use super::images::Images;
 use super::pixels::{PixelTracer, Viewpoint, halves};
+use super::reference::{Copied, Reference};
 use super::samples::SamplePattern;
 use crate::{Hit, OPAQUE, SceneAtTime};
 use codec::error::{Error, Result};
 use codec::image::DepthKind;
-use codec::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
+use codec::image::plane::Plane;
 use codec::monitor::Monitor;
 
 /// Maximum width and height of an image: a face of 16,384² pixels takes 2.5 GiB for colour and depth.
@@ -70,17 +74,20 @@ impl PassSettings<'_> {
     }
 }
 
-/// Planes of the requested passes.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Images {
-    pub color: Option<ColorPlane>,
-    pub depth: Option<DepthPlane>,
-    pub normal: Option<Plane<[f32; 3]>>,
-    pub material: Option<MaterialPlane>,
-}
-
 /// Captures an image. The result does not depend on the number of threads.
 pub fn capture_view(
+    scene: &SceneAtTime,
+    from: &Viewpoint,
+    settings: &PassSettings<'_>,
+    monitor: &dyn Monitor,
+) -> Result<Images> {
+    capture_view_after(None, scene, from, settings, monitor)
+}
+
+/// [`capture_view`] with a reference from the same viewpoint with the same settings, from which equal parts are copied. The
+/// result does not depend on the reference.
+pub fn capture_view_after(
+    reference: Option<Reference<'_>>,
     scene: &SceneAtTime,
     from: &Viewpoint,
     settings: &PassSettings<'_>,
@@ -106,7 +113,9 @@ pub fn capture_view(
         normal: wants(Pass::Normal).then(|| Plane::filled(width, height, [0.0; 3])),
         material: wants(Pass::Material).then(|| Plane::filled(width, height, [0.0; 3])),
     };
-    let capture = ImageCapture { pixels: PixelTracer::new(scene, from), settings };
+    let reference = reference.filter(|reference| reference.images.shape() == images.shape());
+    let copied = reference.and_then(|reference| Copied::new(&reference, scene));
+    let capture = ImageCapture { pixels: PixelTracer::new(scene, from), settings, copied };
     bands(&mut images, [width, height]).into_par_iter().try_for_each(|band| {
         monitor.check()?;
         capture.capture_band(band);
@@ -118,11 +127,33 @@ pub fn capture_view(
 /// A band of rows of all planes.
 struct Band<'a> {
     top: u32,
+    /// Position of the first pixel in the image.
+    start: usize,
     rows: u32,
     color: Option<&'a mut [[f16; 3]]>,
     depth: Option<&'a mut [f32]>,
     normal: Option<&'a mut [[f32; 3]]>,
     material: Option<&'a mut [[f32; 3]]>,
+}
+
+impl Band<'_> {
+    /// Copies pixels, given by their positions in the band, from images with the same planes.
+    fn copy(&mut self, from: &Images, pixels: Range<usize>) {
+        let start = self.start;
+        let source = start + pixels.start..start + pixels.end;
+        copy(&mut self.color, &from.color, &pixels, &source);
+        copy(&mut self.depth, &from.depth, &pixels, &source);
+        copy(&mut self.normal, &from.normal, &pixels, &source);
+        copy(&mut self.material, &from.material, &pixels, &source);
+    }
+}
+
+fn copy<T: Copy>(band: &mut Option<&mut [T]>, from: &Option<Plane<T>>, to: &Range<usize>, source: &Range<usize>) {
+    if let (Some(band), Some(plane)) = (band, from)
+        && let (Some(to), Some(source)) = (band.get_mut(to.clone()), plane.data().get(source.clone()))
+    {
+        to.copy_from_slice(source);
+    }
 }
 
 fn bands(images: &mut Images, [width, height]: [u32; 2]) -> Vec<Band<'_>> {
@@ -133,6 +164,7 @@ fn bands(images: &mut Images, [width, height]: [u32; 2]) -> Vec<Band<'_>> {
     let mut material = images.material.as_mut().map(|plane| plane.data_mut().chunks_mut(pixels));
     let band = |top: u32| Band {
         top,
+        start: top as usize * width as usize,
         rows: TILE.min(height - top),
         color: color.as_mut().and_then(Iterator::next),
         depth: depth.as_mut().and_then(Iterator::next),
@@ -145,6 +177,7 @@ fn bands(images: &mut Images, [width, height]: [u32; 2]) -> Vec<Band<'_>> {
 struct ImageCapture<'a> {
     pixels: PixelTracer<'a>,
     settings: &'a PassSettings<'a>,
+    copied: Option<Copied<'a>>,
 }
 
 impl ImageCapture<'_> {
@@ -153,7 +186,15 @@ impl ImageCapture<'_> {
         for left in (0..width).step_by(TILE as usize) {
             let right = (left + TILE).min(width);
             let [from, to] = [[left, band.top], [right, band.top + band.rows]].map(|at| at.map(f64::from));
-            let candidates = self.pixels.in_view(from, to);
+            let outside = self.pixels.outside(from, to);
+            let candidates = self.pixels.inside(&outside);
+            if let Some(copied) = &self.copied
+                && copied.covers(self.pixels.scene, &outside, &candidates)
+            {
+                let rows = (0..band.rows as usize).map(|row| row * width as usize);
+                rows.for_each(|row| band.copy(copied.images, row + left as usize..row + right as usize));
+                continue;
+            }
             for row in 0..band.rows {
                 for col in left..right {
                     let pixel = row as usize * width as usize + col as usize;

@@ -3,9 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use super::images::Images;
+use super::pixels::Viewpoint;
 use super::plan::{CapturePlan, FrameRequest};
+use super::reference::Reference;
 use super::samples::SamplePattern;
-use super::view::{Images, Pass, PassSettings, capture_view};
+use super::view::{Pass, PassSettings, capture_view_after};
 use crate::{Scene, SceneAtTime};
 use codec::error::{Error, Result};
 use codec::image::{ChannelSelect, DepthPlane, Plane, ReadLimits};
@@ -19,6 +22,8 @@ use footage::image_files::exr;
 pub const UNFINISHED: FolderKind = FolderKind { suffix: ".capture.partial", state: ".capture.json" };
 /// Maximum memory of images in progress, unless there is only one.
 const MEMORY_BYTES: u64 = 1 << 30;
+/// Maximum memory of the images of the first frame, from which others copy what is equal.
+const REFERENCE_BYTES: u64 = MEMORY_BYTES / 4;
 /// Bytes per pixel with all passes, twice: a copy is made while an image is written.
 const PIXEL_BYTES: u64 = 2 * (6 + 4 + 12 + 12);
 /// Maximum time samples of a scene in memory.
@@ -28,7 +33,7 @@ const MAX_TIME_SAMPLES: usize = 16;
 pub struct CaptureSummary {
     pub images: u64,
     pub kept_images: u64,
-    /// Camera rays, without reflected, refracted and shadow rays.
+    /// Camera rays of all pixels, also of those copied from another frame; without reflected, refracted and shadow rays.
     pub rays: u64,
     pub bytes: u64,
     /// Minimum and maximum stored depth in metres; (+inf, 0) without any.
@@ -121,20 +126,37 @@ impl CapturePlan {
         let run = CaptureRun { plan: self, samples: SamplePattern::new(self.samples)?, folder, monitor };
         let mut sum = CaptureSummary::NOTHING;
         let frames: Vec<u32> = self.frames.iter().filter(|&frame| self.requests(frame).next().is_some()).collect();
+        let mut first = FirstFrame { is_open: self.keeps_first(), ..FirstFrame::default() };
         let static_scene = if scene.duration_s() > 0.0 { None } else { Some(scene.at(0.0)) };
-        for frames in frames.chunks(self.frames_at_once(frames.len())) {
+        // The first frame is captured alone.
+        let (alone, others) = frames.split_at(frames.len().min(1));
+        for frames in alone.chunks(1).chain(others.chunks(self.frames_at_once(frames.len()))) {
             let requests = frames.iter().flat_map(|&frame| self.requests(frame)).collect();
             let jobs = try_map_at_once(requests, self.images_at_once(), |request| run.missing(request))?;
             let is_needed = |frame: u32| jobs.iter().any(|job| job.request.frame == frame && !job.passes.is_empty());
             let moves = |frame: u32| static_scene.is_none() && is_needed(frame);
             let at = |&frame: &u32| moves(frame).then(|| (frame, scene.at(f64::from(frame) / self.fps)));
-            let times: BTreeMap<u32, SceneAtTime> = frames.iter().filter_map(at).collect();
+            let mut times: BTreeMap<u32, SceneAtTime> = frames.iter().filter_map(at).collect();
             let done = try_map_at_once(jobs, self.images_at_once(), |job| {
-                run.make(times.get(&job.request.frame).or(static_scene.as_ref()), &job)
+                run.make(times.get(&job.request.frame).or(static_scene.as_ref()), &job, &first)
             })?;
-            sum = done.into_iter().fold(sum, CaptureSummary::and);
+            for (summary, view) in done {
+                sum = sum.and(summary);
+                first.views.extend(view);
+            }
+            if first.is_open {
+                first.scene = times.pop_first().map(|(_, scene)| scene).or_else(|| static_scene.clone());
+                first.is_open = false;
+            }
         }
         Ok(sum)
+    }
+
+    /// True if the images of the first frame are kept for others to copy from.
+    fn keeps_first(&self) -> bool {
+        let pixels = self.size.map(u64::from).iter().product::<u64>();
+        let views = self.image_count() / (self.passes.len() as u64 * self.frames.count()).max(1);
+        views.saturating_mul(pixels).saturating_mul(PIXEL_BYTES / 2) <= REFERENCE_BYTES
     }
 
     /// Returns how many of `frames` frames are captured together, so that all threads have work.
@@ -147,6 +169,22 @@ impl CapturePlan {
         let bytes = self.size.map(u64::from).iter().product::<u64>() * PIXEL_BYTES;
         let fit = usize::try_from(MEMORY_BYTES / bytes.max(1)).unwrap_or(usize::MAX);
         fit.clamp(1, rayon::current_num_threads().max(1))
+    }
+}
+
+/// The first frame that is captured.
+#[derive(Default)]
+struct FirstFrame {
+    /// True while its images are kept.
+    is_open: bool,
+    scene: Option<SceneAtTime>,
+    views: Vec<(Viewpoint, Images)>,
+}
+
+impl FirstFrame {
+    fn reference(&self, from: &Viewpoint) -> Option<Reference<'_>> {
+        let (_, images) = self.views.iter().find(|(viewpoint, _)| viewpoint == from)?;
+        Some(Reference { scene: self.scene.as_ref()?, images })
     }
 }
 
@@ -192,12 +230,19 @@ impl CaptureRun<'_> {
         (size == self.plan.size).then_some(range)
     }
 
-    fn make(&self, scene: Option<&SceneAtTime>, job: &Job) -> Result<CaptureSummary> {
-        let (Some(scene), false) = (scene, job.passes.is_empty()) else { return Ok(job.kept) };
+    /// Captures and writes images. Also returns the images if others may copy from them.
+    fn make(
+        &self,
+        scene: Option<&SceneAtTime>,
+        job: &Job,
+        first: &FirstFrame,
+    ) -> Result<(CaptureSummary, Option<(Viewpoint, Images)>)> {
+        let (Some(scene), false) = (scene, job.passes.is_empty()) else { return Ok((job.kept, None)) };
         self.monitor.check()?;
         let CapturePlan { depth, far_m, .. } = *self.plan;
         let settings = PassSettings { passes: &job.passes, samples: &self.samples, depth, far_m };
-        let images = capture_view(scene, &self.plan.viewpoint(&job.request), &settings, self.monitor)?;
+        let from = self.plan.viewpoint(&job.request);
+        let images = capture_view_after(first.reference(&from), scene, &from, &settings, self.monitor)?;
         let mut sum = job.kept;
         for &pass in &job.passes {
             let mut range = CaptureSummary::NOTHING.depth_range_m;
@@ -211,7 +256,7 @@ impl CaptureRun<'_> {
         }
         let pixels = self.plan.size.map(u64::from).iter().product::<u64>();
         sum.rays += pixels * settings.rays_per_pixel();
-        Ok(sum)
+        Ok((sum, first.is_open.then_some((from, images))))
     }
 }
 

@@ -9,7 +9,8 @@ use crate::{
     Window, trace,
 };
 
-const SKY: Sky = Sky { horizon: DVec3::splat(0.5), zenith: DVec3::splat(0.5), ambient: DVec3::splat(0.25) };
+const SKY: Sky =
+    Sky { horizon: DVec3::splat(0.5), zenith: DVec3::splat(0.5), ambient: DVec3::splat(0.25), ..Sky::NONE };
 
 fn overhead() -> Light {
     Light { suns: vec![Sun { direction: DVec3::Y, radiance: DVec3::splat(2.0) }], lamps: vec![], sky: SKY }

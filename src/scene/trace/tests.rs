@@ -4,7 +4,7 @@ use super::*;
 use crate::mesh::AxisBox;
 use crate::{CastsShadow, Lamp, Light, Material, Object, Quad, Shape, Sky, Sphere, Sun, Texture, Window};
 
-const SKY: Sky = Sky { horizon: DVec3::splat(0.5), zenith: DVec3::ONE, ambient: DVec3::splat(0.1) };
+const SKY: Sky = Sky { horizon: DVec3::splat(0.5), zenith: DVec3::ONE, ambient: DVec3::splat(0.1), ..Sky::NONE };
 
 fn white(shape: Shape) -> Object {
     Object::new(shape, Material::diffuse(Texture::Solid(DVec3::ONE)))
