@@ -63,7 +63,7 @@ fn a_film_has_the_colours_of_the_pictures() {
                 let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / (SIZE * SIZE) as f64;
                 let offset = mean(&mut found.iter().zip(&expected).map(|(a, b)| a - b));
                 let apart = mean(&mut found.iter().zip(&expected).map(|(a, b)| (a - b).abs()));
-                assert!(offset.abs() < 0.7 && apart < 3.0, "{name} {frame} {channel}: {offset:.2} {apart:.2}");
+                assert!(offset.abs() < 0.7 && apart < 4.0, "{name} {frame} {channel}: {offset:.2} {apart:.2}");
             }
         }
     }
