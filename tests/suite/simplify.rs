@@ -88,7 +88,8 @@ fn the_sky_is_near_and_a_camera_is_in_the_region() {
     assert!(document.default_scene().unwrap().nodes().any(|other| other.index() == node.index()));
     let (translation, ..) = node.transform().decomposed();
     assert!(translation.iter().zip(middle).all(|(found, expected)| (found - expected).abs() < 1e-3));
-    let gltf::camera::Projection::Perspective(lens) = node.camera().unwrap().projection() else { panic!() };
+    let camera = node.camera().unwrap();
+    let gltf::camera::Projection::Perspective(lens) = camera.projection() else { panic!("a perspective") };
     assert!((lens.yfov().to_degrees() - 60.0).abs() < 1e-3 && lens.aspect_ratio().is_none());
     assert!(
         lens.znear() > 0.01 && lens.znear() < 0.3 && lens.zfar().is_some_and(|far| far > 70.0),
