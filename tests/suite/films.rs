@@ -63,7 +63,7 @@ fn a_film_has_the_colours_of_the_pictures() {
                 let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / (SIZE * SIZE) as f64;
                 let offset = mean(&mut found.iter().zip(&expected).map(|(a, b)| a - b));
                 let apart = mean(&mut found.iter().zip(&expected).map(|(a, b)| (a - b).abs()));
-                assert!(offset.abs() < 0.7 && apart < 3.0, "{name} {frame} {channel}: {offset:.2} {apart:.2}");
+                assert!(offset.abs() < 0.7 && apart < 6.0, "{name} {frame} {channel}: {offset:.2} {apart:.2}");
             }
         }
     }
@@ -142,7 +142,7 @@ fn failures_of_ffmpeg_are_told_with_its_last_lines() {
         ("echo one >&2; echo \"$file: no encoder\" >&2; exit 1", "a.mp4: ffmpeg failed: one; a.mp4: no encoder\n", 2),
         ("exec >&2; for n in 1 2 3 4 5; do echo $n; done; exit 1", "a.mp4: ffmpeg failed: 3; 4; 5\n", 2),
         ("/bin/cat > /dev/null; exit 3", "a.mp4: ffmpeg failed: exit status: 3\n", 2),
-        ("echo av_write: No space left on device >&2; exit 1", "no space left", 75),
+        ("echo av_write: No space left on device >&2; exit 1", "a.mp4: no storage space", 75),
     ] {
         let programs = program(script, at);
         let output = with_programs(&programs, "-o a.mp4", at);
@@ -164,7 +164,7 @@ fn an_interrupt_ends_both() {
     let at = folder.path();
     encoded("courtyard", at);
     let begun = at.join("begun");
-    for (script, size) in [("/bin/cat > \"$file\"", 300), ("/bin/cat > /dev/null; exec /bin/sleep 600", 8)] {
+    for (script, size) in [("/bin/cat > \"$file\"", 1200), ("/bin/cat > /dev/null; exec /bin/sleep 600", 8)] {
         let programs = program(&format!("echo $$ > {}.new; /bin/mv {0}.new {0}\n{script}", begun.display()), at);
         let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
         let line = format!("render a.lfold {EYE} --size {size} --frames 0-2 -o a.mp4");

@@ -69,6 +69,40 @@ fn a_dataset_becomes_a_blended_mesh_within_its_budgets() {
     }
 }
 
+/// Viewers fit their clip planes to the bounding box, and show the view of a camera.
+#[test]
+fn the_sky_is_near_and_a_camera_is_in_the_region() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let probes = "--position=-0.2,1.5,-0.2 --position=0.2,1.5,0.2 --position=0,1.8,0";
+    fine(&format!("capture courtyard {probes} --size 32 --frames 0 -o yard"), at);
+    fine("simplify yard -o quads.glb --triangles 2000 --effort fast", at);
+    let (document, _, _) = gltf::import(at.join("quads.glb")).unwrap();
+    let bounds = document.meshes().next().unwrap().primitives().next().unwrap().bounding_box();
+    let middle = [0.0, 1.65, 0.0];
+    let half = |corner: [f32; 3]| (0..3).map(|axis| (corner[axis] - middle[axis]).abs()).fold(0.0, f32::max);
+    // Surfaces are up to 10 m away.
+    assert!([bounds.min, bounds.max].map(half).iter().all(|half| (20.0..41.0).contains(half)), "{bounds:?}");
+    let nodes: Vec<_> = document.nodes().filter(|node| node.camera().is_some()).collect();
+    let [node] = &nodes[..] else { panic!("one camera") };
+    assert!(document.default_scene().unwrap().nodes().any(|other| other.index() == node.index()));
+    let (translation, ..) = node.transform().decomposed();
+    assert!(translation.iter().zip(middle).all(|(found, expected)| (found - expected).abs() < 1e-3));
+    let camera = node.camera().unwrap();
+    let gltf::camera::Projection::Perspective(lens) = camera.projection() else { panic!("a perspective") };
+    assert!((lens.yfov().to_degrees() - 60.0).abs() < 1e-3 && lens.aspect_ratio().is_none());
+    assert!(
+        lens.znear() > 0.01 && lens.znear() < 0.3 && lens.zfar().is_some_and(|far| far > 70.0),
+        "{:?}",
+        lens.zfar()
+    );
+    // The sky is seen from the region.
+    fine("render quads.glb --eye 0.1,1.6,0.1 --look-at 0.2,2.6,0.1 --up 0,0,1 --size 32 -o sky.png", at);
+    let sky = image::open(at.join("sky.png")).unwrap().into_rgba8();
+    assert!(sky.pixels().all(|pixel| pixel[3] == 255));
+    assert!(sky.pixels().filter(|pixel| pixel[2] > pixel[0]).count() > 500);
+}
+
 #[test]
 fn the_bytes_do_not_depend_on_the_number_of_threads() {
     let folder = room();

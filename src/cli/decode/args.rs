@@ -12,7 +12,7 @@ use gpu::device::DeviceChoice;
 #[command(after_help = "Examples:\n  lightfold decode film.lfold -o frames\n  \
     lightfold decode film.lfold --probe 00 --face px --stream depth -o depth.%04d.exr\n  \
     lightfold decode film.lfold --frames 10-19 --format png -o look\n  \
-    lightfold decode film.lfold --probe 00 --face px --stream color --stream-format y4m -o - | ffmpeg -i - px.mp4\n  \
+    lightfold decode film.lfold --probe 00 --face px --stream color -o - | ffmpeg -i - px.mp4\n  \
     lightfold decode film.lfold --frames 12 -o frame.ply\n  \
     lightfold decode film.lfold --null --repeat 9 --json\n  \
     lightfold decode film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 --null --stats\n  \

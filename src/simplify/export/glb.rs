@@ -25,7 +25,7 @@ const FOV_Y_DEG: f64 = 60.0;
 const NEAR_PART: f64 = 0.1;
 const FAR_PART: f64 = 2.0;
 /// Minimum length of the mean direction of triangles; below it they are on all sides.
-const MIN_DIRECTION: f64 = 0.1;
+const MIN_DIRECTION: f64 = 0.3;
 /// Maximum height of the viewing direction, as a sine, above which +Y is no up direction.
 const MAX_HEIGHT: f64 = 0.999;
 
