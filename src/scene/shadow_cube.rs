@@ -40,7 +40,7 @@ impl ShadowCube {
     /// Adds a box, relative to the lamp, to the cells of a face that it may overlap.
     fn add(&mut self, index: usize, face: usize, [min, max]: [DVec3; 2]) {
         let [depth, across, up] = [face / 2, (face / 2 + 1) % 3, (face / 2 + 2) % 3];
-        let (near, far) = if face % 2 == 0 { (-max[depth], -min[depth]) } else { (min[depth], max[depth]) };
+        let (near, far) = if face.is_multiple_of(2) { (-max[depth], -min[depth]) } else { (min[depth], max[depth]) };
         if far <= 0.0 {
             return;
         }

@@ -91,9 +91,9 @@ fn captures_are_datasets_of_which_nothing_is_suspect() {
 #[test]
 fn a_capture_is_what_the_demo_captures() {
     let place = place();
-    let plan = FootagePlan { kind: DemoKind::Courtyard, frames: 2, face_size: 24, probes: 1 };
+    let plan = FootagePlan { kind: DemoKind::Street, frames: 2, face_size: 24, probes: 1 };
     plan.write(&place.path().join("demo"), &Silent).unwrap();
-    fine("capture courtyard --position 0,1.5,0 --frames 0-1 --size 24 -o a/cap --threads 3", place.path());
+    fine("capture street --position 0,1.5,0 --frames 0-1 --size 24 -o a/cap --threads 3", place.path());
     assert_eq!(files(&place.path().join("demo")), files(&place.path().join("a/cap")));
     assert_eq!(fs::read_dir(place.path().join("a")).unwrap().count(), 1, "something is left beside it");
 }

@@ -21,8 +21,8 @@ use scene::Pass;
     lightfold capture scene.glb --position 0,1,3 --look-at 0,1,0 --fov 50 -o view\n  \
     lightfold capture scene.glb --cameras cameras.json --resume -o cap --json\n  \
     lightfold capture scene.glb --cameras cameras.json --shard 3/8 -o cap\n\n\
-    SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell, fence, street. Files that a \
-    scene refers to (buffers, materials, textures) are only read from its folder and the folders below it, and from \
+    SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell, fence, street. Files that \
+    a scene refers to (buffers, materials, textures) are only read from its folder and the folders below it, and from \
     below its parent by a name that begins with ../; symbolic links are resolved first. A file that is not where the \
     scene says is searched there by its name, in any case, with a note. Textures are PNG, JPEG, BMP, TGA, WebP or KTX2.\n\n\
     --cameras reads the files that `place` and `interpolate --cameras-out` write: {\"lightfold_cameras\": 1, \

@@ -115,8 +115,8 @@ impl CapturePlan {
     }
 
     /// Captures the images of the plan's part, without the manifest. Existing images are kept if they can be read and have the
-    /// right size. The monitor advances by one per image. At most sixteen time samples are in memory, and at most 1 GiB of
-    /// images or one face.
+    /// right size. The monitor advances by one per image. At most sixteen time samples are in memory, at most 1 GiB of
+    /// images or one face, and at most 256 MiB of the first frame.
     pub fn write_images(
         &self,
         scene: &Scene,
