@@ -8,8 +8,9 @@ use tempfile::TempDir;
 
 use crate::commands::{fine, refused};
 use crate::exports::ffmpeg;
-use crate::render::{EYE, encoded};
+use crate::render::encoded;
 
+const EYE: &str = "--eye 0.05,1.52,0 --look-at -2,1.2,0.8 --fov 80";
 const SIZE: usize = 160;
 
 /// Renders a film of three frames. Returns its report.
@@ -97,7 +98,7 @@ fn films_that_make_no_sense_are_refused() {
 
 /// Runs `render -o a.mp4` with the programs of a folder alone.
 fn with_programs(programs: &Path, more: &str, at: &Path) -> Output {
-    let line = format!("render a.lfold {EYE} --frames 0-2 {more}");
+    let line = format!("render a.lfold {EYE} --size 40 --frames 0-2 {more}");
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
     command.args(line.split(' ')).current_dir(at).env("PATH", programs).output().unwrap()
 }

@@ -77,7 +77,7 @@ fn an_exposure_replaces_that_of_the_container() {
     fine(&format!("render dark.lfold {EYE} --exposure 0 -o shown.png"), at);
     let [a, dark, shown] = ["a.png", "dark.png", "shown.png"].map(|name| codes(&at.join(name)));
     let [far, near] = [mean_difference(&a, &dark), mean_difference(&a, &shown)];
-    assert!(near < 1.5 && far > 10.0, "{near} {far}");
+    assert!(near < 3.0 && far > 20.0, "{near} {far}");
     // Figures are those of the light.
     let report = |look: &str| -> Value {
         let line = format!("render a.lfold --reference captured --reference-probe 04 --frames 0 {look} --json");
