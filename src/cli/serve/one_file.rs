@@ -34,8 +34,8 @@ pub fn export_file(film: &Film, path: &Path, monitor: &dyn Monitor) -> Result<Si
     if bytes > MAX_FILM_BYTES {
         let (megabytes, most) = (bytes.div_ceil(1_000_000), MAX_FILM_BYTES / 1_000_000);
         return Err(Error::Usage(format!(
-            "{}: the film has {megabytes} MB, a page in one file holds films of up to {most} MB: export a folder with \
-            --export DIR, for a web server",
+            "{}: the film has {megabytes} MB, a page in one file holds films of up to {most} MB: set `export` to a folder, \
+            for a web server",
             path.display()
         )));
     }
