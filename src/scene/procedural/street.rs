@@ -88,15 +88,10 @@ fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     let balloon = BALLOON + DVec3::new(0.12 * cos, 0.3 * sin, 0.0);
     let stripes = Texture::Stripes { colors: [rgb(0.72, 0.14, 0.08), rgb(0.85, 0.74, 0.48)], wave: DVec3::X * 2.4 };
     objects.push(ball(balloon, 1.05, stripes));
-    let basket = balloon - DVec3::Y * 1.6;
+    let basket = balloon - DVec3::Y * 1.3;
     let half = DVec3::new(0.2, 0.16, 0.2);
     let wicker = Texture::Solid(rgb(0.35, 0.2, 0.1));
     objects.push(block((basket - half).to_array(), (basket + half).to_array(), wicker));
-    for side in [-0.2, 0.2] {
-        let (from, to) = (basket + DVec3::new(side, 0.16, 0.0), balloon + DVec3::new(3.6 * side, -0.75, 0.0));
-        let u = to - from;
-        objects.push(cord(Quad { corner: from, u, v: 0.03 * DVec3::new(-u.y, u.x, 0.0).normalize_or_zero() }));
-    }
 
     let reaching = |at: DVec3, radiance: DVec3, reach: f64| Lamp { reach, ..lamp(at, radiance) };
     let mut lamps: Vec<Lamp> = LANE_LAMPS.iter().map(|at| reaching(*at, 3.0 * WARM, 6.5)).collect();

@@ -11,8 +11,8 @@ use crate::mesh::AxisBox;
 use crate::{CastsShadow, Object, Phong, Segment, Texture};
 
 /// The front of the shop, and the corner to the lane, metres.
-pub(super) const FRONT_Z: f64 = -4.0;
-pub(super) const CORNER_X: f64 = -0.5;
+const FRONT_Z: f64 = -4.0;
+const CORNER_X: f64 = -0.5;
 const TOP_Y: f64 = 5.6;
 pub(super) const SIGN: DVec3 = DVec3::new(-1.8, 2.7, FRONT_Z + 0.07);
 const LETTERS_M: f64 = 0.26;
