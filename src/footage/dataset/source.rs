@@ -157,10 +157,6 @@ impl Content {
     }
 }
 
-fn words_of(value: Option<impl std::fmt::Display>, without: &str) -> String {
-    value.map_or_else(|| without.to_owned(), |value| value.to_string())
-}
-
 /// An open dataset. Reading takes `&self`, so that frames can be read in parallel.
 #[derive(Debug)]
 pub struct Source {
@@ -558,34 +554,6 @@ impl Source {
 
     fn check_size<T>(&self, plane: &Plane<T>) -> Result<()> {
         check_plane(plane, self.file_size)
-    }
-
-    /// Names and values of all settings that affect pixels. Sources with equal values read equal pixels from equal files.
-    pub fn reading_rules(&self) -> Vec<(&'static str, String)> {
-        let range = self.manifest.as_ref().and_then(|manifest| manifest.depth.as_ref());
-        vec![
-            ("what an image shows", self.content.words().to_owned()),
-            ("the place of the eyes", self.stereo.map_or("none", StereoLayout::name).to_owned()),
-            ("the size of the image files", format!("{}x{}", self.file_size.0, self.file_size.1)),
-            ("the size of depth files", format!("{:?}", self.depth_size())),
-            ("the size of the faces", format!("{}x{}", self.delivered_size.0, self.delivered_size.1)),
-            ("`background`", self.rules.background.to_string()),
-            ("`depth_scale`", self.rules.scale.to_string()),
-            ("the disparity", format!("{:?}", self.rules.disparity)),
-            ("`invalid_depth`", self.rules.invalid.name().to_owned()),
-            ("`invalid_color`", self.invalid_color.name().to_owned()),
-            ("`missing`", self.missing.name().to_owned()),
-            ("the kind of depth", format!("{} as {}", self.depth_in_files.name(), self.depth_stored.name())),
-            ("near in the manifest", words_of(range.and_then(|depth| depth.near), "none")),
-            ("far in the manifest", words_of(range.and_then(|depth| depth.far), "none")),
-            ("the source of the depth scale", if self.scale_stated { "a statement" } else { "the default" }.to_owned()),
-            ("`color_space`", words_of(self.color_space.map(ColorSpace::name), "that of the files")),
-            ("the primaries of colour", format!("{:?}", self.primaries.to_array())),
-            ("the choice of color channels", self.color_channel.words()),
-            ("the depth channel", self.depth_channel.words()),
-            ("the choice of material channels", self.material_channels.join(", ")),
-            ("the choice of the alpha channel", self.alpha_channel.words()),
-        ]
     }
 
     /// Cuts or resamples an image, or one eye's part of it, into the faces of its group.
