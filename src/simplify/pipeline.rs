@@ -397,7 +397,7 @@ mod tests {
             }
             // Replaces the length of a list.
             let mut wrong = words;
-            wrong[16 + 2 * CONSTRAINTS] = u64::MAX;
+            wrong[17 + 2 * CONSTRAINTS] = u64::MAX;
             assert!(!is_read(&wrong));
         });
     }

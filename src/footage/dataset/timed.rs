@@ -117,7 +117,7 @@ mod tests {
             frames.files().map(name).collect()
         };
         let whole = FrameRange { first: 5, last: 8 };
-        let of = |first, last| files.frames(&[9.0, 9.8, 10.75, 30.0], whole, FrameRange { first, last });
+        let of = |first, last| files.frames(&[9.0, 9.7, 10.75, 30.0], whole, FrameRange { first, last });
         // 10.75 is as near to 10.5 as to 11.
         assert_eq!(names(of(5, 8).unwrap()), ["d_9.1.png", "d_9.1.png", "d_10.5.png", "d_11.png"]);
         assert_eq!(names(of(7, 7).unwrap()), ["d_10.5.png"]);

@@ -139,6 +139,6 @@ mod tests {
         assert!(said.contains("65536x65536"), "{said}");
         let mut bomb = file;
         bomb[96..104].copy_from_slice(&(1u64 << 40).to_le_bytes());
-        assert!(decoded(&bomb).unwrap_err().to_string().contains("1099511627776"));
+        assert!(decoded(&bomb).unwrap_err().to_string().contains("1099511627904"));
     }
 }
