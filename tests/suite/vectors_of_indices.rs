@@ -186,7 +186,13 @@ pub fn valid_attributes() -> Vec<(&'static str, Vec<u8>)> {
     // Frame 0 is missing without a replacement; frame 1 is replaced by frame 0.
     let missing =
         with_value("frames.missing", &[missing(b"p", [1, 0], 0, u32::MAX), missing(b"p", [1, 0], 1, 0)].concat());
-    vec![("attributes", unknown), ("attributes-of-a-known-name", known), ("attributes-missing-frames", missing)]
+    let view = with_value("view", &view([0.0, 1.5, 2.0, 0.0, 1.0, -3.0, 50.0]));
+    vec![
+        ("attributes", unknown),
+        ("attributes-of-a-known-name", known),
+        ("attributes-missing-frames", missing),
+        ("attributes-view", view),
+    ]
 }
 
 /// Returns [`Parts`] with one attribute.
@@ -209,6 +215,11 @@ fn missing(probe: &[u8], kind_and_face: [u8; 2], frame: u32, held: u32) -> Vec<u
 fn pose(probe: &[u8], frame: u32, x: f64) -> Vec<u8> {
     let numbers = [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0].map(f64::to_le_bytes).concat();
     [&[probe.len() as u8, 0], probe, &frame.to_le_bytes(), &numbers].concat()
+}
+
+/// Returns the value of `view`: eye and point in metres, and the vertical field of view in degrees.
+fn view(numbers: [f64; 7]) -> Vec<u8> {
+    numbers.map(f64::to_le_bytes).concat()
 }
 
 /// Returns attribute values that break a rule of container.md 6.5.
@@ -236,6 +247,10 @@ fn invalid_values() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("poses-position", poses(&[pose(b"p", 0, f64::NAN)]), "a position is NaN"),
         ("chromaticities-none", with_value("color.chromaticities", &[0; 32]), "do not define a colour space"),
         ("chromaticities-cut", with_value("color.chromaticities", &[0; 31]), "more bytes expected"),
+        ("view-cut", with_value("view", &view([0.0; 7])[..55]), "more bytes expected"),
+        ("view-of-one-point", with_value("view", &view([1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 50.0])), "two different points"),
+        ("view-angle", with_value("view", &view([1.0, 2.0, 3.0, 0.0, 2.0, 3.0, 180.0])), "above 0 and below 180"),
+        ("view-infinite", with_value("view", &view([f64::INFINITY, 2.0, 3.0, 0.0, 2.0, 3.0, 50.0])), "an eye is inf"),
         ("clipped-pixels-longer", with_value("color.clipped_pixels", &[0; 9]), "1 bytes after the last field"),
     ]
 }
