@@ -251,7 +251,7 @@ fn files_named_by_times_are_paired() {
     }
     let (said, found) = set.init("");
     assert_says(&said, &["depth/{time}.png was paired with rgb/{time}.png by the nearest time, at most 20 ms apart"]);
-    assert_eq!((found.frames, found.fps), ([0, 2], 29.453));
+    assert_eq!((found.frames, found.fps), ([0, 2], 29.452));
     assert_eq!(found.depth.as_ref().unwrap().unit, Some(footage::dataset::manifest::Unit::Mm));
     let source = set.source();
     let group = source.groups().iter().find(|group| group.kind == StreamKind::Depth).unwrap();

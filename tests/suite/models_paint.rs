@@ -150,7 +150,7 @@ fn a_texture_that_is_missing_broken_or_too_large_is_a_note() {
         ("file:///etc/passwd".to_string(), "remote"),
         ("data:image/png;base64,????".to_string(), "base64"),
         ("data:,".to_string(), "base64"),
-        (inside(b"GIF89a"), "this is no PNG, JPEG, BMP, TGA or WebP image"),
+        (inside(b"GIF89a"), "this is no PNG, JPEG, BMP, TGA, WebP or KTX2 image"),
         (inside(&bomb), "the image"),
         (inside(&torn), "damaged"),
     ];
