@@ -248,6 +248,7 @@ fn within_a_bound_exhaustive_finds_what_the_literal_search_finds() {
     });
 }
 
+#[cfg_attr(not(all_tests), ignore = "long: scripts/test all runs it")]
 #[test]
 fn wide_ranges_are_coded_and_never_read_as_markers() {
     (0..3000u64).into_par_iter().for_each(|seed| {
@@ -302,6 +303,7 @@ fn real_tiles() -> Vec<Vec<u16>> {
 /// skipped.
 #[test]
 #[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
+#[cfg_attr(all(footage_at_hand, not(all_tests)), ignore = "long: scripts/test all runs it")]
 fn exhaustive_finds_what_the_literal_search_finds_in_real_tiles() {
     let narrow = |codes: &Vec<u16>| codes.iter().max().zip(codes.iter().min()).is_some_and(|(a, b)| a - b <= 500);
     let tiles: Vec<Vec<u16>> = real_tiles().into_iter().filter(narrow).collect();

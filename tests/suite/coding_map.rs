@@ -141,6 +141,7 @@ fn surveys_agree_with_counts_of_all_frames() {
     }
 }
 
+#[cfg_attr(not(all_tests), ignore = "long: scripts/test all runs it")]
 #[test]
 fn all_vectors_are_drawn_and_no_invalid_one_breaks_anything() {
     let folder = TempDir::new().unwrap();

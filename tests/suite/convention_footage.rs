@@ -82,6 +82,7 @@ fn measured_footage_raises_no_doubt() {
 
 #[test]
 #[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
+#[cfg_attr(all(footage_at_hand, not(all_tests)), ignore = "long: scripts/test all runs it")]
 fn measured_footage_with_a_wrong_manifest_is_suspected() {
     for set in ["sponza", "sponza9", "glass", "object"] {
         let wrong = |change: &dyn Fn(&mut Manifest)| mislabelled(set, change);

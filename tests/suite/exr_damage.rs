@@ -146,6 +146,7 @@ fn blocks_of_b44_that_step_below_zero_are_refused() {
 }
 
 /// Changes each byte of files in all compressions: file headers, chunk headers and payloads.
+#[cfg_attr(not(all_tests), ignore = "long: scripts/test all runs it")]
 #[test]
 fn every_changed_byte_is_read_or_refused() {
     let folder = TempDir::new().unwrap();

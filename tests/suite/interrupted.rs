@@ -192,6 +192,7 @@ fn a_killed_shard_resumes_and_all_join_to_the_same_bytes() {
     assert!(fs::read(folder.join("joined.lfold")).unwrap() == whole, "other bytes");
 }
 
+#[cfg_attr(not(all_tests), ignore = "long: scripts/test all runs it")]
 #[test]
 #[cfg(unix)]
 fn an_encode_is_killed_and_gone_on_with_many_times() {
@@ -255,6 +256,7 @@ fn two_encodes_of_one_output_refuse_each_other() {
     place.finishes(&whole);
 }
 
+#[cfg_attr(not(all_tests), ignore = "long: scripts/test all runs it")]
 #[test]
 #[cfg(unix)]
 fn an_old_state_is_replaced_where_nobody_asks_for_it() {

@@ -174,6 +174,7 @@ impl Least {
 }
 
 #[cfg(target_os = "linux")]
+#[cfg_attr(not(all_tests), ignore = "long: scripts/test all runs it")]
 #[test]
 fn budgets_of_simplifying_and_rendering_are_at_most_twice_what_is_taken() {
     let folder = TempDir::new().unwrap();
@@ -208,6 +209,7 @@ fn budgets_of_simplifying_and_rendering_are_at_most_twice_what_is_taken() {
 }
 
 #[cfg(target_os = "linux")]
+#[cfg_attr(not(all_tests), ignore = "long: scripts/test all runs it")]
 #[test]
 fn a_budget_is_kept_or_refused_by_every_command() {
     let folder = TempDir::new().unwrap();
@@ -326,6 +328,7 @@ fn beads(folder: &Path, size: u32, grid: u32) {
 }
 
 #[cfg(target_os = "linux")]
+#[cfg_attr(not(all_tests), ignore = "long: scripts/test all runs it")]
 #[test]
 fn a_budget_is_kept_where_there_is_glass() {
     let folder = TempDir::new().unwrap();
@@ -339,6 +342,7 @@ fn a_budget_is_kept_where_there_is_glass() {
 }
 
 #[cfg(target_os = "linux")]
+#[cfg_attr(not(all_tests), ignore = "long: scripts/test all runs it")]
 #[test]
 fn a_thousand_frames_take_no_more_memory_than_a_hundred() {
     // A hundred frames fill everything that is bounded: lookahead, keyframe interval and batches.
@@ -447,6 +451,7 @@ fn static_probes(folder: &Path, count: u32) {
     }
 }
 
+#[cfg_attr(not(all_tests), ignore = "long: scripts/test all runs it")]
 #[test]
 fn memory_of_720_probes_is_in_proportion_to_them() {
     // Bytes per probe: three streams with their rows of tables, one chunk each, and file names.
@@ -516,6 +521,7 @@ fn soak_child() {
 }
 
 #[cfg(target_os = "linux")]
+#[cfg_attr(not(all_tests), ignore = "long: scripts/test all runs it")]
 #[test]
 fn encoding_and_decoding_again_and_again_does_not_grow() {
     let output = Command::new(std::env::current_exe().unwrap())

@@ -283,6 +283,7 @@ struct Bounds {
     flicker: f64,
 }
 
+#[cfg_attr(not(all_tests), ignore = "long: scripts/test all runs it")]
 #[test]
 fn no_edges_of_blocks_and_no_flicker_are_seen_at_the_default() {
     // The bounds are slightly above the measured values.

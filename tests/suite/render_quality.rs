@@ -308,6 +308,7 @@ fn effects_gain_3_db_in_mirrors_and_in_glass_of_half_floats() {
 /// predictive depth, whose errors are larger within the same bound, mirrors gain 2.8 dB.
 #[test]
 #[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
+#[cfg_attr(all(footage_at_hand, not(all_tests)), ignore = "long: scripts/test all runs it")]
 fn effects_gain_3_db_in_mirrors_and_1_in_glass_of_8_bits() {
     let depth = DepthSettings { codec: DepthCodec::Quadtree, ..DepthSettings::default() };
     let settings = EncodeSettings { depth, ..EncodeSettings::default() };
@@ -319,6 +320,7 @@ fn effects_gain_3_db_in_mirrors_and_1_in_glass_of_8_bits() {
 /// With cells and tiles as small relative to a face as in larger datasets, no view does.
 #[test]
 #[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
+#[cfg_attr(all(footage_at_hand, not(all_tests)), ignore = "long: scripts/test all runs it")]
 fn a_view_of_90_degrees_of_real_footage_reads_at_most_half_of_the_bytes() {
     let usual = encoded(&footage("sponza9"));
     let tiles = TileSize::PerSide(4);
