@@ -149,7 +149,7 @@ fn one_file_has_the_page_and_the_film() {
     // A film that is too large is refused, and the file is left as it is.
     write_glb(&at.join("b.glb"), 50_000_001);
     let said = refused("view b.glb --export film.html", at);
-    assert!(said.contains("51 MB") && said.contains("set `export` to a folder"), "{said}");
+    assert!(said.contains("51 MB") && said.contains("set --export to a folder"), "{said}");
     assert!(at.join("film.html").is_file());
 }
 

@@ -177,6 +177,7 @@ fn settings_that_a_knob_brings_along_are_told() {
     assert_eq!(said("scene --sweep max-aabbs=1,2 --repeats 1 -o given -- --depth-codec aabb"), "");
 }
 
+#[cfg_attr(not(all_tests), ignore = "long: scripts/test all runs it")]
 #[test]
 fn tiles_are_modelled_as_the_options_say() {
     let of = |name: &str, more: &str| {
