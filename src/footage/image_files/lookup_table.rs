@@ -262,18 +262,18 @@ mod tests {
 
     #[test]
     fn curves_come_before_the_cube_and_have_their_own_range() {
-        // The curve maps 0..8 to 0..1 by its square root of three entries; the cube swaps red and blue.
+        // The curve maps 0..8 to 0..1 by three entries; the cube swaps red and blue.
         let shaper = "# a\nTITLE \"x\"\nLUT_1D_SIZE 3\nLUT_1D_INPUT_RANGE 0 8\n";
-        let curve = "0 0 0\n0.7071 0.7071 0.7071\n1 1 1\n";
+        let curve = "0 0 0\n0.7075 0.7075 0.7075\n1 1 1\n";
         let swapped = cube(2, |[r, g, b]| [b, g, r]);
         let (size, entries) = swapped.split_once('\n').unwrap();
         let both = table(&format!("{shaper}{size}\n{curve}{entries}")).unwrap();
         let found = both.apply([8.0, 4.0, 2.0]);
-        for (found, expected) in found.into_iter().zip([0.35355, 0.7071, 1.0]) {
+        for (found, expected) in found.into_iter().zip([0.35375, 0.7075, 1.0]) {
             assert!((found - expected).abs() < 1e-6, "{found} {expected}");
         }
         let alone = table(&format!("DOMAIN_MIN 0 0 -1\r\nDOMAIN_MAX 8 4 1\r\nLUT_1D_SIZE 3\r\n{curve}")).unwrap();
-        assert_eq!(alone.apply([4.0, 4.0, -1.0]), [0.7071, 1.0, 0.0]);
+        assert_eq!(alone.apply([4.0, 4.0, -1.0]), [0.7075, 1.0, 0.0]);
         let ranged = table(&format!("{}LUT_3D_INPUT_RANGE -1 1\n{entries}", "LUT_3D_SIZE 2\n")).unwrap();
         assert_eq!(ranged.apply([1.0, 0.0, -1.0]), [0.0, 0.5, 1.0]);
     }
