@@ -375,7 +375,6 @@ fn main() {
         Trial::test("epipolar::erosion", epipolar::erosion),
         Trial::test("epipolar::compaction", epipolar::compaction),
         Trial::test("epipolar::commands", epipolar::commands),
-        Trial::test("hard_cases", hard_cases),
         Trial::test("random_streams", random_streams),
         Trial::test("vectors", vectors),
         Trial::test("commands", commands),
@@ -394,7 +393,15 @@ fn main() {
     // Reported as ignored, not as passed, if there is no footage (LIGHTFOLD_DATA in CONTRIBUTING.md).
     let footage = [Trial::test("footage", footage), Trial::test("pictures::footage", pictures::footage)]
         .map(|trial| trial.with_ignored_flag(none || cfg!(not(footage_at_hand))));
-    let trials =
-        trials.chain(of_drawings).chain(others).map(|trial| trial.with_ignored_flag(none)).chain(footage).collect();
+    // The command `selftest`, which is tested, runs them too.
+    let is_long = std::env::var_os("LIGHTFOLD_TESTS").is_none_or(|which| which != "all");
+    let of_cases = [Trial::test("hard_cases", hard_cases).with_ignored_flag(none || is_long)];
+    let trials = trials
+        .chain(of_drawings)
+        .chain(others)
+        .map(|trial| trial.with_ignored_flag(none))
+        .chain(footage)
+        .chain(of_cases)
+        .collect();
     libtest_mimic::run(&arguments, trials).exit();
 }
