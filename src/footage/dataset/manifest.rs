@@ -464,7 +464,7 @@ impl Manifest {
         self.files.get(kind).map(|text| file_pattern(text, probe, self.face_name(face))).transpose()
     }
 
-    /// Returns the file pattern of a stream whose frames are named by times, with [`TIME`]; `None` for other streams.
+    /// Returns the file pattern of a stream whose frames are named by times, which has `{time}` in place of a number; `None` for other streams.
     pub fn timed_pattern(&self, kind: StreamKind, probe: &str, face: Face) -> Option<String> {
         let text = self.files.get(kind).filter(|text| text.contains(TIME))?;
         Some(text.replace("{probe}", probe).replace("{face}", self.face_name(face)))
