@@ -54,7 +54,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
                 .into(),
         );
     }
-    notes.extend(input.views_beyond_probes(&views));
+    notes.extend(input.views_beyond_probes(&views, frames.first));
     let range = args.range()?;
     input.check_frames(args, frames)?;
     args.check_outputs(&input)?;

@@ -6,6 +6,16 @@ use serde::Serialize;
 
 use codec::error::counted;
 
+/// Maximum number of names in one sentence.
+const MAX_LISTED: usize = 12;
+
+/// Joins names for a sentence: the first ones, and the number of the others.
+pub fn listed(names: &[&str]) -> String {
+    let more = names.len().saturating_sub(MAX_LISTED);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    names[..names.len().min(MAX_LISTED)].join(", ") + &more
+}
+
 /// Parts of one kind that are used.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Used {
@@ -15,7 +25,7 @@ pub struct Used {
     pub names: Vec<String>,
 }
 
-/// What is used of an input, and what is left out.
+/// The parts of an input that are used, and those that are left out.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Account {
     pub used: Vec<Used>,

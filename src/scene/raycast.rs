@@ -58,7 +58,7 @@ pub struct SceneAtTime {
 #[derive(Debug, Clone)]
 struct Cluster {
     objects: Range<usize>,
-    /// A box around their boxes, inflated by far more than rounding errors.
+    /// Union of the bounding boxes of the objects, enlarged by a margin that exceeds the rounding errors of the intersection test.
     bounds: AxisBox,
 }
 

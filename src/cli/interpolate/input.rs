@@ -177,14 +177,15 @@ impl Input {
     }
 
     /// Returns a sentence about views outside the box around the probes; none for scenes.
-    pub fn views_beyond_probes(&self, views: &OutputViews) -> Option<String> {
+    pub fn views_beyond_probes(&self, views: &OutputViews, frame: u32) -> Option<String> {
         let points: Vec<DVec3> = match self {
             Input::Scene(_) => return None,
             Input::Images(images) => {
                 images.images.iter().flat_map(|image| image.cameras().map(|(_, camera)| camera.eye())).collect()
             }
             Input::Field(decoder) => {
-                decoder.reader().index().probes.iter().map(|probe| DVec3::from_array(probe.position)).collect()
+                let place = |probe| DVec3::from_array(decoder.probe_at(probe, frame).position);
+                (0..decoder.probes().len()).map(place).collect()
             }
         };
         let eyes = views.offsets_m.iter().map(|offset_m| views.eye(*offset_m));

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use glam::DVec3;
+
 use super::args::Args;
 use super::options::{METHODS, Method};
 use super::pictures::{Job, pixels};
@@ -130,7 +132,12 @@ impl Subject for LightFieldSubject<'_> {
             let method = word_of(METHODS, &self.method());
             global.note(format_args!("--method {method} ignores --samples and --effects"));
         }
-        let field = HeadBox::of(self.playback.player.field.views.iter().map(|view| view.position));
+        let views = || self.playback.player.field.views.iter();
+        // Probes may move: the box is around those of all rendered frames, as in the player.
+        let places = jobs.iter().flat_map(|job| {
+            views().map(|view| DVec3::from_array(self.decoder.probe_at(view.probe, job.request.frame).position))
+        });
+        let field = HeadBox::of(places);
         let eyes = jobs.iter().flat_map(|job| &job.request.cameras).map(Camera::eye);
         // With a reference, the eyes are those of its probes.
         if let Some(warning) =

@@ -1,4 +1,4 @@
-//! What the page shows first: the camera at the start of a film, and a small picture of it, the poster.
+//! Start of a film in the page: its first camera, and a small picture from there, the poster.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

@@ -18,6 +18,7 @@ use super::poses::{picture_names, poses};
 use codec::error::{Error, Result};
 use codec::image::FrameRange;
 use codec::math::Camera;
+use footage::account::listed;
 use footage::text::json_with_comments;
 use render::camera_path::TimedCamera;
 
@@ -56,8 +57,6 @@ struct Frame {
     lens: Keys,
 }
 
-/// Maximum keys in one sentence.
-const MAX_LISTED_KEYS: usize = 12;
 /// Distortion coefficients.
 const DISTORTION: [&str; 8] = ["k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"];
 /// Camera models of perspective pictures.
@@ -82,10 +81,8 @@ pub fn read(content: &Content<'_>) -> Result<FileCameras> {
     let unused: BTreeSet<&str> =
         keys.map(String::as_str).filter(|key| !DISTORTION.contains(key) && *key != "applied_transform").collect();
     if !unused.is_empty() {
-        let names: Vec<&str> = unused.iter().copied().take(MAX_LISTED_KEYS).collect();
-        let more = unused.len() - names.len();
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        found.notes.push(format!("keys that were not used: {}{more}", names.join(", ")));
+        let names: Vec<&str> = unused.into_iter().collect();
+        found.notes.push(format!("keys that were not used: {}", listed(&names)));
     }
     found.sort_by_names();
     Ok(found)

@@ -59,7 +59,7 @@ function defined<T extends object>(values: T): Partial<T> {
   return Object.fromEntries(Object.entries(values).filter(([, value]) => value !== undefined)) as Partial<T>;
 }
 
-/** Whether a link says where the eye is, or looks. */
+/** True if a link states the position or the direction of the eye. */
 export function hasPose({ eye, look }: Link): boolean {
   return eye !== undefined || look !== undefined;
 }

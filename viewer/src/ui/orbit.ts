@@ -15,7 +15,7 @@ const PERIOD_S = 12;
 const GROWTH_S = 4;
 const LONGEST_STEP_S = 0.1;
 
-/** What of a film the orbit depends on. */
+/** Parts of a film that the orbit depends on. */
 type Region = Pick<Film, "headBox" | "nearM">;
 
 /** Radius in metres of a circle in the region that the probes cover: 0 for a single probe, of which other eyes see holes. */
@@ -33,13 +33,13 @@ export function orbitEye(pose: Pose, radius: number, seconds: number): Vec3 {
   return add(add(pose.eye, across), [0, HEIGHT_SHARE * grown * Math.cos(angle), 0]);
 }
 
-/** What the orbit does: it waits for the first picture, was asked for, runs, or has ended for good. */
+/** State of the orbit: waiting for the first picture, requested by the user, running, or ended for good. */
 type State = "waits" | "asked" | "runs" | "ended";
 
-/** What the orbit is told at each picture of the screen. */
+/** Input of {@link Orbit.advance}, once per displayed frame. */
 interface Now {
   film: Region;
-  /** Since the last one. */
+  /** Seconds since the last frame. */
   seconds: number;
   /** The present view is shown in full. */
   isShown: boolean;

@@ -318,7 +318,7 @@ export class Page {
     byId("orbit", HTMLInputElement).checked = this.#orbit.isOn;
   }
 
-  /** Whether the view is the one of the poster. */
+  /** True if the view is that of the poster. */
   #isAtStart({ player: { film }, clock }: Shown): boolean {
     const { eye, yaw, pitch } = this.#start(film);
     const pose = this.#pose ?? ORIGIN;

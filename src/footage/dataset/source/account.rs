@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Source, SourceGroup};
-use crate::account::Account;
+use crate::account::{Account, listed};
 use crate::dataset::manifest::NORMAL_CHANNELS;
 use crate::image_files::{ColorSpace, exr, png};
 use codec::error::Result;
@@ -24,9 +24,6 @@ fn read_channels(names: &[ChannelName], kind: StreamKind, select: &ChannelSelect
         StreamKind::Alpha => Vec::new(),
     }
 }
-
-/// Maximum names in one sentence.
-const MAX_LISTED: usize = 12;
 
 impl Source {
     /// Names and values of all settings that affect pixels. Sources with equal values read equal pixels from equal files.
@@ -84,14 +81,12 @@ impl Source {
             account.add("channel", NORMAL_CHANNELS.map(str::to_owned));
         }
         for (pattern, names) in unused.into_values().collect::<BTreeSet<_>>() {
-            let names: Vec<&String> = names.iter().filter(|name| !self.is_normal(pattern, name)).collect();
-            let Some(first) = names.first() else { continue };
-            let listed =
-                names.iter().take(MAX_LISTED).skip(1).fold((*first).clone(), |all, name| format!("{all}, {name}"));
-            let more = names.len().saturating_sub(MAX_LISTED);
-            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-            let words = if names.len() == 1 { ["channel", "was"] } else { ["channels", "were"] };
-            account.left_out.push(format!("{} {listed}{more} of {pattern} {} left out", words[0], words[1]));
+            let unused = names.iter().filter(|name| !self.is_normal(pattern, name));
+            let names: Vec<&str> = unused.map(String::as_str).collect();
+            let [channel, was] = if names.len() == 1 { ["channel", "was"] } else { ["channels", "were"] };
+            if !names.is_empty() {
+                account.left_out.push(format!("{channel} {} of {pattern} {was} left out", listed(&names)));
+            }
         }
         account.add("file pattern", normal);
         Ok(account)
