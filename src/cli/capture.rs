@@ -36,7 +36,20 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let play = Play::of(args.animation.as_deref());
     let (scene, account) = Scene::open(&args.scene, play)?;
     args.account.notes(&account, global);
-    let plan = args.plan(&scene, cameras, viewers)?;
+    let done = args.plan(&scene, cameras, viewers).and_then(|plan| capture(args, &scene, &plan, start, global));
+    let done = args.account.print_if_failed(done, &account, global)?;
+    args.account.report((&account, args.json), done.report, || done.text, global)?;
+    Ok(ExitStatus::Passed)
+}
+
+/// A complete capture.
+struct Captured {
+    report: CaptureReport,
+    text: String,
+}
+
+fn capture(args: &Args, scene: &Scene, plan: &CapturePlan, start: Instant, global: &GlobalArgs) -> Result<Captured> {
+    let manifest = args.output.join(MANIFEST_NAME);
     plan.manifest()?;
     if manifest.is_file() {
         let old = Manifest::read(&args.output)?;
@@ -50,17 +63,16 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         }
         plan.check_replaces(&old).map_err(|error| error.context(args.output.display()))?;
     }
-    args.notes(&scene, &plan).iter().for_each(|note| global.note(note));
+    args.notes(scene, plan).iter().for_each(|note| global.note(note));
     let loaded = start.elapsed();
     let progress = Progress::start(global, "capturing", plan.image_count())?;
-    let work = Work { plan: &plan, scene: &scene, args, global, progress: &progress };
+    let work = Work { plan, scene, args, global, progress: &progress };
     let part = args.shard.map_or_else(String::new, |Shard { number, count }| format!(".{number}-of-{count}"));
     let summary = work.capture(PartialFolder::open_part(&args.output, UNFINISHED, &part)?)?;
     drop(progress);
-    let report = summary.report(&plan, loaded.as_secs_f64(), start.elapsed().as_secs_f64());
-    let text = || text(&args.output, &plan, &summary, &report);
-    args.account.report((&account, args.json), report, text, global)?;
-    Ok(ExitStatus::Passed)
+    let report = summary.report(plan, loaded.as_secs_f64(), start.elapsed().as_secs_f64());
+    let text = text(&args.output, plan, &summary, &report);
+    Ok(Captured { report, text })
 }
 
 struct Work<'a> {

@@ -10,6 +10,7 @@ mod text;
 
 use serde::Serialize;
 
+use crate::options::WithAccount;
 use crate::progress::Progress;
 use crate::{ExitStatus, GlobalArgs, output, refuse, report};
 use codec::decode::{Decoder, StreamInfo};
@@ -73,6 +74,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         check: if args.verify { Check::ListAll } else { Check::StopAtFirst },
         memory: args.memory.get(),
     };
+    let account = inspect::account(&decoder, &streams);
     let progress = Progress::start(global, "inspecting", inspect::steps(&decoder, &streams))?;
     let inspection = inspect::inspect(&decoder, &streams, settings, &progress)?;
     drop(progress);
@@ -83,12 +85,13 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         _ => None,
     };
     if args.json {
-        output::print_json(&output::with_memory(Document {
+        let document = Document {
             container: inspection.report(&decoder),
             verify: args.verify.then(|| inspection.chunks_report(&decoder)),
             frame_rows: args.per_frame.then(|| inspection.frame_reports(&decoder)),
             plots: plots.as_deref(),
-        }))?;
+        };
+        output::print_json(&output::with_memory(WithAccount { report: document, account: &account }))?;
     } else if args.csv {
         output::print_text(&if args.per_frame {
             report::csv::of_rows(&inspection.frame_reports(&decoder))?
@@ -107,6 +110,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
             (false, false) => output::print_text(&format!("\n{written}"))?,
         }
     }
+    args.account.print_inspected(&account, args.json, global);
     if args.verify { verdict(&report) } else { Ok(ExitStatus::Passed) }
 }
 

@@ -14,6 +14,7 @@ use crate::report::simplification;
 use crate::{ExitStatus, GlobalArgs, output, refuse};
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
+use footage::account::Account;
 use footage::dataset::manifest::manifest_path;
 use footage::files::OutputFile;
 use simplify::capture::Capture;
@@ -31,10 +32,20 @@ use unfinished::UnfinishedScene;
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     args.check()?;
     let begun = Instant::now();
-    let settings = args.settings()?;
-    let mut capture = Capture::open(&args.input, args.frames)?;
-    let mut account = capture.account()?;
+    let capture = Capture::open(&args.input, args.frames)?;
+    let account = capture.account()?;
     args.account.notes(&account, global);
+    args.account.print_if_failed(simplify(args, capture, account.clone(), begun, global), &account, global)
+}
+
+fn simplify(
+    args: &Args,
+    mut capture: Capture,
+    mut account: Account,
+    begun: Instant,
+    global: &GlobalArgs,
+) -> Result<ExitStatus> {
+    let settings = args.settings()?;
     let mut held_out = args.held_out.as_deref().map(|path| Capture::open(path, args.frames)).transpose()?;
     let held_out_images = held_out.as_ref().map_or(0, |capture| capture.images.len());
     let evaluated = Some(&capture).filter(|_| args.is_evaluated());

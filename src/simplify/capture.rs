@@ -126,10 +126,10 @@ impl Capture {
     pub fn account(&self) -> Result<Account> {
         let mut account = match &self.rays {
             Rays::Reference { reference, frame, .. } => reference.account(*frame)?,
-            Rays::Manifest(_) | Rays::Memory(_) => Account::default(),
+            Rays::Manifest(capture) => capture.account(),
+            Rays::Memory(_) => Account::default(),
         };
         account.add("image", self.images.iter().map(|image| image.name.clone()));
-        account.left_out.extend(self.notes.iter().cloned());
         Ok(account)
     }
 

@@ -15,6 +15,7 @@ use half::f16;
 use scene::{DemoKind, FootagePlan};
 use tempfile::TempDir;
 
+use crate::accounts::assert_images_are_named;
 use crate::commands::{fine, refused};
 use crate::input::assert_says;
 
@@ -22,6 +23,7 @@ use crate::input::assert_says;
 fn init(folder: &Path) -> String {
     let output = fine("init in --force", folder);
     assert!(output.stdout.is_empty());
+    assert_images_are_named(folder, "");
     String::from_utf8(output.stderr).unwrap()
 }
 
@@ -106,7 +108,7 @@ fn faces_by_words_and_other_passes() {
     assert_eq!(found.files.color.as_deref(), Some("shot/{face}_beauty_%03d.exr"));
     assert_eq!((found.frames, found.projection), ([10, 11], Projection::Cubemap));
     assert_eq!(found.face_names.unwrap()["ny"], "Bottom");
-    let words = ["shot/slate.png left out", "Top_albedo_%03d.exr was left out", "Right = px", "Back = pz"];
+    let words = ["shot/slate.png was left out", "Top_albedo_%03d.exr was left out", "Right = px", "Back = pz"];
     assert_says(&said, &words);
     assert_eq!(said.matches("Top_albedo_%03d.exr").count(), 1, "files that are left out are noted once: {said}");
     encodes(folder.path());

@@ -15,6 +15,7 @@ use image::{ImageBuffer, Rgb};
 use scene::{DemoKind, FootagePlan};
 use tempfile::TempDir;
 
+use crate::accounts::assert_images_are_named;
 use crate::commands::{fine, refused};
 use crate::input::assert_says;
 
@@ -40,6 +41,7 @@ impl Set {
     /// Runs `init` with options, and returns its standard error and the manifest.
     fn init(&self, options: &str) -> (String, Manifest) {
         let output = fine(&format!("init in --force {options}"), self.0.path());
+        assert_images_are_named(self.0.path(), options);
         (String::from_utf8(output.stderr).unwrap(), Manifest::read(&self.folder()).unwrap())
     }
 
@@ -287,7 +289,7 @@ fn times_are_no_frame_numbers() {
     color(&set.file("a.1.exr"), 0.5);
     depth_png(&set.file("Screenshot_20240501123456.png"));
     let (said, found) = set.init("");
-    assert_says(&said, &["Screenshot_20240501123456.png left out: the name is a time"]);
+    assert_says(&said, &["Screenshot_20240501123456.png was left out: the name is a time"]);
     assert_eq!(found.files.color.as_deref(), Some("a.%d.exr"));
     // Faults of patterns with times.
     for (pattern, says) in [
@@ -532,7 +534,7 @@ fn passes_that_are_no_lengths_are_left_out() {
 fn frame_numbers_below_zero_and_labels() {
     let set = Set::new();
     [-2, -1].iter().for_each(|frame| color(&set.file(&format!("a.{frame:04}.exr")), 0.5));
-    assert_says(&set.refused(), &["a.-001.exr and 1 more left out", "below 0"]);
+    assert_says(&set.refused(), &["a.-001.exr was left out", "a.-002.exr was left out", "below 0"]);
     let set = Set::new();
     (0..3).for_each(|frame| color(&set.file(&format!("s_{frame:03}_2k.exr")), 0.5));
     let (_, found) = set.init("");

@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods)]
 
+mod accounts;
 mod alpha;
 mod bc4w_search;
 mod blocks;

@@ -8,6 +8,7 @@ use scene::mesh::Mesh;
 use scene::{MeshMaterial, Model, Play, SceneAtTime};
 use serde_json::{Value, json};
 
+use crate::accounts::assert_parts_are_named;
 use crate::model_files::{Gltf, MTL, OBJ, TRIANGLE, rich};
 
 pub const HALF: f32 = std::f32::consts::FRAC_1_SQRT_2;
@@ -20,7 +21,10 @@ pub fn open_beside(name: &str, bytes: &[u8], others: &[(&str, &[u8])]) -> codec:
     }
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
-    Model::open(&path, Play::All).map(|(model, account)| (model, account.left_out))
+    Model::open(&path, Play::All).map(|(model, account)| {
+        assert_parts_are_named(bytes, &account);
+        (model, account.left_out)
+    })
 }
 
 pub fn open(file: &Gltf) -> (Model, Vec<String>) {

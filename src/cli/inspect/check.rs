@@ -53,9 +53,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         frame: args.frame,
     };
     let account = source.account()?;
-    let progress = Progress::start(global, "checking", convention::steps(&source, &choice)?)?;
-    let mut report = convention::check(&source, &choice, &progress)?;
-    drop(progress);
+    let check = || {
+        let progress = Progress::start(global, "checking", convention::steps(&source, &choice)?)?;
+        convention::check(&source, &choice, &progress)
+    };
+    let mut report = args.account.print_if_failed(check(), &account, global)?;
     report.findings.iter_mut().for_each(|finding| finding.says = with_option_names(&finding.says));
     let strays =
         report.spreads.iter().filter_map(|(probe, spread)| encode::strays_of(&source, *probe, spread)).collect();
@@ -68,10 +70,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     };
     let document = WithAccount { report: document, account: &account };
     output::print_either(args.json, &document, || text(source.name(), &report, &strays))?;
-    if !args.json {
-        args.account.notes(&account, global);
-        args.account.print(&account, global);
-    }
+    args.account.print_inspected(&account, args.json, global);
     Ok(if report.suspects() { ExitStatus::Failed } else { ExitStatus::Passed })
 }
 

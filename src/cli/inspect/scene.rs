@@ -24,10 +24,7 @@ pub fn run(args: &Args, name: &str, global: &GlobalArgs) -> Result<ExitStatus> {
     let (scene, account) = Scene::open(name, Play::All)?;
     let document = WithAccount { report: Document { scene: name, summary: scene.summary() }, account: &account };
     output::print_either(args.json, &document, || text(name, &document.report.summary))?;
-    if !args.json {
-        args.account.notes(&account, global);
-        args.account.print(&account, global);
-    }
+    args.account.print_inspected(&account, args.json, global);
     Ok(ExitStatus::Passed)
 }
 

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::args::Args;
 use super::scene::box_text;
+use crate::options::WithAccount;
 use crate::report::Table;
 use crate::{ExitStatus, GlobalArgs, output};
 use codec::error::Result;
@@ -22,7 +23,6 @@ struct Document {
     images: Vec<Images>,
     headbox_center_m: Option<[f64; 3]>,
     cameras_box_m: Option<SceneBounds>,
-    notes: Vec<String>,
 }
 
 /// Number of views with equal properties.
@@ -53,11 +53,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let manifest = args.input.display().to_string();
     args.refuse_all_but_json(&format!("{manifest}: a Seurat manifest"))?;
     let capture = SeuratCapture::open(&args.input)?;
-    let document = Document::of(manifest, capture);
-    if !args.json {
-        document.notes.iter().for_each(|note| global.note(note));
-    }
-    output::print_either(args.json, &document, || text(&document)).map(|()| ExitStatus::Passed)
+    let account = capture.account();
+    let document = WithAccount { report: Document::of(manifest, capture), account: &account };
+    output::print_either(args.json, &document, || text(&document.report))?;
+    args.account.print_inspected(&account, args.json, global);
+    Ok(ExitStatus::Passed)
 }
 
 impl Document {
@@ -76,7 +76,6 @@ impl Document {
             images: images.into_iter().map(|(properties, views)| Images { properties, views }).collect(),
             headbox_center_m: capture.headbox_center.map(|center| center.to_array()),
             cameras_box_m: capture.cameras_box().map(corners),
-            notes: capture.notes,
         }
     }
 }

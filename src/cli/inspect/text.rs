@@ -16,7 +16,9 @@ use codec::depth::predictive::PredictiveHeader;
 use codec::depth::predictive::modes::BlockCoding;
 use codec::error::{counted, escaped};
 use codec::image::StreamKind;
-use codec::streams::{CodecHeader, ColorBlocks, ColorCoding, ColorFormat, DepthCoding, MissingFrame, NodeHeader};
+use codec::streams::{
+    CodecHeader, ColorBlocks, ColorCoding, ColorFormat, DepthCoding, MissingFrame, NodeHeader, StartView,
+};
 use footage::depth_bound::DepthBound;
 use footage::image_files::ColorSpace;
 use footage::inspect::{BlockCount, PredictiveCount, StreamStats, Totals, TransformCount, percent, projection_name};
@@ -86,7 +88,7 @@ fn heading(report: &Report<'_>) -> String {
     out
 }
 
-/// Returns lines about unusual primaries, clipped pixels and missing frames.
+/// Returns lines about unusual primaries, clipped pixels, the view of players and missing frames.
 fn footage(report: &Report<'_>) -> String {
     let decoder = report.decoder;
     let footage = decoder.footage();
@@ -99,6 +101,10 @@ fn footage(report: &Report<'_>) -> String {
     }
     if let Some(count) = footage.clipped_pixels {
         let _ = writeln!(out, "{} were clipped to 8 bits by the encoder", counted(count, "colour pixel"));
+    }
+    if let Some(StartView { eye, look_at, fov_y_deg }) = footage.view {
+        let point = |[x, y, z]: [f64; 3]| format!("{x},{y},{z}");
+        let _ = writeln!(out, "players open at {} towards {}, {fov_y_deg} degrees high", point(eye), point(look_at));
     }
     // One line for each stream and replacement of its missing frames.
     let same = |one: &MissingFrame, next: &MissingFrame| {

@@ -4,7 +4,7 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::{GlobalArgs, output};
-use codec::error::Result;
+use codec::error::{Error, Result};
 use footage::account::Account;
 
 /// Maximum number of sentences that are printed without `--verbose`.
@@ -44,6 +44,22 @@ impl AccountArgs {
             self.print(account, global);
         }
         Ok(())
+    }
+
+    /// Prints the sentences about what is left out and the account of an input that was inspected, unless JSON has them.
+    pub fn print_inspected(&self, account: &Account, as_json: bool, global: &GlobalArgs) {
+        if !as_json {
+            self.notes(account, global);
+            self.print(account, global);
+        }
+    }
+
+    /// Prints the account of an input whose use failed; returns the result as it is.
+    pub fn print_if_failed<T>(&self, result: Result<T>, account: &Account, global: &GlobalArgs) -> Result<T> {
+        if result.as_ref().is_err_and(|error| !matches!(error, Error::Interrupted)) {
+            self.print(account, global);
+        }
+        result
     }
 
     /// Prints the account: one line, or all of it with `--verbose`.

@@ -14,7 +14,6 @@
 //! | `/film.lfold`, `/film.glb` or `/film.png` | the film |
 
 mod answer;
-mod base64;
 mod conditions;
 mod connections;
 mod film;

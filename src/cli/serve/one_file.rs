@@ -6,7 +6,8 @@
 use std::io::{Read, Write};
 use std::path::Path;
 
-use super::base64::{self, GROUP_BYTES};
+use data_encoding::BASE64;
+
 use super::film::{Film, State};
 use super::opening::POSTER;
 use super::player::{PAGE, PlayerFile};
@@ -19,7 +20,7 @@ use footage::json;
 /// Maximum bytes of the film: browsers hold it in memory, as text and as bytes.
 const MAX_FILM_BYTES: u64 = 50_000_000;
 /// Bytes encoded between checks of the monitor.
-const PIECE_BYTES: usize = GROUP_BYTES << 20;
+const PIECE_BYTES: usize = 3 << 20;
 /// The page may run what it contains, and nothing else.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval' blob:; worker-src blob:; \
     style-src 'unsafe-inline'; img-src blob: data:; connect-src blob:; base-uri 'none'; form-action 'none'";
@@ -65,7 +66,7 @@ pub fn export_file(film: &Film, path: &Path, monitor: &dyn Monitor) -> Result<Si
             break;
         }
         // Pieces of a file are whole, unless it was cut meanwhile.
-        page.put(&base64::encode(&piece))?;
+        page.put(BASE64.encode(&piece).as_bytes())?;
         monitor.advance(piece.len() as u64);
         left -= piece.len() as u64;
     }
@@ -140,7 +141,7 @@ impl PageFile<'_> {
 
     fn data(&mut self, name: &str, content: &[u8]) -> Result<()> {
         self.start_data(name)?;
-        self.put(&base64::encode(content))?;
+        self.put(BASE64.encode(content).as_bytes())?;
         self.put(b"</script>\n")
     }
 }

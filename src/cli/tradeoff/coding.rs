@@ -9,6 +9,7 @@ use super::measure::Sweeping;
 use super::{input, text};
 use crate::report::tile_psnr;
 use crate::report::tradeoff::coding::{CODING, CodingBench};
+use crate::report::tradeoff::crops::Crop;
 use crate::report::tradeoff::page::Extras;
 use crate::report::tradeoff::plan::{self, Preset};
 use crate::report::tradeoff::point::Setting;
@@ -78,7 +79,11 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
     // Tiles come first, so that the points get all of the remaining time.
     let tiles = plan.tiles.then(|| input::model_tiles(&footage, args.budget_seconds, global)).transpose()?;
     let tiles = tiles.and_then(|tiles| tiles.map_err(|why| sweeping.results.left_out.push(why)).ok());
-    sweeping.measure(&plan.studies, start, |work| CodingBench::new(&footage.input, work))?;
+    let crops = streams.iter().filter_map(|stream| Crop::choose(&footage.source, *stream).transpose());
+    let crops = crops.collect::<Result<Vec<_>>>()?;
+    crops.iter().try_for_each(|crop| crop.save_source(&args.output))?;
+    sweeping
+        .measure(&plan.studies, start, |work| CodingBench::new(&footage.input, work).with_crops(crops, &args.output))?;
     if input::made_of(&footage.input, &footage.source)? != made_of {
         return Err(Error::invalid(format!(
             "{path}: the footage, or lightfold, changed during the measurement: measure again with --overwrite"

@@ -36,6 +36,8 @@ use codec::image::{
 
 /// Frames per second if no file states a rate.
 const USUAL_FPS: f64 = 24.0;
+/// Maximum number of reasons in the message about a folder without usable files.
+const MAX_REASONS: usize = 8;
 
 /// A proposed manifest for the files of a folder.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,7 +75,8 @@ pub fn propose(folder: &Path, numbers: Numbers) -> Result<Proposal> {
     let limits = ReadLimits::default();
     let Sequences { mut found, mut left_out, unsure } = sequences::find(folder, numbers, &limits)?;
     if found.is_empty() {
-        let left_out = if left_out.is_empty() { String::new() } else { format!(": {}", left_out.join("; ")) };
+        let first: Vec<&str> = left_out.iter().take(MAX_REASONS).map(String::as_str).collect();
+        let left_out = if first.is_empty() { String::new() } else { format!(": {}", first.join("; ")) };
         let message = format!("it has no .exr, .png or .jpg files that can be used, such as beauty.0001.exr{left_out}");
         return Err(Error::invalid(message).in_file(folder));
     }

@@ -20,7 +20,9 @@ use codec::depth::nodes::Function;
 use codec::depth::predictive::PredictiveHeader;
 use codec::depth::predictive::modes::BlockCoding;
 use codec::image::{DepthKind, StreamKind, Transfer};
-use codec::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, MissingFrame};
+use codec::streams::{
+    CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, MissingFrame, StartView,
+};
 
 #[derive(Debug, Serialize)]
 pub struct ContainerReport<'a> {
@@ -45,6 +47,8 @@ pub struct ContainerReport<'a> {
     clipped_pixels: Option<u64>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     missing_frames: Vec<MissingReport<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    view: Option<StartView>,
     streams: Vec<StreamReport<'a>>,
 }
 
@@ -271,6 +275,7 @@ impl<'a> Inspection<'a> {
             chromaticities: decoder.primaries().to_array(),
             clipped_pixels: decoder.footage().clipped_pixels,
             missing_frames: missing_frames(decoder),
+            view: decoder.footage().view,
             streams: self.stream_reports(decoder),
         }
     }

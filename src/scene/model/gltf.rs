@@ -99,13 +99,15 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, account: &mut Account) -> Res
         },
     };
     let (animation, left_out) = together(chosen.clone(), &mut buffers)?;
-    if let [first, others @ ..] = left_out.as_slice() {
-        let shown: String = animations[*first].chars().take(80).collect();
-        let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
-        notes.push(format!(
-            "the animation “{shown}”{more} left out: others move the same nodes; choose one by its name"
-        ));
-    }
+    let why = |at: usize| match chosen.contains(&at) {
+        true => "others move the same nodes; choose one by its name",
+        false => "another was chosen",
+    };
+    let silent = (0..animations.len()).filter(|at| !chosen.contains(at) || left_out.contains(at));
+    notes.extend(silent.map(|at| {
+        let shown: String = animations[at].chars().take(80).collect();
+        format!("the animation “{shown}” was left out: {}", why(at))
+    }));
     let played = (0..animations.len()).filter(|at| chosen.contains(at) && !left_out.contains(at));
     let played: Vec<String> = played.map(|at| animations[at].clone()).collect();
     let materials = paints.into_iter().map(shaded).collect();
@@ -127,14 +129,24 @@ fn add_nodes(account: &mut Account, document: &::gltf::Document, nodes: &Nodes) 
     let is_drawn = |node: &::gltf::Node| node.mesh().is_some() || node.light().is_some();
     let with_mesh = || document.nodes().filter(|node| is_shown(node) && node.mesh().is_some());
     account.add("node", with_mesh().map(|node| name(&node)));
-    let materials = with_mesh().filter_map(|node| node.mesh()).flat_map(|mesh| {
-        let material = |primitive: ::gltf::Primitive| {
-            let material = primitive.material();
-            Some(material.name().map_or(format!("material {}", material.index()?), str::to_owned))
-        };
-        mesh.primitives().filter_map(material).collect::<Vec<_>>()
-    });
-    account.add("material", materials);
+    let material = |material: &::gltf::Material| {
+        Some(material.name().map_or(format!("material {}", material.index()?), str::to_owned))
+    };
+    let meshes = || with_mesh().filter_map(|node| node.mesh());
+    let shown: BTreeSet<usize> = meshes().map(|mesh| mesh.index()).collect();
+    let of_meshes =
+        meshes().flat_map(|mesh| mesh.primitives().map(|primitive| primitive.material()).collect::<Vec<_>>());
+    let painted: BTreeSet<Option<usize>> = of_meshes.map(|material| material.index()).collect();
+    let (used, unused): (Vec<_>, Vec<_>) = document.materials().partition(|one| painted.contains(&one.index()));
+    account.add("material", used.iter().filter_map(material));
+    let unused = unused.iter().filter_map(material);
+    account
+        .left_out
+        .extend(unused.map(|name| format!("the material {name} was left out: nothing that is shown has it")));
+    for mesh in document.meshes().filter(|mesh| !shown.contains(&mesh.index())) {
+        let name = mesh.name().map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
+        account.left_out.push(format!("the mesh {name} was left out: no node shows it"));
+    }
     account
         .add("light", document.nodes().filter(|node| is_shown(node) && node.light().is_some()).map(|node| name(&node)));
     let hidden = document.nodes().filter(|node| is_drawn(node) && !is_shown(node));

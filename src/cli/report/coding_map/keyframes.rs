@@ -4,6 +4,7 @@ use super::frames::{Shades, key, sentence, tinted};
 use super::subject::{Subject, What};
 use crate::report::picture::raster::{HALF_SIDE, Scale};
 use crate::report::picture::sheet::{Bar, Entry, Panel, Sheet, Swatch};
+use crate::report::picture::shown::srgb;
 use crate::report::plot::drawing::{Anchor, Stroke, Text};
 use crate::report::plot::palette::{self, Rgb};
 use crate::report::plot::save::to_pixels;
@@ -11,8 +12,7 @@ use crate::report::plot::{Drawing, Ink};
 use codec::decode::Picture;
 use codec::error::{Result, counted};
 use codec::image::plane::Plane;
-use codec::image::transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
-use codec::streams::{CodecHeader, ColorFormat, ColorHeader, convert};
+use codec::streams::CodecHeader;
 use footage::inspect::{CellCoding, CodingMap, Survey};
 
 pub(super) struct CellMark {
@@ -165,18 +165,9 @@ fn ticks(least: u64, most: u64) -> Vec<(f64, String)> {
 /// Returns the darkness of each pixel on a display, 0 (white) to 1 (black).
 fn light(subject: &Subject<'_>, picture: &Picture) -> Plane<Option<f32>> {
     let dark = |pixel: &[u8; 3]| Some(1.0 - palette::lightness(*pixel) as f32 / 255.0);
-    let usual = || EncodeTable::new(&ToneMap::default());
-    match (picture, &subject.stream.header) {
-        (Picture::Color8(codes), CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }))
-            if tone.transfer == Transfer::Linear =>
-        {
-            let light = convert::color_light(codes, &DecodeTable::new(tone));
-            convert::color_codes(&light, &usual()).0.map(dark)
-        }
-        (Picture::Color8(codes) | Picture::Material(codes), _) => codes.map(dark),
-        (Picture::ColorHalf(light), _) => convert::color_codes(light, &usual()).0.map(dark),
-        (Picture::Depth(codes), _) => codes.map(|_| None),
-        (Picture::Alpha(codes), _) => codes.map(|_| None),
+    match srgb(&subject.stream.header, picture) {
+        Some(codes) => codes.map(dark),
+        None => Plane::filled(subject.size()[0], subject.size()[1], None),
     }
 }
 

@@ -3,3 +3,4 @@
 pub mod contact_sheet;
 pub mod raster;
 pub mod sheet;
+pub mod shown;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
+use super::crops::Crop;
 pub use super::kind::CODING;
 use super::point::{Measured, Point, Setting};
 use super::runner::{Bench, Cost, Report, Survey};
@@ -192,12 +193,21 @@ pub struct CodingBench<'a> {
     packed: PathBuf,
     known_bytes: BTreeMap<Vec<OsString>, u64>,
     devices: Vec<String>,
+    /// Places of which each point gets a picture, and the folder of these.
+    crops: (Vec<Crop>, PathBuf),
 }
 
 impl<'a> CodingBench<'a> {
     pub fn new(input: &'a Input, work: &Path) -> CodingBench<'a> {
         let (container, packed) = (work.join("point.lfold"), work.join("packed.lfold"));
-        CodingBench { input, container, packed, known_bytes: BTreeMap::new(), devices: Vec::new() }
+        let crops = (Vec::new(), PathBuf::new());
+        CodingBench { input, container, packed, known_bytes: BTreeMap::new(), devices: Vec::new(), crops }
+    }
+
+    /// Writes crops of the decoded pictures of each point into a folder.
+    #[must_use]
+    pub fn with_crops(self, crops: Vec<Crop>, folder: &Path) -> CodingBench<'a> {
+        CodingBench { crops: (crops, folder.to_path_buf()), ..self }
     }
 
     /// Returns the number of bytes that an encoding command writes. Each command runs once for all points.
@@ -233,6 +243,8 @@ impl Bench for CodingBench<'_> {
         let encode_seconds = runner.now_seconds() - start;
         let container = encoded.count("bytes")?;
         self.known_bytes.insert(words, container);
+        let (crops, folder) = &self.crops;
+        crops.iter().try_for_each(|crop| crop.save(&self.container, point, folder))?;
         let decode_start = runner.now_seconds();
         let decoded = Report::of(runner, &self.input.decode(point, &self.container, 1))?;
         let decode_seconds = runner.now_seconds() - decode_start;

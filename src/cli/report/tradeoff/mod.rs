@@ -17,6 +17,7 @@
 //! CSV, rounds, page, heat maps and JSON need no code, nor do claims that compare the ends of rows.
 
 pub mod coding;
+pub mod crops;
 pub mod figures;
 pub mod findings;
 pub mod folder;

@@ -3,12 +3,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::figures;
 use super::findings::{Finding, Verdict};
 use super::kind::{Format, Measure, fill};
 use super::point::{Measured, words};
 use super::score::Scored;
 use super::study::{Axis, Results, Study};
+use super::{crops, figures};
 use crate::report::Table;
 use crate::report::plot::save::{self, escape};
 use crate::report::plot::{Figure, number};
@@ -39,13 +39,15 @@ pub fn write(results: &Results, extras: &Extras, folder: &Path) -> Result<Vec<Pa
     for figure in &figures {
         files.extend(save::save(&figure.drawing, folder, &figure.name)?);
     }
-    let (path, text) = (folder.join(PAGE), html(results, &figures, &extras.findings)?);
+    let (pictures, crops) = crops::section(results, folder)?;
+    files.extend(crops);
+    let (path, text) = (folder.join(PAGE), html(results, (&figures, &pictures), &extras.findings)?);
     write_whole(&path, text.as_bytes())?;
     files.push(path);
     Ok(files)
 }
 
-fn html(results: &Results, figures: &[Figure], findings: &[Finding]) -> Result<String> {
+fn html(results: &Results, (figures, pictures): (&[Figure], &str), findings: &[Finding]) -> Result<String> {
     let figure = |figure: &Figure| {
         let (name, caption) = (escape(&figure.name), escape(&figure.caption));
         let svg = save::to_svg(&figure.drawing)?;
@@ -64,10 +66,11 @@ fn html(results: &Results, figures: &[Figure], findings: &[Finding]) -> Result<S
         ("points", counted(results.measured.len() as u64, "point")),
         ("grids", counted(results.studies.len() as u64, "grid")),
         ("about", escape(&results.about)),
-        ("contents", contents(&answer, findings, &left_out)),
+        ("contents", contents([&answer, pictures, &left_out], findings)),
         ("answer", answer),
         ("measured", measured(results)),
         ("figures", figures),
+        ("pictures", pictures.to_owned()),
         ("findings", findings_of(findings)),
         ("left_out", section(("left-out", "Left out"), &left_out)),
         ("tables", tables(results)),
@@ -84,11 +87,12 @@ fn section((id, title): (&str, &str), items: &str) -> String {
 }
 
 /// Returns links to the sections of the page.
-fn contents(answer: &str, findings: &[Finding], left_out: &str) -> String {
+fn contents([answer, pictures, left_out]: [&str; 3], findings: &[Finding]) -> String {
     let sections = [
         ("answer", "Answer", !answer.is_empty()),
         ("measured", "Measured", true),
         ("figures", "Figures", true),
+        ("pictures", "Pictures", !pictures.is_empty()),
         ("findings", "Findings", !findings.is_empty()),
         ("left-out", "Left out", !left_out.is_empty()),
         ("points", "All points", true),
@@ -186,7 +190,7 @@ fn answer(results: &Results) -> String {
     )
 }
 
-fn quality(point: &Measured) -> String {
+pub fn quality(point: &Measured) -> String {
     if point.number("psnr_db") == Some(f64::INFINITY) {
         return "lossless".to_owned();
     }
@@ -323,7 +327,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let files = write(&results, &extras(&results), folder.path()).unwrap();
         let page = std::fs::read_to_string(folder.path().join(PAGE)).unwrap();
-        for bad in ["<script", "<b>", "<i>", "NaN", "src=", "href=\"h"] {
+        for bad in ["<script", "<b>", "<i>", "NaN", "src=\"h", "href=\"h"] {
             assert!(!page.contains(bad), "{bad}");
         }
         for said in ["&lt;script&gt;", "&lt;i&gt;depth-window", "A Processor", env!("CARGO_PKG_VERSION")] {
@@ -341,7 +345,7 @@ mod tests {
     #[test]
     fn a_page_without_points_says_so() {
         let results = Results { measured: vec![], studies: vec![], ..sample::paper() };
-        let page = html(&results, &[], &findings::judge(&results, None)).unwrap();
+        let page = html(&results, (&[], ""), &findings::judge(&results, None)).unwrap();
         assert!(page.contains("nothing to draw") && page.contains("Not measured: "), "{page}");
         assert!(page.contains("0 points in 0 grids") && !page.contains("<ol"), "{page}");
     }
@@ -350,7 +354,7 @@ mod tests {
     fn page_of(change: impl FnOnce(&mut Results)) -> String {
         let mut results = sample::paper();
         change(&mut results);
-        html(&results, &[], &extras(&results).findings).unwrap()
+        html(&results, (&[], ""), &extras(&results).findings).unwrap()
     }
 
     #[test]

@@ -2,8 +2,8 @@
 //! reverse order, so that drift of the machine's speed affects all points alike.
 //!
 //! The default settings are the first point. With a budget, the surveys begin with the defaults and the ends of all
-//! axes, and add values between them, coarse to fine, as long as all rounds are expected to fit. A value is added for
-//! its whole grid, or not at all.
+//! axes, and add values between them, coarse to fine, as long as two runs of each point are expected to fit: a single time
+//! under load says little. A value is added for its whole grid, or not at all.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -16,6 +16,9 @@ use super::study::{Axis, Study, all_points};
 use crate::child::Runner;
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
+
+/// Minimum number of runs of each point, if requested, before a budget is spent on more values.
+const MIN_REPEATS: u32 = 2;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
@@ -54,7 +57,15 @@ pub fn runs(studies: &[Study], extent: Extent, store: &Store) -> u64 {
 /// Measures the points of studies and saves each finished run to the store. A point that fails is left out. Fails with
 /// the first error if every point fails.
 pub fn measure<'a>(studies: &[Study], extent: Extent, lab: Lab<'a>, monitor: &'a dyn Monitor) -> Result<Schedule> {
-    let mut work = Measurement { lab, monitor, extent, known: BTreeMap::new(), failed: Vec::new(), is_prepared: false };
+    let mut work = Measurement {
+        lab,
+        monitor,
+        extent,
+        min_repeats: 1,
+        known: BTreeMap::new(),
+        failed: Vec::new(),
+        is_prepared: false,
+    };
     let (studies, left_out) = match extent.budget_seconds {
         None => {
             all_points(studies).iter().try_for_each(|point| work.survey(point, studies))?;
@@ -101,6 +112,8 @@ struct Measurement<'a> {
     lab: Lab<'a>,
     monitor: &'a dyn Monitor,
     extent: Extent,
+    /// Number of runs of each point without which no further points are added.
+    min_repeats: u32,
     known: BTreeMap<Point, Cost>,
     failed: Vec<(Point, Error)>,
     /// True if this process has measured anything.
@@ -240,7 +253,7 @@ impl Measurement<'_> {
         let fits = |repeats: &u32| !self.is_too_long(self.ahead(accepted, *repeats) + self.ahead(new, *repeats));
         let is_there = |point: &Point| self.has_failed(point) || self.lab.store.runs(point) > 0;
         let there = new.iter().all(is_there).then_some(1);
-        (1..=self.extent.repeats).rev().find(fits).or(there)
+        (self.min_repeats..=self.extent.repeats).rev().find(fits).or(there)
     }
 
     /// Surveys points if they and all accepted points fit into the budget, if necessary with fewer runs of each.
@@ -310,6 +323,7 @@ impl Measurement<'_> {
                 ));
             }
         }
+        self.min_repeats = asked.min(MIN_REPEATS);
         while grids.iter().any(|grid| !grid.next.is_empty()) {
             for grid in &mut grids {
                 let Some((axis, value)) = grid.next.pop_front() else { continue };

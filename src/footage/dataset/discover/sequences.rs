@@ -50,6 +50,12 @@ const OTHER_WORDS: [&str; 22] = [
     "alpha",
 ];
 
+/// Endings of the names of pictures, films and depth files that are not read.
+const OTHER_FORMATS: [&str; 22] = [
+    "avi", "avif", "bmp", "dds", "dpx", "gif", "hdr", "heic", "jp2", "jxl", "mkv", "mov", "mp4", "npy", "npz", "pfm",
+    "sxr", "tga", "tif", "tiff", "webm", "webp",
+];
+
 /// Files whose names differ only in the frame number.
 #[derive(Debug, Clone)]
 pub struct Found {
@@ -135,14 +141,17 @@ pub struct Sequences {
 /// of views.
 pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits) -> Result<Sequences> {
     let (mut left_out, mut unsure) = (Vec::new(), Vec::new());
-    let Sorted { groups, mut unnumbered, times, negative } = Sorted::of(images_below(folder)?, numbers);
+    let (images, others) = images_below(folder)?;
+    let because = |reason: &'static str| move |file: &String| format!("{file} was left out: {reason}");
+    left_out.extend(others.iter().map(because("only EXR, PNG and JPEG images are read")));
+    let Sorted { groups, mut unnumbered, times, negative } = Sorted::of(images, numbers);
     let mut found = Vec::new();
     if groups.is_empty() {
         for [place, before, after] in times.into_keys() {
             let name = format!("{before}{TIME}{after}");
             let text = if place.is_empty() { name } else { format!("{place}/{name}") };
             if !is_pattern(&text.replace(TIME, "")) {
-                left_out.push(format!("{text} was left out: {NO_PATTERN}"));
+                left_out.push(because(NO_PATTERN)(&text));
                 continue;
             }
             let files = TimedFiles::list(&folder.join(&text), &mut FolderNames::default())?;
@@ -150,31 +159,23 @@ pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits) -> Result<Sequ
             let frames = (0..files.times().len() as u32).collect();
             found.push(Found { timed: Some(files), ..look(text, first, frames, limits)? });
         }
-    } else if let Some(first) = times.values().flatten().next() {
-        let count = times.values().map(Vec::len).sum::<usize>();
-        let more = if count > 1 { format!(" and {} more", count - 1) } else { String::new() };
-        left_out.push(format!("{first}{more} left out: the name is a time, not a frame number"));
+    } else {
+        left_out.extend(times.values().flatten().map(because("the name is a time, not a frame number")));
     }
-    if let [first, others @ ..] = negative.as_slice() {
-        let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
-        left_out.push(format!("{first}{more} left out: frame numbers below 0 are not supported, number them from 0"));
-    }
+    left_out.extend(negative.iter().map(because("frame numbers below 0 are not supported, number them from 0")));
     if groups.is_empty() && negative.is_empty() && found.is_empty() {
         for file in std::mem::take(&mut unnumbered) {
             let text = file.replace('%', "%%");
             match is_pattern(&text) && Pattern::parse(&text).is_ok_and(|pattern| !pattern.has_field()) {
                 true => found.push(look(text, folder.join(&file), BTreeSet::from([0]), limits)?),
-                false => left_out.push(format!("{file} was left out: {NO_PATTERN}")),
+                false => left_out.push(because(NO_PATTERN)(&file)),
             }
         }
         if !found.is_empty() && numbers == Numbers::Frames {
             unsure.push("no file name has a frame number: each file was taken for a still of one frame".into());
         }
     }
-    if let [first, others @ ..] = unnumbered.as_slice() {
-        let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
-        left_out.push(format!("{first}{more} left out: the name has no frame number"));
-    }
+    left_out.extend(unnumbered.iter().map(because("the name has no frame number")));
     for ([place, before, after], numbers) in groups {
         let digits = numbers.values().map(String::len).min().unwrap_or(1);
         let [before, after] = [before, after].map(|text| text.replace('%', "%%"));
@@ -183,12 +184,12 @@ pub fn find(folder: &Path, numbers: Numbers, limits: &ReadLimits) -> Result<Sequ
         let text = if place.is_empty() { name.clone() } else { format!("{place}/{name}") };
         let frames: BTreeSet<u32> = numbers.keys().copied().collect();
         let (Some(frame), Ok(pattern)) = (frames.first().copied(), Pattern::parse(&name)) else {
-            left_out.push(format!("{text} was left out: {NO_PATTERN}"));
+            left_out.push(because(NO_PATTERN)(&text));
             continue;
         };
         let first = pattern.below(&folder.join(&place)).path(frame);
         if !first.is_file() || !is_pattern(&text) {
-            left_out.push(format!("{text} was left out: {NO_PATTERN}"));
+            left_out.push(because(NO_PATTERN)(&text));
             continue;
         }
         found.push(look(text, first, frames, limits)?);
@@ -221,9 +222,10 @@ fn is_pattern(text: &str) -> bool {
     !["{probe}", "{face}"].iter().any(|mark| text.contains(mark))
 }
 
-/// Returns the image files below a folder, sorted, as paths relative to it with `/` between folders.
-fn images_below(folder: &Path) -> Result<Vec<String>> {
-    let mut files = Vec::new();
+/// Returns the image files below a folder that can be read, and pictures and films in other formats: sorted, as paths relative to the
+/// folder with `/` between folders.
+fn images_below(folder: &Path) -> Result<(Vec<String>, Vec<String>)> {
+    let (mut files, mut others) = (Vec::new(), Vec::new());
     let mut folders = vec![(String::new(), 0)];
     while let Some((place, depth)) = folders.pop() {
         let whole = folder.join(&place);
@@ -235,12 +237,16 @@ fn images_below(folder: &Path) -> Result<Vec<String>> {
             };
             let relative = if place.is_empty() { name.to_owned() } else { format!("{place}/{name}") };
             let lower = name.to_ascii_lowercase();
+            let ends_in =
+                |endings: &[&str]| lower.rsplit_once('.').is_some_and(|(_, ending)| endings.contains(&ending));
             if path.is_dir() {
                 if depth < MAX_FOLDERS {
                     folders.push((relative, depth + 1));
                 }
-            } else if [".exr", ".png", ".jpg", ".jpeg"].iter().any(|ending| lower.ends_with(ending)) {
+            } else if ends_in(&["exr", "png", "jpg", "jpeg"]) {
                 files.push(relative);
+            } else if ends_in(&OTHER_FORMATS) {
+                others.push(relative);
             }
         }
         if files.len() > MAX_FILES {
@@ -251,7 +257,8 @@ fn images_below(folder: &Path) -> Result<Vec<String>> {
         }
     }
     files.sort();
-    Ok(files)
+    others.sort();
+    Ok((files, others))
 }
 
 /// Splits a path into words, in lower case.

@@ -10,6 +10,7 @@ use serde_json::Value;
 use super::camera::{CameraMatrices, DepthType, SeuratCamera};
 use super::json::{Node, Notes};
 use super::view::{Channel, ImageFile, SeuratView};
+use crate::account::Account;
 use crate::dataset::manifest::{MANIFEST_NAME, MAX_SIDE, read_text};
 use crate::text;
 use codec::error::{Error, Result};
@@ -73,6 +74,25 @@ impl SeuratCapture {
             group_count += 1;
         }
         Ok(SeuratCapture { headbox_center, group_count, views, notes: notes.lines() })
+    }
+
+    /// Returns the account: views, image files and their channels; keys that are ignored are left out. Image files are not opened, so
+    /// other channels of theirs are not named.
+    pub fn account(&self) -> Account {
+        let mut account = Account { left_out: self.notes.clone(), ..Account::default() };
+        account.add("view", self.views.iter().map(SeuratView::json_path));
+        for view in &self.views {
+            let names = |channels: &[Channel]| -> Vec<String> {
+                channels.iter().filter_map(Channel::name).map(str::to_owned).collect()
+            };
+            for (path, channels) in
+                [(&view.color.path, names(&view.color.channels)), (&view.depth.path, names(&view.depth.channels))]
+            {
+                account.add("file", (!channels.is_empty()).then(|| path.display().to_string()));
+                account.add("channel", channels);
+            }
+        }
+        account
     }
 
     /// Returns the bounding box of the camera positions in metres, minimum and maximum; `None` without views.

@@ -45,7 +45,7 @@ pub enum Channel {
 }
 
 impl Channel {
-    fn name(&self) -> Option<&str> {
+    pub fn name(&self) -> Option<&str> {
         match self {
             Channel::Constant(_) => None,
             Channel::Named(name) => Some(name),
