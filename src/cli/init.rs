@@ -99,7 +99,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     unsure.extend(doubts);
     output::write_file(to, &manifest.to_json()?)?;
     let source = Source::of_manifest(manifest.clone(), file, &SourceOptions::default());
-    let mut account = source.and_then(|source| source.account()).unwrap_or_default();
+    // Without a file that can be opened, channels are unknown.
+    let mut account = source.and_then(|source| source.account()).unwrap_or_else(|_| manifest.account());
     args.account.notes(&account, global);
     account.left_out.splice(0..0, left_out);
     let report = Report { manifest: to.to_string_lossy(), unsure: &unsure };

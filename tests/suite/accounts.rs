@@ -116,7 +116,8 @@ fn parts_of_gltf(bytes: &[u8]) -> Vec<String> {
 /// Returns the names of the materials that faces of an OBJ file use.
 fn parts_of_obj(bytes: &[u8]) -> Vec<String> {
     let text = String::from_utf8_lossy(bytes);
-    text.lines().filter_map(|line| line.strip_prefix("usemtl ")).map(|name| name.trim().to_owned()).collect()
+    let names = text.lines().filter_map(|line| line.strip_prefix("usemtl ")).map(str::trim);
+    names.filter(|name| !name.is_empty()).map(str::to_owned).collect()
 }
 
 #[test]

@@ -260,8 +260,12 @@ fn what_stays_is_shared_by_all_times_and_what_moves_is_not() {
     std::fs::write(&path, file.glb()).unwrap();
     let (model, account) = Model::open(&path, Play::Named("stay")).unwrap();
     assert_eq!(
-        (model.duration_s(), account.left_out.len(), &model.animations[..]),
-        (0.0, 0, &["go".to_string(), "stay".to_string()][..])
+        (model.duration_s(), &account.left_out[..], &model.animations[..]),
+        (
+            0.0,
+            &["the animation “go” was left out: another was chosen".to_string()][..],
+            &["go".to_string(), "stay".to_string()][..]
+        )
     );
     let corners = [[0.0, 0.0, 5.0], [1.0, 0.0, 5.0], [0.0, 1.0, 5.0]];
     assert_corners(only(&model.at(0.0)), &[corners, CORNERS].concat());

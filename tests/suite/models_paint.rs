@@ -165,7 +165,8 @@ fn a_texture_that_is_missing_broken_or_too_large_is_a_note() {
         let mesh = file.mesh(json!({ "attributes": { "POSITION": positions }, "material": 1 }));
         file.root_node(json!({ "mesh": mesh }));
         let (model, notes) = open(&file);
-        assert!(notes.len() == 1 && notes[0].contains(expected) && notes[0].starts_with("image 0"), "{uri}: {notes:?}");
+        assert!(notes.len() == 2 && notes[0].contains(expected) && notes[0].starts_with("image 0"), "{uri}: {notes:?}");
+        assert!(notes[1].starts_with("the material material 0 was left out"), "{notes:?}");
         let mesh = first(&model);
         assert!(
             mesh.materials[2].plain.base_texture.is_none() && mesh.materials[2].plain.base_color == DVec3::splat(0.5)
@@ -275,7 +276,8 @@ fn what_is_not_shown_is_said_once() {
         file.push("materials", material);
     }
     let (_, notes) = open(&file);
-    assert_eq!(notes.len(), 2, "{notes:?}");
+    assert_eq!(notes.len(), 2 + 3, "{notes:?}");
+    assert!(notes[2..].iter().all(|note| note.contains("nothing that is shown has it")), "{notes:?}");
     assert!(
         notes[0].contains("normal maps of 3 materials") && notes[1].starts_with("2 materials are single-sided"),
         "{notes:?}"

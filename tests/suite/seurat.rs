@@ -56,7 +56,10 @@ fn inspect_says_what_a_manifest_holds() {
         1    8x4  orthographic  WINDOW_Z
         2  16x16  perspective   EYE_Z
     ");
-    assert_eq!(String::from_utf8(output.stderr).unwrap(), "view_groups[].views[].exposure is not read\n");
+    assert_eq!(
+        String::from_utf8(output.stderr).unwrap(),
+        "view_groups[].views[].exposure is not read\nused: 3 views, 2 files, 4 channels; left out: 1\n"
+    );
     let report: Value = serde_json::from_slice(&fine("inspect manifest.json --json", folder.path()).stdout).unwrap();
     let expected = json!({
         "manifest": "manifest.json",
@@ -69,7 +72,14 @@ fn inspect_says_what_a_manifest_holds() {
         ],
         "headbox_center_m": [1.0, 2.0, 3.5],
         "cameras_box_m": { "min": [-0.5, 0.0, 0.0], "max": [2.25, 0.0, 0.0] },
-        "notes": ["view_groups[].views[].exposure is not read"],
+        "account": {
+            "used": [
+                { "kind": "view", "names": ["view_groups[0].views[0]", "view_groups[0].views[1]", "view_groups[1].views[0]"] },
+                { "kind": "file", "names": ["c.exr", "d.exr"] },
+                { "kind": "channel", "names": ["R", "G", "B", "A"] },
+            ],
+            "left_out": ["view_groups[].views[].exposure is not read"],
+        },
     });
     assert_eq!(report, expected);
     write(folder.path(), &json!({ "view_groups": [] }));
@@ -125,7 +135,7 @@ fn the_released_manifest_is_inspected_and_the_invalid_one_refused() {
     assert_eq!(report["images"], images);
     assert_eq!(report["headbox_center_m"], json!([1.0, 2.0, 3.0]));
     assert_eq!(report["cameras_box_m"], json!({ "min": [0.0, 0.0, 0.0], "max": [0.0, 0.0, 0.0] }));
-    assert!(report["notes"].to_string().contains("usually is an alpha"), "{report}");
+    assert!(report["account"]["left_out"].to_string().contains("usually is an alpha"), "{report}");
     let capture = SeuratCapture::open(&data().join("manifest_v3.json")).unwrap();
     // The depth channel is an alpha channel: 1 m, or 0, which is infinitely far.
     let rays = capture.views[0].read(&ReadLimits::default()).unwrap();

@@ -81,9 +81,10 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
     let tiles = tiles.and_then(|tiles| tiles.map_err(|why| sweeping.results.left_out.push(why)).ok());
     let crops = streams.iter().filter_map(|stream| Crop::choose(&footage.source, *stream).transpose());
     let crops = crops.collect::<Result<Vec<_>>>()?;
+    sweeping.measure(&plan.studies, start, |work| {
+        CodingBench::new(&footage.input, work).with_crops(&crops, &args.output)
+    })?;
     crops.iter().try_for_each(|crop| crop.save_source(&args.output))?;
-    sweeping
-        .measure(&plan.studies, start, |work| CodingBench::new(&footage.input, work).with_crops(crops, &args.output))?;
     if input::made_of(&footage.input, &footage.source)? != made_of {
         return Err(Error::invalid(format!(
             "{path}: the footage, or lightfold, changed during the measurement: measure again with --overwrite"

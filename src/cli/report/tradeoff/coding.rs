@@ -194,20 +194,20 @@ pub struct CodingBench<'a> {
     known_bytes: BTreeMap<Vec<OsString>, u64>,
     devices: Vec<String>,
     /// Places of which each point gets a picture, and the folder of these.
-    crops: (Vec<Crop>, PathBuf),
+    crops: (&'a [Crop], &'a Path),
 }
 
 impl<'a> CodingBench<'a> {
     pub fn new(input: &'a Input, work: &Path) -> CodingBench<'a> {
         let (container, packed) = (work.join("point.lfold"), work.join("packed.lfold"));
-        let crops = (Vec::new(), PathBuf::new());
+        let crops: (&[Crop], &Path) = (&[], Path::new(""));
         CodingBench { input, container, packed, known_bytes: BTreeMap::new(), devices: Vec::new(), crops }
     }
 
     /// Writes crops of the decoded pictures of each point into a folder.
     #[must_use]
-    pub fn with_crops(self, crops: Vec<Crop>, folder: &Path) -> CodingBench<'a> {
-        CodingBench { crops: (crops, folder.to_path_buf()), ..self }
+    pub fn with_crops(self, crops: &'a [Crop], folder: &'a Path) -> CodingBench<'a> {
+        CodingBench { crops: (crops, folder), ..self }
     }
 
     /// Returns the number of bytes that an encoding command writes. Each command runs once for all points.
@@ -243,7 +243,7 @@ impl Bench for CodingBench<'_> {
         let encode_seconds = runner.now_seconds() - start;
         let container = encoded.count("bytes")?;
         self.known_bytes.insert(words, container);
-        let (crops, folder) = &self.crops;
+        let (crops, folder) = self.crops;
         crops.iter().try_for_each(|crop| crop.save(&self.container, point, folder))?;
         let decode_start = runner.now_seconds();
         let decoded = Report::of(runner, &self.input.decode(point, &self.container, 1))?;

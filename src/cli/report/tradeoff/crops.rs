@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use data_encoding::BASE64;
 
-use super::page;
 use super::point::{Measured, Point};
 use super::study::Results;
 use crate::report::picture::shown::srgb;
@@ -203,12 +202,23 @@ pub fn section(results: &Results, folder: &Path) -> Result<(String, Vec<PathBuf>
             .filter(|(_, path)| path.is_file())
             .collect();
         let _ = write!(out, "<h3>{}</h3>\n<div class=\"crops\">\n", escape(kind.name()));
-        out += &item(&source, "source")?;
+        let read = |path: &Path| std::fs::read(path).map_err(|error| Error::io(path, error));
+        let bytes_of_source = read(&source)?;
+        out += &item(&bytes_of_source, "source");
+        let mut equal = Vec::new();
         for (of, path) in &points {
-            let bytes = number::bytes(of.count("bytes_container") as f64);
-            out += &item(path, &format!("{}: {bytes}, {}", of.point.words(), page::quality(of)))?;
+            let bytes = read(path)?;
+            if bytes == bytes_of_source {
+                equal.push(of.point.words());
+                continue;
+            }
+            let container = number::bytes(of.count("bytes_container") as f64);
+            out += &item(&bytes, &format!("{}: {container}, {}", of.point.words(), of.quality_words()));
         }
         out += "</div>\n";
+        if !equal.is_empty() {
+            let _ = writeln!(out, "<p class=\"small\">Equal to the source: {}.</p>", escape(&equal.join("; ")));
+        }
         files.push(source);
         files.extend(points.into_iter().map(|(_, path)| path));
     }
@@ -218,13 +228,9 @@ pub fn section(results: &Results, folder: &Path) -> Result<(String, Vec<PathBuf>
     }
 }
 
-fn item(path: &Path, words: &str) -> Result<String> {
-    let bytes = std::fs::read(path).map_err(|error| Error::io(path, error))?;
+fn item(png: &[u8], words: &str) -> String {
     let words = escape(words);
-    Ok(format!(
-        "<div><img alt=\"{words}\" src=\"data:image/png;base64,{}\"><p>{words}</p></div>\n",
-        BASE64.encode(&bytes)
-    ))
+    format!("<div><img alt=\"{words}\" src=\"data:image/png;base64,{}\"><p>{words}</p></div>\n", BASE64.encode(png))
 }
 
 #[cfg(test)]
@@ -233,7 +239,7 @@ mod tests {
 
     #[test]
     fn the_busiest_window_is_found_at_steps() {
-        let noise = |x: u32, y: u32| if x >= 64 && y >= 32 && (x + y) % 2 == 0 { 1.0 } else { 0.0 };
+        let noise = |x: u32, y: u32| if x >= 64 && y >= 32 && (x + y).is_multiple_of(2) { 1.0 } else { 0.0 };
         let detail = Plane::from_fn(100, 80, noise);
         assert_eq!(busiest(&detail, [32, 32]), [64, 32]);
         assert_eq!(busiest(&Plane::filled(8, 8, 1.0), [8, 8]), [0, 0]);

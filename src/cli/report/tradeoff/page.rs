@@ -113,7 +113,7 @@ fn measured(results: &Results) -> String {
     let default = |point: &Measured| {
         let bytes = Some(point.count("bytes_container")).filter(|bytes| *bytes > 0);
         let bytes = bytes.map(|bytes| number::bytes(bytes as f64)).into_iter();
-        let figures = bytes.chain([quality(point)].into_iter().filter(|words| !words.is_empty()));
+        let figures = bytes.chain([point.quality_words()].into_iter().filter(|words| !words.is_empty()));
         let figures = escape(&figures.collect::<Vec<_>>().join(", "));
         format!("<li>Default settings, <code>{}</code>: {figures}</li>\n", escape(&point.point.words()))
     };
@@ -172,7 +172,7 @@ fn answer(results: &Results) -> String {
             escape(&point.point.words()),
             number::bytes(point.count("bytes_container") as f64),
             number::short(point.number("decode_ms_per_frame").unwrap_or(f64::NAN)),
-            quality(point),
+            point.quality_words(),
         ))
     };
     let items: String = results.studies.iter().filter_map(item).collect();
@@ -188,18 +188,6 @@ fn answer(results: &Results) -> String {
         number::short(results.weights.compression),
         number::short(results.weights.decoding)
     )
-}
-
-pub fn quality(point: &Measured) -> String {
-    if point.number("psnr_db") == Some(f64::INFINITY) {
-        return "lossless".to_owned();
-    }
-    let parts = [
-        point.number("psnr_db").map(|db| format!("PSNR {db:.2} dB")),
-        point.number("min_psnr_db").map(|db| format!("worst cell {db:.2} dB")),
-        point.number("max_error_codes").map(|error| format!("largest error {error} codes")),
-    ];
-    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 fn tables(results: &Results) -> String {

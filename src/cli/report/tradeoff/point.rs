@@ -164,6 +164,19 @@ impl Measured {
         }
     }
 
+    /// Returns the measured quality, such as `PSNR 40.00 dB, largest error 3 codes`; empty if none is known.
+    pub fn quality_words(&self) -> String {
+        if self.number("psnr_db") == Some(f64::INFINITY) {
+            return "lossless".to_owned();
+        }
+        let parts = [
+            self.number("psnr_db").map(|db| format!("PSNR {db:.2} dB")),
+            self.number("min_psnr_db").map(|db| format!("worst cell {db:.2} dB")),
+            self.number("max_error_codes").map(|error| format!("largest error {error} codes")),
+        ];
+        parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+    }
+
     pub fn timed_runs(&self) -> usize {
         let measures = self.kind.measures.iter().filter(|measure| measure.source == Source::Runs);
         measures.map(|measure| self.runs(measure.name).len()).min().unwrap_or(0)

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Source, SourceGroup};
 use crate::account::{Account, listed};
-use crate::dataset::manifest::NORMAL_CHANNELS;
+use crate::dataset::manifest::{Manifest, NORMAL_CHANNELS};
 use crate::image_files::{ColorSpace, exr, png};
 use codec::error::Result;
 use codec::image::channels::{ChannelName, find_alpha, find_color, find_depth, find_named};
@@ -22,6 +22,17 @@ fn read_channels(names: &[ChannelName], kind: StreamKind, select: &ChannelSelect
             .unwrap_or_default(),
         StreamKind::Material => material.iter().filter_map(|name| find_named(names, name).ok()).collect(),
         StreamKind::Alpha => Vec::new(),
+    }
+}
+
+impl Manifest {
+    /// Returns the account of what the manifest names: file patterns and probes.
+    pub fn account(&self) -> Account {
+        let mut account = Account::default();
+        let patterns = StreamKind::ALL.into_iter().filter_map(|kind| self.files.get(kind));
+        account.add("file pattern", patterns.chain(self.files.normal.as_deref()).map(str::to_owned));
+        account.add("probe", self.probes.iter().map(|probe| probe.name.clone()));
+        account
     }
 }
 

@@ -222,11 +222,12 @@ fn a_budget_adds_whole_values_coarse_to_fine_and_says_what_it_left_out() {
         ]
     );
     assert!(took <= 40.0, "{took}");
-    // Two runs of the ends come before more values; four points take 32 s.
-    let (grid, left_out, took) = within(40.0, 3);
+    // Two runs of the ends come before more values; four points take 32 s, or 40 s with three runs.
+    let (grid, left_out, took) = within(39.0, 3);
     assert_eq!(grid, ["10,50", "8,32"]);
-    assert!(left_out[2].contains("medians of 2 runs of each point instead of 3"), "{left_out:?}");
-    assert!(took <= 40.0, "{took}");
+    let runs = left_out.last().unwrap();
+    assert!(runs.contains("medians of 2 runs of each point instead of 3"), "{left_out:?}");
+    assert!(took <= 39.0, "{took}");
     // Even the smallest budget allows one run of one point.
     let (grid, left_out, took) = within(1.0, 3);
     assert_eq!((grid, took), (vec!["10".to_owned(), "8".to_owned()], 6.0));
