@@ -73,6 +73,7 @@ pub enum Command {
     #[command(after_help = train::DEPTH_HELP)]
     TrainDepth(train::Args),
     /// Inspect or verify a container, inspect a scene, or check a dataset
+    #[command(alias = "info")]
     Inspect(inspect::Args),
     /// Decode a container into image files, or measure decoding time
     Decode(decode::Args),

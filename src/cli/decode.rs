@@ -10,6 +10,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
+use crate::film::is_film;
 use crate::output::{self, human_bytes};
 use crate::progress::Progress;
 use crate::report::statistics::{Spread, median, spread};
@@ -245,6 +246,12 @@ impl Export<'_> {
     /// Writes into a folder, which is created once there are files to put into it. `destination` names the files below
     /// a folder.
     pub fn write_into(&self, path: &Path, destination: impl Fn(&Path) -> Destination) -> Result<Decoded> {
+        if is_film(path) {
+            return refuse(format!(
+                "{}: decode writes a folder of images, or a picture stream to - for ffmpeg; lightfold render writes films",
+                path.display()
+            ));
+        }
         let folder = OutputFolder::create(path)?;
         let work = destination(folder.work_path());
         let decoded =

@@ -106,6 +106,10 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let report = Report { manifest: to.to_string_lossy(), unsure: &unsure };
     if !args.json {
         unsure.iter().for_each(|line| output::note(format_args!("unsure: {line}")));
+        if !unsure.is_empty() && !is_standard_output {
+            let file = to.display();
+            output::note(format_args!("next: correct {file}, then check it by lightfold inspect {file} --check"));
+        }
     }
     args.account.report((&account, args.json), report, || text(to, &manifest), global)?;
     Ok(ExitStatus::Passed)

@@ -316,7 +316,8 @@ impl EncodeSettings {
         let message = if self.color_codec == ColorCodec::Transform {
             "`color_block` needs `color_codec` cells: use cells, or leave out `color_block`".into()
         } else if (blocks == ColorBlocks::Bc6h) != matches!(self.color, ColorFormat::Half { .. }) {
-            "BC1 and BC7 store 8 bits, BC6H stores half floats: use bc6h with `hdr`, bc1 or bc7 without".into()
+            "BC1 and BC7 store 8 bits, BC6H stores half floats: use bc6h with `hdr`, bc1 or bc7 without or with `clip`"
+                .into()
         } else if !self.cell.is_multiple_of(SIDE as u32) {
             format!("cells of {} pixels: blocks of 4x4 pixels need a multiple of 4", self.cell)
         } else if final_psnr_db > searched_db {
