@@ -10,7 +10,9 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::fit::{FitBounds, TilePlane, WeightedPoint, fit_plane};
+use super::energy::{EnergyKind, WeightedPoint};
+use super::fit::{FitBounds, TilePlane, fit_plane};
+use super::fit_displacement::fit_displacement;
 use super::points::MergedPoint;
 use super::shading::ShortCuts;
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell, direction};
@@ -36,12 +38,34 @@ pub struct CandidateSettings {
     pub last_subset: usize,
     /// Maximum number of evaluations per parameter in Levenberg–Marquardt.
     pub evaluations: usize,
-    /// Mean squared relative error below which no further tile is added.
+    /// Mean energy of a point below which no further tile is added.
     pub enough: f64,
+    pub energy: EnergyKind,
 }
 
+/// Energy of each further tile of a cell, relative to the weight of the cell's points: tiles that overlap end at silhouettes, which
+/// are less accurate than planes. In squared pixels.
+const OVERLAP_PX2: f64 = 0.01;
+
 impl CandidateSettings {
-    pub fn of(effort: Effort) -> CandidateSettings {
+    pub fn of(effort: Effort, energy: EnergyKind) -> CandidateSettings {
+        match energy {
+            EnergyKind::Paper => CandidateSettings::of_paper(effort),
+            // A linear solution takes many points in the time of one step of Levenberg–Marquardt.
+            EnergyKind::Picture => {
+                let of_paper = CandidateSettings::of_paper(effort);
+                let enough = match effort {
+                    Effort::Fast => 1e-3,
+                    Effort::Normal => 1e-4,
+                    Effort::Exhaustive => 0.0,
+                };
+                let [subset, last_subset] = [of_paper.subset, of_paper.last_subset].map(|points| 4 * points);
+                CandidateSettings { subset, last_subset, enough, energy, ..of_paper }
+            }
+        }
+    }
+
+    fn of_paper(effort: Effort) -> CandidateSettings {
         let normal = CandidateSettings {
             levels: [0, MAX_LEVEL],
             max_tiles: MAX_TILES,
@@ -50,6 +74,7 @@ impl CandidateSettings {
             last_subset: 96,
             evaluations: 9,
             enough: 1e-8,
+            energy: EnergyKind::Paper,
         };
         match effort {
             Effort::Fast => CandidateSettings {
@@ -73,7 +98,7 @@ impl CandidateSettings {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tiling {
     pub planes: Vec<TilePlane>,
-    /// Sum of equation 2 over all samples of the cell.
+    /// Sum of the energy over all samples of the cell.
     pub energy: f64,
 }
 
@@ -92,6 +117,9 @@ pub struct Extent {
     pub max_m: f64,
     /// Maximum dilation of a cell on each side, in the plane of its face.
     pub margin: f64,
+    /// Displacement of a point in pixels times its distance in metres, where the inverse distance has a relative error of 1; in root
+    /// mean square over eyes in the region.
+    pub sway_px_m: f64,
 }
 
 /// Maximum dilation of a cell, as a fraction of its side.
@@ -118,11 +146,8 @@ pub fn candidates(
     let mut sorted: Vec<(u32, WeightedPoint)> = points
         .iter()
         .map(|point| {
-            let position = point.position.as_dvec3();
-            (
-                leaf_order(TreeCell::containing(position, MAX_LEVEL)),
-                WeightedPoint { position, weight: f64::from(point.samples) },
-            )
+            let point = WeightedPoint::new(point, extent.sway_px_m, settings.energy);
+            (leaf_order(TreeCell::containing(point.position, MAX_LEVEL)), point)
         })
         .collect();
     sorted.sort_by_key(|(cell, _)| *cell);
@@ -185,26 +210,30 @@ fn tilings(cell: TreeCell, points: &[WeightedPoint], extent: &Extent, settings: 
         owner: vec![0; points.len()],
         energy: vec![0.0; points.len()],
     };
+    let overlap = if settings.energy == EnergyKind::Picture { OVERLAP_PX2 * total } else { 0.0 };
+    let mut least = f64::INFINITY;
     let mut found: Vec<Tiling> = Vec::new();
     for count in 1..=settings.max_tiles.min(points.len()) {
         if count > 1 {
-            clusters.split(points);
+            clusters.split(points, settings.energy);
         }
         for round in 1..=settings.rounds {
             let subset = if round == settings.rounds { settings.last_subset } else { settings.subset };
-            clusters.refine(points, &bounds, (subset, settings.evaluations), &mut random);
-            let changed = clusters.assign(points);
+            clusters.refine(points, &bounds, (subset, settings), &mut random);
+            let changed = clusters.assign(points, settings.energy);
             if count == 1 || !changed {
                 break;
             }
         }
         let energy = points.iter().zip(&clusters.energy).map(|(point, energy)| point.weight * energy).sum::<f64>();
-        let is_better = found.last().is_none_or(|last| energy < 0.98 * last.energy);
+        let is_better = energy < 0.98 * least;
         let planes = clusters.planes_with_points();
         if is_better && planes.iter().all(|&plane| bounds.admits(plane)) {
             // If planes have lost all of their points, the tiling has fewer tiles than expected. It replaces tilings with as many
             // or more tiles, since its energy is lower.
             found.retain(|tiling| tiling.planes.len() < planes.len());
+            least = energy;
+            let energy = energy + overlap * (planes.len() - 1) as f64;
             found.push(Tiling { planes, energy });
         }
         if energy <= settings.enough * total {
@@ -212,19 +241,18 @@ fn tilings(cell: TreeCell, points: &[WeightedPoint], extent: &Extent, settings: 
         }
     }
     if cell.level == 0 || found.is_empty() {
-        found.push(face_tiling(cell, points, total));
+        found.push(face_tiling(cell, points, total, settings.energy));
     }
     found
 }
 
 /// Returns a tiling of one tile parallel to the face of the cube, which takes two triangles at any texture resolution. Six of
 /// these tiles are the minimum that covers everything.
-fn face_tiling(cell: TreeCell, points: &[WeightedPoint], total: f64) -> Tiling {
+fn face_tiling(cell: TreeCell, points: &[WeightedPoint], total: f64, kind: EnergyKind) -> Tiling {
     let [forward, ..] = cell.face.axes();
     let depth = points.iter().map(|point| point.weight * point.position.dot(forward)).sum::<f64>() / total;
     let plane = TilePlane(forward / depth);
-    let energy = points.iter().map(|point| point.weight * plane.energy(point.position)).sum();
-    Tiling { planes: vec![plane], energy }
+    Tiling { planes: vec![plane], energy: kind.sum(plane, points) }
 }
 
 struct Clusters {
@@ -242,12 +270,12 @@ impl Clusters {
     }
 
     /// Assigns each point to the plane with the lowest energy. Returns true if any point changed its plane.
-    fn assign(&mut self, points: &[WeightedPoint]) -> bool {
+    fn assign(&mut self, points: &[WeightedPoint], kind: EnergyKind) -> bool {
         let mut changed = false;
         for (point, (owner, energy)) in points.iter().zip(self.owner.iter_mut().zip(&mut self.energy)) {
             let mut best = (0, f64::INFINITY);
             for (at, plane) in self.planes.iter().enumerate() {
-                let energy = plane.energy(point.position);
+                let energy = kind.of(*plane, point);
                 if energy < best.1 {
                     best = (at, energy);
                 }
@@ -262,7 +290,7 @@ impl Clusters {
         &mut self,
         points: &[WeightedPoint],
         bounds: &FitBounds,
-        (subset, evaluations): (usize, usize),
+        (subset, settings): (usize, &CandidateSettings),
         random: &mut Random,
     ) {
         let mut members: Vec<Vec<WeightedPoint>> = vec![Vec::new(); self.planes.len()];
@@ -277,13 +305,16 @@ impl Clusters {
             }
         }
         for (plane, members) in self.planes.iter_mut().zip(&members) {
-            *plane = fit_plane(members, bounds, *plane, evaluations);
+            *plane = match settings.energy {
+                EnergyKind::Picture => fit_displacement(members, bounds, *plane),
+                EnergyKind::Paper => fit_plane(members, bounds, *plane, settings.evaluations),
+            };
         }
     }
 
     /// Adds a plane that is perpendicular to the line of sight, through the point with the largest energy in the cluster with the
     /// largest energy.
-    fn split(&mut self, points: &[WeightedPoint]) {
+    fn split(&mut self, points: &[WeightedPoint], kind: EnergyKind) {
         let mut sums = vec![0.0; self.planes.len()];
         for (point, (&owner, energy)) in points.iter().zip(self.owner.iter().zip(&self.energy)) {
             sums[owner] += point.weight * energy;
@@ -293,7 +324,7 @@ impl Clusters {
         let of_largest = (0..points.len()).filter(|&at| self.owner[at] == largest);
         if let Some(worst) = of_largest.max_by(|&a, &b| weighted(a).total_cmp(&weighted(b))) {
             self.planes.push(TilePlane::fronto_parallel(points[worst].position));
-            self.assign(points);
+            self.assign(points, kind);
         }
     }
 }
@@ -303,10 +334,11 @@ mod tests {
     use super::*;
     use codec::monitor::Silent;
 
-    const EXTENT: Extent = Extent { min_m: 0.01, max_m: 100.0, margin: 0.01 };
+    const EXTENT: Extent = Extent { min_m: 0.01, max_m: 100.0, margin: 0.01, sway_px_m: 50.0 };
+    const KINDS: [EnergyKind; 2] = [EnergyKind::Picture, EnergyKind::Paper];
 
     fn points(positions: impl Iterator<Item = DVec3>) -> Vec<MergedPoint> {
-        positions.map(|position| MergedPoint { position: position.as_vec3(), samples: 1 }).collect()
+        positions.map(|position| MergedPoint { position: position.as_vec3(), samples: 1, contrast: 1.0 }).collect()
     }
 
     fn grid(steps: u32) -> impl Iterator<Item = DVec3> {
@@ -318,14 +350,18 @@ mod tests {
     fn two_layers_get_two_tiles() {
         // Every other ray ends on a wall four times as far away.
         let layers = (0..).zip(grid(24)).map(|(at, direction)| direction * if at % 2 == 0 { 1.0 } else { 4.0 });
-        let settings = CandidateSettings { levels: [0, 1], ..CandidateSettings::of(Effort::Normal) };
-        let levels = candidates(&points(layers), &EXTENT, &settings, ShortCuts::Taken, &Silent).unwrap();
-        let tilings = &levels[0].tilings[TreeCell::ROOTS[0].index()];
-        assert!(tilings[0].planes.len() == 1 && tilings[0].energy > 50.0, "{:?}", tilings[0]);
-        assert!(tilings[1].planes.len() == 2 && tilings[1].energy < 1e-6, "{:?}", tilings[1]);
-        // The third tiling is the one parallel to the face. Other faces have no points.
-        assert!(tilings.len() == 3 && tilings[2].planes.len() == 1, "{tilings:?}");
-        assert_eq!(levels[1].tilings.iter().filter(|tilings| !tilings.is_empty()).count(), 4);
+        let points = points(layers);
+        for kind in KINDS {
+            let settings = CandidateSettings { levels: [0, 1], ..CandidateSettings::of(Effort::Normal, kind) };
+            let levels = candidates(&points, &EXTENT, &settings, ShortCuts::Taken, &Silent).unwrap();
+            let tilings = &levels[0].tilings[TreeCell::ROOTS[0].index()];
+            assert!(tilings[0].planes.len() == 1 && tilings[0].energy > 50.0, "{:?}", tilings[0]);
+            let overlap = if kind == EnergyKind::Picture { 576.0 * OVERLAP_PX2 } else { 0.0 };
+            assert!(tilings[1].planes.len() == 2 && tilings[1].energy < overlap + 1e-3, "{:?}", tilings[1]);
+            // The third tiling is the one parallel to the face. Other faces have no points.
+            assert!(tilings.len() == 3 && tilings[2].planes.len() == 1, "{tilings:?}");
+            assert_eq!(levels[1].tilings.iter().filter(|tilings| !tilings.is_empty()).count(), 4);
+        }
     }
 
     #[test]
@@ -333,22 +369,23 @@ mod tests {
         // Tiles perpendicular to the line of sight would need one tile per point.
         let wall = grid(24).map(|direction| direction / (1.0 + 0.4 * direction.y - 0.3 * direction.z));
         let points = points(wall);
-        let settings = CandidateSettings { levels: [0, 0], ..CandidateSettings::of(Effort::Fast) };
-        let levels = candidates(&points, &EXTENT, &settings, ShortCuts::Taken, &Silent).unwrap();
-        let tiling = &levels[0].tilings[TreeCell::ROOTS[0].index()][0];
-        assert_eq!(tiling.planes.len(), 1);
-        let across = |distance_m: f64| {
-            let plane = TilePlane::fronto_parallel(DVec3::X * distance_m);
-            points.iter().map(|point| plane.energy(point.position.as_dvec3())).sum::<f64>()
-        };
-        let best = (1..400).map(|step| across(0.01 * f64::from(step))).fold(f64::INFINITY, f64::min);
-        assert!(tiling.energy < 1e-4 * best, "{} {best}", tiling.energy);
+        for kind in KINDS {
+            let settings = CandidateSettings { levels: [0, 0], ..CandidateSettings::of(Effort::Fast, kind) };
+            let levels = candidates(&points, &EXTENT, &settings, ShortCuts::Taken, &Silent).unwrap();
+            let tiling = &levels[0].tilings[TreeCell::ROOTS[0].index()][0];
+            assert_eq!(tiling.planes.len(), 1);
+            let weighted: Vec<WeightedPoint> =
+                points.iter().map(|point| WeightedPoint::new(point, EXTENT.sway_px_m, kind)).collect();
+            let across = |distance_m: f64| kind.sum(TilePlane::fronto_parallel(DVec3::X * distance_m), &weighted);
+            let best = (1..400).map(|step| across(0.01 * f64::from(step))).fold(f64::INFINITY, f64::min);
+            assert!(tiling.energy < 1e-4 * best, "{kind:?}: {} {best}", tiling.energy);
+        }
     }
 
     #[test]
     fn more_tiles_never_fit_worse() {
         let bumps = grid(40).map(|direction| direction * (2.0 + (5.0 * direction.y).sin() * (7.0 * direction.z).cos()));
-        let fast = CandidateSettings::of(Effort::Fast);
+        let fast = CandidateSettings::of(Effort::Fast, EnergyKind::Paper);
         let levels = candidates(&points(bumps), &EXTENT, &fast, ShortCuts::Taken, &Silent).unwrap();
         for level in &levels[1..] {
             for tilings in &level.tilings {

@@ -1,4 +1,4 @@
-//! Fit of the plane of a quad tile to points (Seurat 4.2, equation 2).
+//! Planes of quad tiles, and their fit by the paper's energy (Seurat 4.2, equation 2).
 //!
 //! Takes weighted points, the bounds of a tile and an initial plane. Returns the plane of minimum energy, found by
 //! Levenberg–Marquardt over the centre and the normal of a disk.
@@ -7,6 +7,8 @@ use glam::{DMat3, DVec3};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DVector, Dyn, OMatrix, U6, Vector6};
+
+use super::energy::WeightedPoint;
 
 /// A plane that does not contain the centre of the viewing region, as its normal divided by its distance from that centre: the
 /// ray of direction v meets it at v / (v · plane).
@@ -30,13 +32,6 @@ impl TilePlane {
     pub fn energy(self, point: DVec3) -> f64 {
         (1.0 - self.hit(point)).powi(2)
     }
-}
-
-/// A point, and the weight of its energy.
-#[derive(Debug, Clone, Copy)]
-pub struct WeightedPoint {
-    pub position: DVec3,
-    pub weight: f64,
 }
 
 /// Bounds within which a plane is fitted.
@@ -89,7 +84,7 @@ impl Disk<'_> {
         let (center, normal) = (self.center, self.normal);
         let offset = center.dot(normal);
         let length = center.length();
-        for &WeightedPoint { position, weight } in self.points {
+        for &WeightedPoint { position, weight, .. } in self.points {
             let point = position / self.scale;
             let weight = weight.sqrt();
             let slope = point.dot(normal);
@@ -223,7 +218,7 @@ pub fn fit_plane(points: &[WeightedPoint], bounds: &FitBounds, first: TilePlane,
 fn inverse_distance_plane(points: &[WeightedPoint]) -> Option<TilePlane> {
     let scale = points.iter().map(|point| point.position.length()).sum::<f64>() / points.len() as f64;
     let (mut squares, mut sum, mut weights) = (DMat3::ZERO, DVec3::ZERO, 0.0);
-    for &WeightedPoint { position, weight } in points {
+    for &WeightedPoint { position, weight, .. } in points {
         let point = position / scale;
         squares += DMat3::from_cols(point * point.x, point * point.y, point * point.z) * weight;
         sum += weight * point;
@@ -244,11 +239,15 @@ mod tests {
         FitBounds { corners: corners.map(|[x, y]| DVec3::new(x, y, -1.0).normalize()), min_m: 0.01, max_m: 100.0 }
     }
 
+    fn at(position: DVec3) -> WeightedPoint {
+        WeightedPoint { position, weight: 1.0, sway_px: 50.0 / position.length() }
+    }
+
     /// Returns points of a plane, along rays through a grid.
     fn on_plane(plane: TilePlane) -> Vec<WeightedPoint> {
         let steps = || (0..6).map(|at| -0.2 + 0.08 * f64::from(at));
         let directions = steps().flat_map(|x| steps().map(move |y| DVec3::new(x, y, -1.0)));
-        directions.map(|direction| WeightedPoint { position: direction * plane.hit(direction), weight: 1.0 }).collect()
+        directions.map(|direction| at(direction * plane.hit(direction))).collect()
     }
 
     fn energy(plane: TilePlane, points: &[WeightedPoint]) -> f64 {
@@ -292,7 +291,7 @@ mod tests {
     #[test]
     fn points_without_a_plane_of_their_own_get_one_across_the_view() {
         let first = TilePlane::fronto_parallel(DVec3::new(0.0, 0.0, -1.0));
-        let at = |x: f64, z: f64| WeightedPoint { position: DVec3::new(x, 0.0, z), weight: 1.0 };
+        let at = |x: f64, z: f64| at(DVec3::new(x, 0.0, z));
         // Points on one ray; on a line; a single point; on a plane through the centre of the region.
         let cases = [
             vec![at(0.0, -2.0), at(0.0, -3.0), at(0.0, -4.0)],

@@ -78,7 +78,7 @@ impl TexturedTiles<'_> {
         for_each_tile(&found, buffers, |buffer, constraint| {
             let Some(sample) = constraint.sample else { return };
             let value = values.data()[samples[sample as usize].pixel as usize];
-            buffer.add(constraint.texel(buffer.side()), value);
+            buffer.add(constraint.texel(buffer.side()), value, 1.0);
         });
     }
 

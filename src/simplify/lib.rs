@@ -3,9 +3,10 @@
 //!
 //! Each stage is in a file of its own:
 //!
-//! 1. [`capture`]: images as rays; [`samples`] of these; [`region`]: where the eye may be.
+//! 1. [`capture`]: images as rays; [`samples`] of these, with [`image_measures`]; [`region`]: where the eye may be.
 //! 2. [`points`]: merges samples into a point cloud (4.1).
-//! 3. [`candidates`]: tilings of the cells of six quadtrees ([`tree`]), whose planes are fitted by [`fit`] (4.2).
+//! 3. [`candidates`]: tilings of the cells of six quadtrees ([`tree`]), whose planes minimise an [`energy`], by [`fit_displacement`]
+//!    or, as in the paper, by [`fit`] (4.2).
 //! 4. [`cost`], [`selection`]: the tilings that keep the budgets (4.3); [`selected`] runs all stages up to this one. [`tiles`]:
 //!    the selected quads in drawing order; [`gaps`] extends them over gaps.
 //! 5. [`constraints`], [`silhouettes`], [`shading`]: coverage and colour of the tiles' [`textures`] (5.1, 5.2), filtered by a
@@ -25,12 +26,15 @@ pub mod capture;
 pub mod constraints;
 pub mod cost;
 pub mod cracks;
+pub mod energy;
 pub mod export;
 pub mod fidelity;
 pub mod fit;
+pub mod fit_displacement;
 pub mod gaps;
 pub mod gbuffer;
 pub mod geometry_bytes;
+pub mod image_measures;
 pub mod memory;
 pub mod pipeline;
 pub mod points;

@@ -24,7 +24,12 @@ pub struct MergedPoint {
     pub position: Vec3,
     /// Number of samples that the point represents.
     pub samples: u32,
+    /// Sum of the contrasts of these samples.
+    pub contrast: f64,
 }
+
+/// Contrasts are added as multiples of this part of 1, so that sums do not depend on their order.
+const CONTRAST_STEPS: f64 = (1 << 24) as f64;
 
 /// Initial number of squares along a face's side, as a power of two.
 const FINEST: u32 = 11;
@@ -50,6 +55,7 @@ struct Voxel {
     random: u64,
     position: Vec3,
     samples: u32,
+    contrast: u64,
 }
 
 impl Voxel {
@@ -57,10 +63,11 @@ impl Voxel {
     fn join(&mut self, other: Voxel) {
         let rank = |of: &Voxel| (of.random, of.position.to_array().map(f32::to_bits));
         let samples = self.samples.saturating_add(other.samples);
+        let contrast = self.contrast.saturating_add(other.contrast);
         if rank(&other) < rank(self) {
             *self = other;
         }
-        self.samples = samples;
+        (self.samples, self.contrast) = (samples, contrast);
     }
 }
 
@@ -89,22 +96,24 @@ impl PointMerger {
         PointMerger { voxels: Vec::new(), waiting: Vec::new(), level: FINEST, max_points, samples: 0 }
     }
 
-    /// Adds samples, given as ends of rays relative to the centre of the region. No end may be at the centre.
-    pub fn add(&mut self, ends: &[DVec3]) {
+    /// Adds samples, given as ends of rays relative to the centre of the region, and contrasts. No end may be at the centre.
+    pub fn add(&mut self, ends: &[(DVec3, f32)]) {
         // In parts, so that an image takes no more memory than the waiting samples.
         ends.chunks(WAITING).for_each(|ends| self.add_part(ends));
     }
 
-    fn add_part(&mut self, ends: &[DVec3]) {
+    fn add_part(&mut self, ends: &[(DVec3, f32)]) {
         let (first, level) = (self.samples, self.level);
         self.samples += ends.len() as u64;
-        let of_job = |(job, ends): (usize, &[DVec3])| {
+        let of_job = |(job, ends): (usize, &[(DVec3, f32)])| {
             let mut voxels: Vec<Voxel> = Vec::with_capacity(ends.len());
-            for (number, &end) in (first + (job * SAMPLES_A_JOB) as u64..).zip(ends) {
+            for (number, &(end, contrast)) in (first + (job * SAMPLES_A_JOB) as u64..).zip(ends) {
                 let bits = end.to_array().map(f64::to_bits);
                 let place = bits[0] ^ bits[1].rotate_left(21) ^ bits[2].rotate_left(42);
                 let random = mix(number ^ mix(place));
-                push(&mut voxels, Voxel { key: voxel_key(end, level), random, position: end.as_vec3(), samples: 1 });
+                let contrast = (f64::from(contrast) * CONTRAST_STEPS) as u64;
+                let key = voxel_key(end, level);
+                push(&mut voxels, Voxel { key, random, position: end.as_vec3(), samples: 1, contrast });
             }
             voxels
         };
@@ -134,7 +143,11 @@ impl PointMerger {
     /// Returns the points, sorted by face and voxel.
     pub fn finish(mut self) -> Vec<MergedPoint> {
         self.merge();
-        let point = |&Voxel { position, samples, .. }: &Voxel| MergedPoint { position, samples };
+        let point = |&Voxel { position, samples, contrast, .. }: &Voxel| MergedPoint {
+            position,
+            samples,
+            contrast: contrast as f64 / CONTRAST_STEPS,
+        };
         self.voxels.iter().map(point).collect()
     }
 }
@@ -213,7 +226,8 @@ mod tests {
 
     fn merged(samples: &[DVec3], most: usize, at_once: usize) -> Vec<MergedPoint> {
         let mut merger = PointMerger::new(most);
-        samples.chunks(at_once).for_each(|samples| merger.add(samples));
+        let with_contrast: Vec<(DVec3, f32)> = samples.iter().map(|&end| (end, 0.5)).collect();
+        with_contrast.chunks(at_once).for_each(|samples| merger.add(samples));
         merger.finish()
     }
 
@@ -245,7 +259,7 @@ mod tests {
         let voxels = (COARSEST..=FINEST).rev().map(of_level).find(|voxels| voxels.len() <= most).unwrap();
         let point = |samples: &Vec<(u64, Vec3)>| {
             let (_, position) = samples.iter().min_by_key(|(random, _)| *random).unwrap();
-            MergedPoint { position: *position, samples: samples.len() as u32 }
+            MergedPoint { position: *position, samples: samples.len() as u32, contrast: 0.5 * samples.len() as f64 }
         };
         voxels.values().map(point).collect()
     }

@@ -63,6 +63,13 @@ impl ViewingRegion {
         self.half.length()
     }
 
+    /// Returns the distance in metres by which eyes in the region are beside a line through its centre, in root mean square over eyes
+    /// and directions.
+    pub fn offset_m(&self) -> f64 {
+        // Along each axis a third of the square of the half side; of its length, two thirds are across the line.
+        (2.0f64 / 9.0).sqrt() * self.radius()
+    }
+
     /// Returns the corners and the centre of the box around the region, and the centres of its edges and sides, relative to its
     /// centre.
     pub fn border(&self) -> Vec<DVec3> {

@@ -5,6 +5,7 @@
 use glam::DVec3;
 
 use super::capture::{Capture, ImageRays};
+use super::image_measures::{borders, contrasts};
 use super::region::ViewingRegion;
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
@@ -20,7 +21,13 @@ pub struct Sample {
     pub color: [f32; 3],
     /// True if there is a surface at the end. A ray to a transparent background only determines which space is empty.
     pub is_surface: bool,
+    /// Weight of the colour: below 1 where the pixel shows more than one surface.
+    pub weight: f32,
 }
+
+/// Weight of the colour of pixels at the border of a surface. They decide only where no other pixel does; else what is bright leaves
+/// sparkles on surfaces behind it.
+const BORDER_WEIGHT: f32 = 1e-3;
 
 /// Meaning of pixels at infinite distance.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -82,20 +89,21 @@ impl SampleRules<'_> {
         overlapped(capture, monitor, read, |(samples, left_out)| take(samples, left_out))
     }
 
-    /// Passes the ends of the samples with surfaces of each image in turn to `take`, with the number of samples left out. Colour
-    /// is not read.
+    /// Passes the ends of the samples with surfaces of each image in turn to `take`, each with the contrast around it, and the
+    /// number of samples left out.
     pub fn ends_of_all_images(
         &self,
         capture: &mut Capture,
         monitor: &dyn Monitor,
-        mut take: impl FnMut(Vec<DVec3>, u64) + Send,
+        mut take: impl FnMut(Vec<(DVec3, f32)>, u64) + Send,
     ) -> Result<()> {
         let read = |capture: &mut Capture, image: usize| {
-            let rays = capture.rays_without_light(image)?;
+            let rays = capture.rays(image)?;
+            let contrasts = contrasts(&rays, capture.images[image].size);
             let mut ends = Vec::with_capacity(capture.images[image].pixels());
             let left_out = self.each(capture, image, rays.iter(), |sample| {
                 if sample.is_surface {
-                    ends.push(sample.end);
+                    ends.push((sample.end, contrasts[sample.pixel as usize]));
                 }
             })?;
             Ok((ends, left_out))
@@ -117,14 +125,18 @@ impl SampleRules<'_> {
         rays: &ImageRays,
         pixels: PixelChoice<'_>,
     ) -> Result<(Vec<Sample>, u64)> {
-        let [width, height] = capture.images[image].size;
+        let size @ [width, height] = capture.images[image].size;
+        let borders = borders(rays, size);
         let most = match pixels {
             PixelChoice::Every(step) => width.div_ceil(step) as usize * height.div_ceil(step) as usize,
             PixelChoice::Listed(pixels) => pixels.len(),
         };
         let mut samples = Vec::with_capacity(most);
         let wanted = rays.of_pixels(|pixel| pixels.contains(pixel, width));
-        let left_out = self.each(capture, image, wanted, |sample| samples.push(sample))?;
+        let left_out = self.each(capture, image, wanted, |sample| {
+            let weight = if borders[sample.pixel as usize] { BORDER_WEIGHT } else { 1.0 };
+            samples.push(Sample { weight, ..sample });
+        })?;
         Ok((samples, left_out))
     }
 
@@ -180,6 +192,7 @@ impl SampleRules<'_> {
                 end,
                 color: ray.light,
                 is_surface: self.background == Background::Sky || ray.distance_m.is_finite(),
+                weight: 1.0,
             });
         }
         Ok(left_out)

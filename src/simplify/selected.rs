@@ -8,6 +8,7 @@ use glam::DVec3;
 use super::candidates::{CandidateSettings, Extent, candidates};
 use super::capture::Capture;
 use super::cost::{CostModel, MAX_PARTS, ViewShares};
+use super::energy::EnergyKind;
 use super::fit::TilePlane;
 use super::gaps::SeenDirections;
 use super::gbuffer;
@@ -36,6 +37,8 @@ const GAP_SHARE: f64 = 0.1;
 /// Maximum ratio of the energy with that reserve to the energy without it. Beyond this ratio errors are twice as large, which is
 /// more visible than gaps. Errors below the solid threshold do not count.
 const GAP_ENERGY: f64 = 4.0;
+/// Mean squared displacement in pixels that does not count.
+const SMALL_PX2: f64 = 0.01;
 /// Divisor of the number of iterations that estimate the energy without the reserve.
 const GAP_ITERATIONS: usize = 8;
 
@@ -98,8 +101,8 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     rules.ends_of_all_images(capture, monitor, |ends, left_out| {
         dropped_samples += left_out;
         samples += ends.len() as u64;
-        farthest_m = ends.iter().map(|end| end.length()).fold(farthest_m, f64::max);
-        surface_m = ends.iter().filter_map(|&end| region.surface_m(end)).fold(surface_m, f64::max);
+        farthest_m = ends.iter().map(|(end, _)| end.length()).fold(farthest_m, f64::max);
+        surface_m = ends.iter().filter_map(|&(end, _)| region.surface_m(end)).fold(surface_m, f64::max);
         merger.add(&ends);
     })?;
     if samples == 0 {
@@ -112,8 +115,13 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     let merged = begun.elapsed();
 
     let texels_per_unit = settings.texels_per_unit(capture);
-    let extent = Extent { min_m: region.min_m(), max_m: farthest_m, margin: 1.0 / capture.pixels_per_unit() };
-    let mut fitting = CandidateSettings::of(settings.effort);
+    let extent = Extent {
+        min_m: region.min_m(),
+        max_m: farthest_m,
+        margin: 1.0 / capture.pixels_per_unit(),
+        sway_px_m: region.offset_m() * capture.pixels_per_unit(),
+    };
+    let mut fitting = CandidateSettings::of(settings.effort, settings.energy);
     // Smaller cells would have no sample in some places, which would leave holes.
     let finest = (2.0 * capture.pixels_per_unit() / MIN_CELL_PIXELS).max(1.0).log2() as u32;
     fitting.levels[1] = finest.min(fitting.levels[1]);
@@ -146,7 +154,10 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     };
     let select = |share: f64, iterations: usize| problem(share).solve(iterations, gap, monitor);
     let reserved = select(GAP_SHARE, iterations);
-    let small = SOLID_THRESHOLD * SOLID_THRESHOLD * samples as f64;
+    let small = match settings.energy {
+        EnergyKind::Paper => SOLID_THRESHOLD * SOLID_THRESHOLD * samples as f64,
+        EnergyKind::Picture => SMALL_PX2 * points.iter().map(|point| point.contrast).sum::<f64>(),
+    };
     let least = || -> Result<f64> { Ok(select(0.0, iterations / GAP_ITERATIONS)?.primal) };
     let (share, selection) = match reserved {
         Err(Error::Interrupted) => return Err(Error::Interrupted),
@@ -215,7 +226,8 @@ impl SelectedTiles {
         let Counts { samples, dropped_samples, points, candidates, fitted_cells } = self.counts;
         let mut words = vec![samples, dropped_samples, points, candidates, fitted_cells];
         words.extend(self.durations.map(|duration| duration.as_nanos() as u64));
-        words.extend([self.extent.min_m, self.extent.max_m, self.extent.margin, self.surface_m].map(f64::to_bits));
+        let Extent { min_m, max_m, margin, sway_px_m } = self.extent;
+        words.extend([min_m, max_m, margin, sway_px_m, self.surface_m].map(f64::to_bits));
         words.extend([primal.to_bits(), dual.to_bits(), *iterations as u64]);
         words.extend([self.reserve.share, self.reserve.dual].map(f64::to_bits));
         words.extend(prices.map(f64::to_bits));
@@ -297,7 +309,8 @@ fn read(words: &mut Words<'_>, region: ViewingRegion, notes: Vec<String>) -> Opt
         fitted_cells: words.word()?,
     };
     let durations = [words.word()?, words.word()?, words.word()?].map(Duration::from_nanos);
-    let extent = Extent { min_m: words.float()?, max_m: words.float()?, margin: words.float()? };
+    let [min_m, max_m, margin, sway_px_m] = words.floats()?;
+    let extent = Extent { min_m, max_m, margin, sway_px_m };
     let surface_m = words.float()?;
     let (primal, dual, iterations) = (words.float()?, words.float()?, words.word()? as usize);
     let reserve = Reserve { share: words.float()?, dual: words.float()? };

@@ -2,6 +2,7 @@
 
 use super::capture::Capture;
 use super::cost::TextureCoordinates;
+use super::energy::EnergyKind;
 use super::quad_mesh::AtlasLight;
 use super::samples::{Background, Inside};
 use super::selection::Budgets;
@@ -41,6 +42,7 @@ pub struct Settings {
     pub background: Background,
     pub inside: Inside,
     pub effort: Effort,
+    pub energy: EnergyKind,
     pub tiling: TilingKind,
     pub sizing: Sizing,
     pub texture_filter: TextureFilter,
@@ -71,6 +73,7 @@ impl Default for Settings {
             background: Background::Sky,
             inside: Inside::Refuse,
             effort: Effort::Normal,
+            energy: EnergyKind::Picture,
             tiling: TilingKind::Quadtree,
             sizing: Sizing::Adaptive,
             texture_filter: TextureFilter::Gaussian,

@@ -36,8 +36,8 @@ impl LightBuffer {
         self.side
     }
 
-    /// Adds linear RGB at a position in texels; 0 is the centre of the first texel.
-    pub fn add(&mut self, [x, y]: [f32; 2], [r, g, b]: [f32; 3]) {
+    /// Adds linear RGB, multiplied by a weight above 0, at a position in texels; 0 is the centre of the first texel.
+    pub fn add(&mut self, [x, y]: [f32; 2], [r, g, b]: [f32; 3], share: f32) {
         let radius = self.filter.radius();
         let range = |at: f32| {
             let first = (at - radius).ceil().max(0.0) as usize;
@@ -51,7 +51,7 @@ impl LightBuffer {
             let of_row = weight(row, y);
             let sums = &mut self.sums[row * self.side..][columns.clone()];
             for (sum, of_column) in sums.iter_mut().zip(weights) {
-                let weight = (of_row * of_column).max(MIN_WEIGHT);
+                let weight = (of_row * of_column * share).max(MIN_WEIGHT);
                 *sum = std::array::from_fn(|channel| sum[channel] + weight * [r, g, b, 1.0][channel]);
             }
         }
@@ -140,8 +140,8 @@ mod tests {
     fn samples_are_weighted_by_their_distance() {
         let lit = |filter| {
             let mut buffer = LightBuffer::new(4, filter);
-            buffer.add([1.0, 1.0], [1.0, 0.0, 0.0]);
-            buffer.add([1.6, 1.0], [0.0, 1.0, 0.0]);
+            buffer.add([1.0, 1.0], [1.0, 0.0, 0.0], 1.0);
+            buffer.add([1.6, 1.0], [0.0, 1.0, 0.0], 1.0);
             buffer.resolve(ShortCuts::Taken)
         };
         let (light, missing) = lit(TextureFilter::Gaussian);

@@ -80,7 +80,8 @@ impl<'a> TextureBuilder<'a> {
             let at = constraint.texel(buffers.side);
             buffers.bitmap.add(at, constraint.kind());
             if let Some(sample) = constraint.sample {
-                buffers.light.add(at, samples[sample as usize].color);
+                let Sample { color, weight, .. } = samples[sample as usize];
+                buffers.light.add(at, color, weight);
             }
         });
     }

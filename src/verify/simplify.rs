@@ -392,7 +392,7 @@ fn coincident() -> Measured {
     let mut tilings = vec![Vec::new(); TreeCell::count(0)];
     tilings[cell.index()] = vec![Tiling { planes: vec![plane; 2], energy: 0.0 }];
     let model = CostModel {
-        extent: Extent { min_m: 0.01, max_m: 4.0, margin: 0.0 },
+        extent: Extent { min_m: 0.01, max_m: 4.0, margin: 0.0, sway_px_m: 1.0 },
         eyes: vec![DVec3::ZERO],
         texels_per_unit: TEXELS as f64,
         texture_coordinates: TextureCoordinates::Affine,
@@ -407,7 +407,7 @@ fn coincident() -> Measured {
         let crossed = Ray::new(DVec3::ZERO, end).map_or(0, |ray| tiles.crossed(&ray).len());
         // A ray through the diagonal of a quad hits both of its triangles; only one counts.
         wrong.count_if(crossed != 2, || format!("ray {at} meets {crossed} tiles"));
-        samples.push(Sample { pixel: at, origin: DVec3::ZERO, end, color: COLOR, is_surface: true });
+        samples.push(Sample { pixel: at, origin: DVec3::ZERO, end, color: COLOR, is_surface: true, weight: 1.0 });
     }
     builder.add(&samples, 1);
     let (solid, free) = (builder.solid, builder.free);

@@ -7,6 +7,7 @@ use codec::effort::Effort;
 use codec::error::{Error, Result};
 use scene::placement::Region;
 use simplify::cost::TextureCoordinates;
+use simplify::energy::EnergyKind;
 use simplify::export::{Ktx2Output, Outputs};
 use simplify::quad_mesh::AtlasLight;
 use simplify::samples::{Background, Inside};
@@ -91,6 +92,9 @@ pub struct Args {
     /// Partition of the sphere into cells with separate quads
     #[arg(long, value_parser = one_of(TILINGS), default_value = "quadtree")]
     pub tiling: TilingKind,
+    /// Error of the quads that is minimised
+    #[arg(long, value_parser = one_of(ENERGIES), default_value = "picture")]
+    pub energy: EnergyKind,
     /// Reduction of textures that do not fit into the atlas
     #[arg(long, value_parser = one_of(SIZINGS), default_value = "adaptive")]
     pub sizing: Sizing,
@@ -139,6 +143,11 @@ const BACKGROUNDS: &Choices<Background> = &[
 
 const INSIDE: &Choices<Inside> =
     &[("refuse", Inside::Refuse, "Fail"), ("drop", Inside::Drop, "Exclude and count them")];
+
+const ENERGIES: &Choices<EnergyKind> = &[
+    ("picture", EnergyKind::Picture, "Displacement in pictures from the region, weighted by contrast"),
+    ("paper", EnergyKind::Paper, "Relative distance (Seurat equation 2)"),
+];
 
 const TILINGS: &Choices<TilingKind> = &[
     ("quadtree", TilingKind::Quadtree, "Cells of any quadtree level"),
@@ -206,6 +215,7 @@ impl Args {
             ("`background`", word_of(BACKGROUNDS, &self.background).to_owned()),
             ("`inside`", word_of(INSIDE, &self.inside).to_owned()),
             ("`effort`", word_of(EFFORTS, &self.effort).to_owned()),
+            ("`energy`", word_of(ENERGIES, &self.energy).to_owned()),
             ("`tiling`", word_of(TILINGS, &self.tiling).to_owned()),
             ("`sizing`", word_of(SIZINGS, &self.sizing).to_owned()),
             ("`texture_filter`", word_of(FILTERS, &self.texture_filter).to_owned()),
@@ -229,6 +239,7 @@ impl Args {
             background: self.background,
             inside: self.inside,
             effort: self.effort,
+            energy: self.energy,
             tiling: self.tiling,
             sizing: self.sizing,
             texture_filter: self.texture_filter,
