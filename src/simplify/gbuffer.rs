@@ -74,7 +74,7 @@ impl TexturedTiles<'_> {
     }
 
     fn add(&self, samples: &[Sample], values: &Plane<[f32; 3]>, buffers: &mut Buffers) {
-        let (found, _) = constraints_by_tile(self.tiles, self.solid_threshold, samples, |_| FreeSpace::Ignore);
+        let (found, _) = constraints_by_tile(self.tiles, self.solid_threshold, samples, FreeSpace::Ignore);
         for_each_tile(&found, buffers, |buffer, constraint| {
             let Some(sample) = constraint.sample else { return };
             let value = values.data()[samples[sample as usize].pixel as usize];

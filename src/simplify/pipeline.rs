@@ -22,7 +22,6 @@ use super::settings::{Settings, SurfaceAtlases};
 use super::shading::ShortCuts;
 use super::texturing::{Textured, Texturing};
 use super::tiles::TileSet;
-use codec::effort::Effort;
 use codec::error::Result;
 use codec::monitor::Monitor;
 use footage::json;
@@ -178,7 +177,6 @@ pub fn texture(
     let texturing = Texturing {
         rules,
         solid_threshold,
-        stride: if settings.effort == Effort::Fast { 4 } else { 1 },
         pixel_step: 1,
         texels_per_unit,
         form: MeshForm { middle: region.middle, coordinates: settings.texture_coordinates, light },
@@ -301,6 +299,8 @@ fn solid_threshold(capture: &Capture, notes: &mut Vec<String>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use codec::effort::Effort;
+
     use crate::cost::TextureCoordinates;
     use crate::export::{self, Outputs, Scene};
     use crate::selection::{Budgets, CONSTRAINTS};

@@ -17,7 +17,7 @@ use scene::placement::Region;
 const TEXELS_BEFORE_ATLAS: f64 = 2.0;
 /// Number of texels per pixel of the capture along one axis. With only one, texels would blur again what pixels have already
 /// blurred.
-const TEXELS_ACROSS_PIXEL: f64 = 2.0;
+const TEXELS_ACROSS_PIXEL: f64 = 3.0;
 /// Maximum area that tiles cover in practice, in spheres, whatever the budget.
 const MAX_AREA: f64 = 64.0;
 

@@ -6,6 +6,9 @@ use super::constraints::ConstraintKind;
 
 /// Number of places along a texel's side, to which constraints are quantised and at which coverage is sampled.
 pub const SUPERSAMPLING: usize = 4;
+/// Distance in places by which solid constraints reach farther than free-space constraints: under a bilinear filter the border of an
+/// opaque part shows what lies behind it, which is often a tile without colour there.
+const DILATION: f32 = 1.5;
 const SOLID: u8 = 1;
 const FREE: u8 = 2;
 
@@ -41,15 +44,15 @@ impl ConstraintBitmap {
         self.has_solid && !self.has_free
     }
 
-    /// Returns for each texel the fraction of its places that are nearer to a solid constraint than to a free-space constraint.
-    /// Places with both kinds are not covered.
+    /// Returns for each texel the fraction of its places that are nearer to a solid constraint than to a free-space constraint, by
+    /// distances that differ by [`DILATION`]. Places with both kinds are covered only if they are that near to others.
     pub fn coverage(&self) -> Vec<f32> {
         let texels = self.side / SUPERSAMPLING;
         let to = |wanted: u8| squared_distances(self.side, |at| self.bits[at] == wanted);
         let (solid, free) = (to(SOLID), to(FREE));
         let mut alpha = vec![0.0; texels * texels];
         for (at, (solid, free)) in solid.iter().zip(&free).enumerate() {
-            if solid < free {
+            if solid.sqrt() < free.sqrt() + DILATION {
                 let (x, y) = (at % self.side / SUPERSAMPLING, at / self.side / SUPERSAMPLING);
                 alpha[y * texels + x] += 1.0 / (SUPERSAMPLING * SUPERSAMPLING) as f32;
             }

@@ -12,7 +12,7 @@ use super::tiles::TileSet;
 /// Number of samples whose constraints one job finds.
 const SAMPLES_A_JOB: usize = 4096;
 
-/// Maximum number of samples whose constraints are in memory at once. A multiple of all strides at which rays are traced.
+/// Maximum number of samples whose constraints are in memory at once.
 pub(super) const SAMPLES_AT_ONCE: usize = 1 << 17;
 
 /// Textures of all tiles.
@@ -64,14 +64,13 @@ impl<'a> TextureBuilder<'a> {
         TextureBuilder { tiles, solid_threshold, buffers: buffers.collect(), solid: 0, free: 0, uncovered: 0 }
     }
 
-    /// Adds samples. The rays of every `stride`-th sample are traced through free space.
-    pub fn add(&mut self, samples: &[Sample], stride: usize) {
-        samples.chunks(SAMPLES_AT_ONCE).for_each(|samples| self.add_part(samples, stride));
+    /// Adds samples. Their rays are traced through free space.
+    pub fn add(&mut self, samples: &[Sample]) {
+        samples.chunks(SAMPLES_AT_ONCE).for_each(|samples| self.add_part(samples));
     }
 
-    fn add_part(&mut self, samples: &[Sample], stride: usize) {
-        let free = |number: usize| if number.is_multiple_of(stride) { FreeSpace::Trace } else { FreeSpace::Ignore };
-        let (found, uncovered) = constraints_by_tile(self.tiles, self.solid_threshold, samples, free);
+    fn add_part(&mut self, samples: &[Sample]) {
+        let (found, uncovered) = constraints_by_tile(self.tiles, self.solid_threshold, samples, FreeSpace::Trace);
         self.uncovered += uncovered;
         let solid = found.iter().filter(|constraint| constraint.kind() == ConstraintKind::Solid).count();
         self.solid += solid as u64;
@@ -124,14 +123,14 @@ pub(super) fn constraints_by_tile(
     tiles: &TileSet,
     solid_threshold: f64,
     samples: &[Sample],
-    free_space: impl Fn(usize) -> FreeSpace + Sync,
+    free_space: FreeSpace,
 ) -> (Vec<Constraint>, u64) {
     let find = |(job, samples): (usize, &[Sample])| {
         let mut finder = ConstraintFinder::new(tiles, solid_threshold);
         let (mut found, mut uncovered) = (Vec::new(), 0);
         for (at, sample) in samples.iter().enumerate() {
             let number = job * SAMPLES_A_JOB + at;
-            uncovered += u64::from(!finder.add(sample, number as u32, free_space(number), &mut found));
+            uncovered += u64::from(!finder.add(sample, number as u32, free_space, &mut found));
         }
         (found, uncovered)
     };

@@ -22,8 +22,6 @@ pub struct Texturing<'a> {
     pub rules: SampleRules<'a>,
     /// Relative distance to a sample within which a tile counts as the sample's surface.
     pub solid_threshold: f64,
-    /// Every `stride`-th sample is traced through free space.
-    pub stride: usize,
     /// Pixels of every `pixel_step`-th column and row are sampled.
     pub pixel_step: u32,
     /// Texels per unit of a face's plane.
@@ -64,7 +62,7 @@ impl Texturing<'_> {
         let sides = self.sides(tiles);
         let mut builder = TextureBuilder::new(tiles, &sides, self.solid_threshold, self.filter);
         self.rules.of_all_images(capture, PixelChoice::Every(self.pixel_step), monitor, |samples, _| {
-            builder.add(&samples, self.stride);
+            builder.add(&samples);
         })?;
         let (solid_constraints, free_space_constraints, uncovered_samples) =
             (builder.solid, builder.free, builder.uncovered);

@@ -409,7 +409,7 @@ fn coincident() -> Measured {
         wrong.count_if(crossed != 2, || format!("ray {at} meets {crossed} tiles"));
         samples.push(Sample { pixel: at, origin: DVec3::ZERO, end, color: COLOR, is_surface: true, weight: 1.0 });
     }
-    builder.add(&samples, 1);
+    builder.add(&samples);
     let (solid, free) = (builder.solid, builder.free);
     wrong.count_if((solid, free) != (512, 0), || format!("{solid} solid constraints and {free} of free space"));
     let TileTextures { textures, .. } = builder.finish(ShortCuts::Taken);

@@ -85,8 +85,7 @@ pub struct Args {
     /// Frame to simplify [default: the first]
     #[arg(long, value_name = "N")]
     pub frames: Option<u32>,
-    /// Search effort: number of candidate tiles for each part of the scene and precision of their planes; fast traces a
-    /// quarter of the rays
+    /// Search effort: number of candidate tiles for each part of the scene and precision of their planes
     #[arg(long, value_parser = one_of(EFFORTS), default_value = "normal")]
     pub effort: Effort,
     /// Partition of the sphere into cells with separate quads
