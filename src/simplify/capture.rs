@@ -1,5 +1,6 @@
 //! Captures: images with colour and depth, as rays, from a dataset, a container or a Seurat manifest (Seurat 3).
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -120,6 +121,11 @@ impl Capture {
     pub fn of_rays(images: impl IntoIterator<Item = (CaptureImage, Vec<CaptureRay>)>) -> Capture {
         let (images, rays) = images.into_iter().unzip();
         Capture { rays: Rays::Memory(rays), images, relative_depth_error: Some(0.0), notes: Vec::new() }
+    }
+
+    /// Returns the number of positions of cameras.
+    pub fn eye_count(&self) -> usize {
+        self.images.iter().map(|image| image.eye.to_array().map(f64::to_bits)).collect::<BTreeSet<_>>().len()
     }
 
     /// Returns the account of the input: its images, and of a dataset files, channels and probes. Other frames are left out.

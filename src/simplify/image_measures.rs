@@ -104,7 +104,7 @@ mod tests {
             let is_post = (3..5).contains(&pixel[0]);
             let distance_m = if is_post { 1.0 } else { 20.0 / (1.0 + f64::from(pixel[1])) };
             let light = [if is_post { 1.0 } else { 0.25 }; 3];
-            CaptureRay { pixel, origin: DVec3::ZERO, direction: DVec3::NEG_Z, distance_m, light }
+            CaptureRay { pixel, origin: DVec3::ZERO, direction: DVec3::NEG_Z, distance_m, light, alpha: 1.0 }
         };
         let image = CaptureImage { name: "a".into(), eye: DVec3::ZERO, size: [8, 8], camera: None };
         Capture::of_rays([(image, (0..64).map(ray).collect())]).rays(0).unwrap()

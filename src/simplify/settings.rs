@@ -15,9 +15,11 @@ use scene::placement::Region;
 
 /// Maximum number of texels of all tiles before reduction, as a multiple of those of the atlas.
 const TEXELS_BEFORE_ATLAS: f64 = 2.0;
-/// Number of texels per pixel of the capture along one axis. With only one, texels would blur again what pixels have already
-/// blurred.
-const TEXELS_ACROSS_PIXEL: f64 = 3.0;
+/// Number of texels per pixel of the capture along one axis, at least and at most. With only one, texels would blur again what pixels
+/// have already blurred.
+const TEXELS_ACROSS_PIXEL: [f64; 2] = [2.0, 3.0];
+/// Number of samples that a texel should have, so that the noise of a single one does not become texture.
+const SAMPLES_A_TEXEL: f64 = 2.0;
 /// Maximum area that tiles cover in practice, in spheres, whatever the budget.
 const MAX_AREA: f64 = 64.0;
 
@@ -35,7 +37,7 @@ pub struct Settings {
     pub budgets: Budgets,
     /// Maximum side of the atlas, in texels.
     pub atlas: u32,
-    /// Texels per degree at the centre of a cube face; `None` for twice the pixels of the capture.
+    /// Texels per degree at the centre of a cube face; `None` for two to three times the pixels of the capture, by its number of cameras.
     pub pixels_per_degree: Option<f64>,
     /// Viewing region; `None` for the box around the cameras.
     pub region: Option<Region>,
@@ -90,8 +92,9 @@ impl Settings {
     /// Returns the number of texels per unit of a cube face's plane. It is limited so that all tiles together have at most
     /// `TEXELS_BEFORE_ATLAS` times the texels of the atlas if they cover the whole area budget.
     pub fn texels_per_unit(&self, capture: &Capture) -> f64 {
-        let wanted =
-            self.pixels_per_degree.map_or_else(|| TEXELS_ACROSS_PIXEL * capture.pixels_per_unit(), f64::to_degrees);
+        let [least, most] = TEXELS_ACROSS_PIXEL;
+        let across = (capture.eye_count() as f64 / SAMPLES_A_TEXEL).sqrt().clamp(least, most);
+        let wanted = self.pixels_per_degree.map_or_else(|| across * capture.pixels_per_unit(), f64::to_degrees);
         let texels = TEXELS_BEFORE_ATLAS * f64::from(self.atlas).powi(2);
         wanted.min((texels / (4.0 * std::f64::consts::PI * self.budgets.area.min(MAX_AREA))).sqrt())
     }

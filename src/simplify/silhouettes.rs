@@ -7,7 +7,8 @@ use super::constraints::ConstraintKind;
 /// Number of places along a texel's side, to which constraints are quantised and at which coverage is sampled.
 pub const SUPERSAMPLING: usize = 4;
 /// Distance in places by which solid constraints reach farther than free-space constraints: under a bilinear filter the border of an
-/// opaque part shows what lies behind it, which is often a tile without colour there.
+/// opaque part shows what lies behind it, which is often a tile without colour there. A place with a free-space constraint stays
+/// empty.
 const DILATION: f32 = 1.5;
 const SOLID: u8 = 1;
 const FREE: u8 = 2;
@@ -45,14 +46,15 @@ impl ConstraintBitmap {
     }
 
     /// Returns for each texel the fraction of its places that are nearer to a solid constraint than to a free-space constraint, by
-    /// distances that differ by [`DILATION`]. Places with both kinds are covered only if they are that near to others.
+    /// distances that differ by [`DILATION`]. Places with a free-space constraint are not covered, and those with both kinds count as
+    /// neither.
     pub fn coverage(&self) -> Vec<f32> {
         let texels = self.side / SUPERSAMPLING;
         let to = |wanted: u8| squared_distances(self.side, |at| self.bits[at] == wanted);
         let (solid, free) = (to(SOLID), to(FREE));
         let mut alpha = vec![0.0; texels * texels];
         for (at, (solid, free)) in solid.iter().zip(&free).enumerate() {
-            if solid.sqrt() < free.sqrt() + DILATION {
+            if *free > 0.0 && solid.sqrt() < free.sqrt() + DILATION {
                 let (x, y) = (at % self.side / SUPERSAMPLING, at / self.side / SUPERSAMPLING);
                 alpha[y * texels + x] += 1.0 / (SUPERSAMPLING * SUPERSAMPLING) as f32;
             }
@@ -158,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn the_border_lies_halfway_and_places_with_both_kinds_count_for_neither() {
+    fn the_border_lies_behind_halfway_and_places_with_both_kinds_count_for_neither() {
         let mut bitmap = ConstraintBitmap::new(4);
         bitmap.add([0.0, 1.0], ConstraintKind::Solid);
         bitmap.add([3.0, 1.0], ConstraintKind::FreeSpace);
@@ -166,6 +168,6 @@ mod tests {
         bitmap.add([2.0, 1.0], ConstraintKind::Solid);
         bitmap.add([2.0, 1.0], ConstraintKind::FreeSpace);
         let alpha = bitmap.coverage();
-        assert_eq!(alpha[..4].iter().map(|alpha| (alpha * 16.0).round()).collect::<Vec<_>>(), [16.0, 16.0, 0.0, 0.0]);
+        assert_eq!(alpha[..4].iter().map(|alpha| (alpha * 16.0).round()).collect::<Vec<_>>(), [16.0, 16.0, 5.0, 0.0]);
     }
 }
