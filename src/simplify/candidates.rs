@@ -11,10 +11,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::energy::{EnergyKind, WeightedPoint};
-use super::fit::{FitBounds, TilePlane, fit_plane};
+use super::fit::{FitBounds, fit_plane};
 use super::fit_displacement::fit_displacement;
 use super::points::MergedPoint;
 use super::shading::ShortCuts;
+use super::tile_plane::TilePlane;
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell, direction};
 use codec::effort::Effort;
 use codec::error::Result;

@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::candidates::{CandidateLevel, Extent, Tiling};
-use super::fit::TilePlane;
+use super::tile_plane::TilePlane;
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell, direction};
 use codec::image::Face;
 

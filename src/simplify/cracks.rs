@@ -46,12 +46,18 @@ pub struct Closed {
     pub translucent: u64,
 }
 
-/// Returns pictures of all directions from an eye in the region. Pixels in directions without surfaces count as covered.
-pub fn pictures(scene: &QuadMesh, region: &ViewingRegion, seen: &SeenDirections, eye: DVec3) -> Result<Vec<Coverage>> {
+/// Returns pictures of all directions from an eye in the region. Pixels with at least this alpha, and those in directions without
+/// surfaces, count as covered.
+pub fn pictures(
+    scene: &QuadMesh,
+    region: &ViewingRegion,
+    seen: &SeenDirections,
+    (eye, alpha): (DVec3, f32),
+) -> Result<Vec<Coverage>> {
     let picture = |face: Face| {
         let camera = |eye: DVec3| Camera::with_axes(eye, face.axes(), Lens::new(90.0));
         let size = [EYE_SIDE; 2];
-        let covered = covered(scene, &camera(region.middle + eye)?, size);
+        let covered = covered(scene, &camera(region.middle + eye)?, size, alpha);
         let mut picture = Coverage { camera: camera(eye)?, size, covered };
         picture.cover(|ray| !seen.contains(ray.direction()));
         Ok(picture)
@@ -63,16 +69,16 @@ pub fn pictures(scene: &QuadMesh, region: &ViewingRegion, seen: &SeenDirections,
 /// meet a tile count as covered.
 pub fn picture(scene: &QuadMesh, region: &ViewingRegion, tiles: &TileSet, image: &CaptureImage) -> Option<Coverage> {
     let CaptureImage { camera: Some(camera), size, .. } = *image else { return None };
-    let covered = covered(scene, &camera, size);
+    let covered = covered(scene, &camera, size, CRACK_ALPHA);
     let mut picture = Coverage { camera: camera.moved(-region.middle), size, covered };
     picture.cover(|ray| tiles.is_crossed(ray));
     Some(picture).filter(|picture| picture.gaps().next().is_some())
 }
 
-/// Returns true for each pixel that is not a crack, in row-major order.
-pub(super) fn covered(scene: &QuadMesh, camera: &Camera, size: [u32; 2]) -> Vec<bool> {
+/// Returns true for each pixel with at least this alpha, in row-major order.
+pub(super) fn covered(scene: &QuadMesh, camera: &Camera, size: [u32; 2], wanted: f32) -> Vec<bool> {
     let mut raster = AlphaRaster::new(scene, camera, size);
-    raster.draw(scene, CRACK_ALPHA).iter().map(|alpha| *alpha >= CRACK_ALPHA).collect()
+    raster.draw(scene, wanted).iter().map(|alpha| *alpha >= wanted).collect()
 }
 
 /// Choice of the tile along a ray that is made opaque.

@@ -4,8 +4,8 @@
 //! surface ten times as far away moves a tenth as much when the eye moves, and nothing is visible where colour does not change. The
 //! default energy is the squared displacement in pictures from the region, weighted by contrast.
 
-use super::fit::TilePlane;
 use super::points::MergedPoint;
+use super::tile_plane::TilePlane;
 use glam::DVec3;
 
 /// Displacement in pixels at which the energy reaches half of its bound: farther away, a wrong place is not more wrong.

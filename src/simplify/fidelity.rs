@@ -220,7 +220,7 @@ pub fn random_poses(scene: &QuadMesh, region: &ViewingRegion, seen: &SeenDirecti
         // The camera cannot be created if the eye is so far away that adjacent floats are metres apart.
         let Ok(camera) = Camera::look_at(eye, eye + forward, DVec3::Y, Lens::new(90.0)) else { break };
         score.poses += 1;
-        for (at, is_covered) in (0..).zip(covered(scene, &camera, size)) {
+        for (at, is_covered) in (0..).zip(covered(scene, &camera, size, CRACK_ALPHA)) {
             let centre = [at % POSE_SIDE, at / POSE_SIDE].map(|at| (f64::from(at) + 0.5) / f64::from(POSE_SIDE));
             if seen.contains(camera.direction(centre)) {
                 score.pixels += 1;

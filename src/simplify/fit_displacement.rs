@@ -6,7 +6,8 @@
 use glam::{DMat3, DVec3};
 
 use super::energy::{EnergyKind, WeightedPoint};
-use super::fit::{FitBounds, TilePlane};
+use super::fit::FitBounds;
+use super::tile_plane::TilePlane;
 
 /// Number of rounds of reweighting.
 const ROUNDS: usize = 3;

@@ -52,6 +52,7 @@ pub mod texture_filter;
 pub mod texture_sizes;
 pub mod textures;
 pub mod texturing;
+pub mod tile_plane;
 pub mod tiles;
 pub mod tree;
 

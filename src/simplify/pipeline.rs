@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::capture::Capture;
 use super::cost::ViewShares;
-use super::cracks::{self, PlacedTiles};
+use super::cracks::{self, CRACK_ALPHA, OPAQUE_ALPHA, PlacedTiles};
 use super::fidelity::{self, Evaluation};
 use super::gaps::{Account, Extensions, SeenDirections};
 use super::gbuffer::{SurfaceAtlas, TexturedTiles};
@@ -193,15 +193,15 @@ pub fn texture(
     }
     // Unless there is a surface in all directions, a gap cannot be distinguished from empty space.
     let eyes = if settings.background == Background::Sky { region.eyes() } else { Vec::new() };
-    let pictures = |scene: &QuadMesh| -> Result<Vec<_>> {
+    let pictures = |scene: &QuadMesh, alpha: f32| -> Result<Vec<_>> {
         let each = eyes.par_iter().map(|&eye| {
             monitor.check()?;
-            cracks::pictures(scene, &region, &seen, eye)
+            cracks::pictures(scene, &region, &seen, (eye, alpha))
         });
         Ok(each.collect::<Result<Vec<_>>>()?.concat())
     };
     let mut extensions = Extensions::new(&tiles);
-    pictures(&coarse.scene)?.iter().for_each(|picture| extensions.add(picture));
+    pictures(&coarse.scene, CRACK_ALPHA)?.iter().for_each(|picture| extensions.add(picture));
     let of_image = |image| {
         monitor.check()?;
         Ok(cracks::picture(&coarse.scene, &region, &tiles, image))
@@ -233,7 +233,7 @@ pub fn texture(
         scene.runs.clear();
     }
     let placed = PlacedTiles { tiles: &tiles, layout: &layout };
-    counters.closed_cracks += placed.close_in_pictures(&pictures(&scene)?, &mut scene);
+    counters.closed_cracks += placed.close_in_pictures(&pictures(&scene, OPAQUE_ALPHA)?, &mut scene);
     for image in images {
         monitor.check()?;
         let closed = placed.close_in_image(capture, image, &rules, &mut scene)?;

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::candidates::CandidateLevel;
 use super::cost::CostModel;
-use super::fit::TilePlane;
 use super::selection::SelectedTiling;
+use super::tile_plane::TilePlane;
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell, direction, project};
 use codec::image::Face;
 use scene::mesh::{Bvh, Ray};

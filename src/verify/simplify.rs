@@ -21,7 +21,6 @@ use simplify::capture::{Capture, CaptureImage};
 use simplify::constraints::ConstraintKind;
 use simplify::cost::{CostModel, TextureCoordinates};
 use simplify::fidelity::Evaluation;
-use simplify::fit::TilePlane;
 use simplify::pipeline::{Simplified, simplify};
 use simplify::samples::{Background, Sample};
 use simplify::selection::{Budgets, SelectedTiling};
@@ -30,6 +29,7 @@ use simplify::shading::{LightBuffer, ShortCuts};
 use simplify::silhouettes::ConstraintBitmap;
 use simplify::texture_filter::TextureFilter;
 use simplify::textures::{TextureBuilder, TileTextures};
+use simplify::tile_plane::TilePlane;
 use simplify::tiles::TileSet;
 use simplify::tree::TreeCell;
 
