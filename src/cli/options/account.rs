@@ -3,8 +3,9 @@
 use clap::Args;
 use serde::Serialize;
 
+use crate::global::{EXIT_INTERRUPTED, exit_code};
 use crate::{GlobalArgs, output};
-use codec::error::{Error, Result};
+use codec::error::Result;
 use footage::account::Account;
 
 /// Maximum number of sentences that are printed without `--verbose`.
@@ -54,9 +55,9 @@ impl AccountArgs {
         }
     }
 
-    /// Prints the account of an input whose use failed; returns the result as it is.
+    /// Prints the account of an input whose use failed, unless a signal stopped it; returns the result as it is.
     pub fn print_if_failed<T>(&self, result: Result<T>, account: &Account, global: &GlobalArgs) -> Result<T> {
-        if result.as_ref().is_err_and(|error| !matches!(error, Error::Interrupted)) {
+        if result.as_ref().is_err_and(|error| exit_code(error) != EXIT_INTERRUPTED) {
             self.print(account, global);
         }
         result
