@@ -46,7 +46,7 @@ pub struct CandidateSettings {
 
 /// Energy of each further tile of a cell, relative to the weight of the cell's points: tiles that overlap end at silhouettes, which
 /// are less accurate than planes. In squared pixels.
-const OVERLAP_PX2: f64 = 0.01;
+const OVERLAP_PX2: f64 = 0.003;
 
 impl CandidateSettings {
     pub fn of(effort: Effort, energy: EnergyKind) -> CandidateSettings {

@@ -87,7 +87,7 @@ impl<'a> ConstraintFinder<'a> {
     }
 
     fn constraint(&self, at: [f64; 2], tile: u32, sample: Option<u32>) -> Constraint {
-        let at = self.tiles.tiles[tile as usize].texture_position(at).map(|at| at as f32);
+        let at = self.tiles.texture_position(tile, at).map(|at| at as f32);
         Constraint { tile, at, sample }
     }
 

@@ -12,8 +12,9 @@ use codec::image::Face;
 
 /// F of Seurat 4: number of 90-degree views whose mean overdraw is bounded.
 pub const VIEWS: usize = 126;
-/// Maximum error of affine texture coordinates along one axis, in texels. On both axes together it is half a texel.
-const AXIS_ERROR_TEXELS: f64 = 0.35;
+/// Maximum ratio of the depths of a part's ends along its columns or rows. With affine texture coordinates, its texels are up to a
+/// quarter denser than projective ones at one end, and as much sparser at the other.
+const MAX_DEPTH_RATIO: f64 = 1.5;
 /// Maximum number of columns or rows that a tile is divided into. A tile with as many has so many triangles that it is not
 /// selected.
 pub const MAX_PARTS: u32 = 1024;
@@ -89,7 +90,7 @@ impl SparseShares {
 }
 
 /// Returns forward, right and down of each view: the faces of the cube, then directions on a spiral.
-fn view_axes() -> Vec<[DVec3; 3]> {
+pub(super) fn view_axes() -> Vec<[DVec3; 3]> {
     let spiral = VIEWS - 6;
     let golden = PI * (3.0 - 5f64.sqrt());
     let turned = (0..spiral).map(|at| {
@@ -118,7 +119,7 @@ pub struct TilingCost {
 /// Mapping of textures to tiles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TextureCoordinates {
-    /// Affine on each triangle. Tiles are divided until the error is within half a texel.
+    /// Affine on each triangle. Tiles are divided by depth, so that texels are spread evenly.
     Affine,
     /// Homogeneous (Seurat 5). Tiles are not divided.
     Projective,
@@ -130,8 +131,6 @@ pub struct CostModel {
     pub extent: Extent,
     /// Points of the region's border, relative to the centre of the region.
     pub eyes: Vec<DVec3>,
-    /// Texels per unit of a face's plane.
-    pub texels_per_unit: f64,
     pub texture_coordinates: TextureCoordinates,
 }
 
@@ -170,33 +169,18 @@ impl CostModel {
         }
     }
 
-    /// Returns the numbers of columns and rows that a tile is divided into, so that affine texture coordinates are within half a
-    /// texel of the projective ones.
+    /// Returns the numbers of columns and rows that a tile is divided into for affine texture coordinates.
     pub fn divisions(&self, face: Face, rect: PlaneRect, plane: TilePlane) -> [u32; 2] {
         if self.texture_coordinates == TextureCoordinates::Projective {
             return [1, 1];
         }
-        let texels = rect.longer_side() * self.texels_per_unit;
         let corners = rect.corners().map(|corner| plane.hit(direction(face, corner)));
         let along = |pairs: [[usize; 2]; 2]| {
-            let ratio = pairs
-                .map(|[a, b]| (corners[a] / corners[b]).max(corners[b] / corners[a]))
-                .into_iter()
-                .fold(1.0, f64::max);
-            // Along a line whose ends have distances of ratio r, the coordinates differ by at most (√r − 1) / (√r + 1) of its
-            // length. Inverse distances are linear in the plane of the face, so that the part at the far end has the largest
-            // ratio. Half of the error is left to the other axis.
-            let is_off = |parts: u32| {
-                let root = (1.0 + (ratio - 1.0) / f64::from(parts)).sqrt();
-                let texels = (root - 1.0) / (root + 1.0) * texels / f64::from(parts);
-                texels.is_nan() || texels > AXIS_ERROR_TEXELS
-            };
-            let (mut below, mut parts) = (0, MAX_PARTS);
-            while parts - below > 1 {
-                let middle = below + (parts - below) / 2;
-                (below, parts) = if is_off(middle) { (middle, parts) } else { (below, middle) };
-            }
-            parts
+            let ratios = pairs.map(|[a, b]| (corners[a] / corners[b]).max(corners[b] / corners[a]));
+            // Inverse depths are linear in the plane of the face, so that the part at the far end has the largest ratio.
+            let parts = ((ratios[0].max(ratios[1]) - 1.0) / (MAX_DEPTH_RATIO - 1.0)).ceil();
+            // Without a depth at both ends, the tile has too many triangles to be selected.
+            if parts.is_finite() { (parts as u32).clamp(1, MAX_PARTS) } else { MAX_PARTS }
         };
         [along([[0, 1], [3, 2]]), along([[0, 3], [1, 2]])]
     }

@@ -163,7 +163,7 @@ impl PlacedTiles<'_> {
         let Some(at) = project(quad.cell.face, ray.at(distance)) else { return false };
         let place = layout.places[tile as usize];
         let last = f64::from(place.side - 1);
-        let [x, y] = quad.texture_position(at).map(|at| (at.clamp(0.0, 1.0) * last) as u32);
+        let [x, y] = tiles.texture_position(tile, at).map(|at| (at.clamp(0.0, 1.0) * last) as u32);
         for row in y.saturating_sub(reach)..=(y + 1 + reach).min(place.side - 1) {
             for column in x.saturating_sub(reach)..=(x + 1 + reach).min(place.side - 1) {
                 let texel = (place.corner[1] + row) * layout.size[0] + place.corner[0] + column;

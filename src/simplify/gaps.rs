@@ -172,8 +172,9 @@ impl<'a> Extensions<'a> {
     }
 
     /// Extends tiles as far as budgets allow. Returns all tiles and the number of extended ones; `None` if no tile was extended.
-    pub fn extended(self, account: &mut Account<'_>) -> Option<(TileSet, u64)> {
-        let mut order: Vec<(u32, (PlaneRect, u32))> = self.wanted.into_iter().collect();
+    pub fn extended(&self, account: &mut Account<'_>) -> Option<(TileSet, u64)> {
+        let mut order: Vec<(u32, (PlaneRect, u32))> =
+            self.wanted.iter().map(|(tile, wanted)| (*tile, *wanted)).collect();
         // Tiles that close the most gap pixels come first.
         order.sort_by_key(|&(tile, (_, pixels))| (std::cmp::Reverse(pixels), tile));
         let mut changed = self.tiles.tiles.clone();
@@ -182,7 +183,7 @@ impl<'a> Extensions<'a> {
             may_become(tile, rect) && account.replace(tile, rect)
         };
         let kept = order.iter().filter(|(tile, (rect, _))| extend(*tile, *rect)).count();
-        (kept > 0).then(|| (TileSet::in_order(changed), kept as u64))
+        (kept > 0).then(|| (self.tiles.with(changed), kept as u64))
     }
 }
 

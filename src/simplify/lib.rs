@@ -7,8 +7,9 @@
 //! 2. [`points`]: merges samples into a point cloud (4.1).
 //! 3. [`candidates`]: tilings of the cells of six quadtrees ([`tree`]), whose planes minimise an [`energy`], by [`fit_displacement`]
 //!    or, as in the paper, by [`fit`] (4.2).
-//! 4. [`cost`], [`selection`]: the tilings that keep the budgets (4.3); [`selected`] runs all stages up to this one. [`tiles`]:
-//!    the selected quads in drawing order; [`gaps`] extends them over gaps.
+//! 4. [`cost`], [`selection`], [`fill`]: the tilings that keep the budgets (4.3), of which [`overdraw`] is measured by [`budgeted`];
+//!    [`selected`] runs all stages up to this one. [`tiles`]:
+//!    the selected quads in drawing order; [`gaps`] and [`extended`] extend them over gaps.
 //! 5. [`constraints`], [`silhouettes`], [`shading`]: coverage and colour of the tiles' [`textures`] (5.1, 5.2), filtered by a
 //!    [`texture_filter`]; [`texturing`] makes a mesh from them, and [`cracks`] closes its cracks.
 //! 6. [`texture_sizes`]: one atlas of bounded size (5.3); [`quad_mesh`]: the mesh; [`gbuffer`]: atlases of normals and material;
@@ -21,6 +22,7 @@
 // Tests write their inputs with `std::fs` (`clippy.toml`).
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
+pub mod budgeted;
 pub mod candidates;
 pub mod capture;
 pub mod constraints;
@@ -28,7 +30,9 @@ pub mod cost;
 pub mod cracks;
 pub mod energy;
 pub mod export;
+pub mod extended;
 pub mod fidelity;
+pub mod fill;
 pub mod fit;
 pub mod fit_displacement;
 pub mod gaps;
@@ -36,6 +40,7 @@ pub mod gbuffer;
 pub mod geometry_bytes;
 pub mod image_measures;
 pub mod memory;
+pub mod overdraw;
 pub mod pipeline;
 pub mod points;
 pub mod quad_mesh;

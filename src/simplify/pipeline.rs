@@ -2,21 +2,19 @@
 
 use std::time::{Duration, Instant};
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::capture::Capture;
-use super::cost::ViewShares;
-use super::cracks::{self, CRACK_ALPHA, OPAQUE_ALPHA, PlacedTiles};
+use super::cracks::{OPAQUE_ALPHA, PlacedTiles};
+use super::extended::Surroundings;
 use super::fidelity::{self, Evaluation};
-use super::gaps::{Account, Extensions, SeenDirections};
+use super::gaps::SeenDirections;
 use super::gbuffer::{SurfaceAtlas, TexturedTiles};
 use super::geometry_bytes::GeometryBytes;
 use super::memory::check_textures;
-use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
+use super::quad_mesh::{AtlasLight, QuadMesh};
 use super::region::ViewingRegion;
-use super::samples::{Background, SampleRules};
-use super::selected::{Counts, Reserve, SOLID_THRESHOLD, SelectedTiles, cost_model, select};
+use super::selected::{Counts, SelectedTiles, select};
 use super::selection::Selection;
 use super::settings::{Settings, SurfaceAtlases};
 use super::shading::ShortCuts;
@@ -25,6 +23,9 @@ use super::tiles::TileSet;
 use codec::error::Result;
 use codec::monitor::Monitor;
 use footage::json;
+
+/// Fraction of rays without support above which a note says so.
+const MAX_UNSUPPORTED: f64 = 0.002;
 
 /// Durations of the stages.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
@@ -116,9 +117,10 @@ pub struct Simplified {
     pub surfaces: Option<SurfaceAtlas>,
     pub region: ViewingRegion,
     pub selection: Selection,
-    pub reserve: Reserve,
-    /// Triangles, area in spheres, and the overdraw of the view with the most.
+    /// Triangles, area in spheres, and the measured overdraw of the view with the most.
     pub used: [f64; 3],
+    /// Fraction of the rays from eyes in the region that meet no surface that a camera has seen; `None` without a sky.
+    pub unsupported: Option<f64>,
     pub counts: Counts,
     pub tiles: u64,
     pub atlas: [u32; 2],
@@ -159,67 +161,38 @@ pub fn texture(
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Simplified> {
-    let SelectedTiles { region, extent, surface_m, seen, tiles, selection, reserve, counts, durations, mut notes } =
-        selected;
-    let [merge, candidates, of_selection] = durations;
-    let mut stages = Stages { merge, candidates, selection: of_selection, ..Stages::default() };
-    let mut counters =
-        Counters { dropped_samples: counts.dropped_samples, fitted_cells: counts.fitted_cells, ..Counters::default() };
-    let mut tiles = TileSet::in_order(tiles);
-    let rules = SampleRules { region: &region, background: settings.background, inside: settings.inside };
-    let solid_threshold = solid_threshold(capture, &mut notes);
-    let texels_per_unit = settings.texels_per_unit(capture);
-    let model = cost_model(extent, &region, settings, texels_per_unit);
-    let shares = ViewShares::of_trees();
-    let is_short = settings.short_cuts == ShortCuts::Taken;
-    let light = if is_short { settings.light } else { AtlasLight::HalfFloats };
-    let images = 0..capture.images.len();
-    let texturing = Texturing {
-        rules,
-        solid_threshold,
-        pixel_step: 1,
-        texels_per_unit,
-        form: MeshForm { middle: region.middle, coordinates: settings.texture_coordinates, light },
-        atlas: settings.atlas,
-        sizing: settings.sizing,
-        filter: settings.texture_filter,
-        short_cuts: settings.short_cuts,
+    let SelectedTiles {
+        region,
+        surface_m,
+        seen,
+        tiles,
+        selection,
+        used,
+        unsupported,
+        counts,
+        durations,
+        mut notes,
+        ..
+    } = selected;
+    let [merge, candidates, of_selection, gaps] = durations;
+    let mut stages = Stages { merge, candidates, selection: of_selection, gaps, ..Stages::default() };
+    let mut counters = Counters {
+        dropped_samples: counts.dropped_samples,
+        fitted_cells: counts.fitted_cells,
+        extended_tiles: counts.extended_tiles,
+        ..Counters::default()
     };
+    let tiles = TileSet::in_order(tiles, settings.texture_coordinates);
+    let texturing = Texturing::new(capture, settings, &region, &mut notes);
+    if let Some(share) = unsupported.filter(|share| *share > MAX_UNSUPPORTED) {
+        notes.push(format!(
+            "{:.1}% of the rays from the viewing region meet no surface that a camera has seen, and show what is behind or \
+            beside it: capture from more places (the paper from 32 to 64: `uniform` of place makes them), or set a smaller `region`",
+            100.0 * share
+        ));
+    }
+    let Texturing { rules, solid_threshold, .. } = texturing;
     check_textures(capture, &texturing.sides(&tiles), settings)?;
-    let begun = Instant::now();
-    let mut coarse = texturing.coarse().run(&tiles, capture, monitor)?;
-    if !is_short {
-        coarse.scene.runs.clear();
-    }
-    // Unless there is a surface in all directions, a gap cannot be distinguished from empty space.
-    let eyes = if settings.background == Background::Sky { region.eyes() } else { Vec::new() };
-    let pictures = |scene: &QuadMesh, alpha: f32| -> Result<Vec<_>> {
-        let each = eyes.par_iter().map(|&eye| {
-            monitor.check()?;
-            cracks::pictures(scene, &region, &seen, (eye, alpha))
-        });
-        Ok(each.collect::<Result<Vec<_>>>()?.concat())
-    };
-    let mut extensions = Extensions::new(&tiles);
-    pictures(&coarse.scene, CRACK_ALPHA)?.iter().for_each(|picture| extensions.add(picture));
-    let of_image = |image| {
-        monitor.check()?;
-        Ok(cracks::picture(&coarse.scene, &region, &tiles, image))
-    };
-    // Few pictures at once, because each has the pixels of an image.
-    for images in capture.images.chunks(rayon::current_num_threads()) {
-        let pictures: Vec<_> = images.par_iter().map(of_image).collect::<Result<_>>()?;
-        pictures.iter().flatten().for_each(|picture| extensions.add(picture));
-    }
-    drop(coarse);
-    let mut used = selection.used;
-    let mut account = Account { model: &model, shares: &shares, used, capacity: settings.budgets.capacity() };
-    if let Some((extended, count)) = extensions.extended(&mut account) {
-        (tiles, used, counters.extended_tiles) = (extended, account.used, count);
-        check_textures(capture, &texturing.sides(&tiles), settings)?;
-    }
-    drop(shares);
-    stages.gaps += begun.elapsed();
     let textured = texturing.run(&tiles, capture, monitor)?;
     stages.add(&textured);
     counters.add(&textured);
@@ -229,12 +202,13 @@ pub fn texture(
     counters.float_texels = scene.light.as_ref().map_or(0, Vec::len) as u64;
     // Without runs, all triangles are blended.
     let runs = scene.runs.clone();
-    if !is_short {
+    if settings.short_cuts == ShortCuts::Off {
         scene.runs.clear();
     }
     let placed = PlacedTiles { tiles: &tiles, layout: &layout };
-    counters.closed_cracks += placed.close_in_pictures(&pictures(&scene, OPAQUE_ALPHA)?, &mut scene);
-    for image in images {
+    let seams = Surroundings { region: &region, seen: &seen, background: settings.background };
+    counters.closed_cracks += placed.close_in_pictures(&seams.pictures(&scene, OPAQUE_ALPHA, monitor)?, &mut scene);
+    for image in 0..capture.images.len() {
         monitor.check()?;
         let closed = placed.close_in_image(capture, image, &rules, &mut scene)?;
         counters.closed_cracks += closed.cracks;
@@ -265,35 +239,14 @@ pub fn texture(
         tiles: tiles.tiles.len() as u64,
         atlas: layout.size,
         used_texels: layout.places.iter().map(|place| u64::from(place.side).pow(2)).sum(),
-        used: [used[0], used[1], used[2..].iter().copied().fold(0.0, f64::max)],
+        used,
+        unsupported,
         selection,
-        reserve,
         stages,
         counters,
         seen,
         notes,
     })
-}
-
-/// Returns the relative distance within which a tile counts as a sample's surface, which is at least the depth error of the
-/// capture.
-fn solid_threshold(capture: &Capture, notes: &mut Vec<String>) -> f64 {
-    match capture.relative_depth_error {
-        Some(error) if error <= SOLID_THRESHOLD => SOLID_THRESHOLD,
-        Some(error) => {
-            notes.push(format!(
-                "the depth of the container has errors up to {:.2}%: a tile within that distance of a sample counts \
-                as its surface, instead of {:.0}%",
-                100.0 * error,
-                100.0 * SOLID_THRESHOLD
-            ));
-            error
-        }
-        None => {
-            notes.push("the depth of the container has no error bound".into());
-            SOLID_THRESHOLD
-        }
-    }
 }
 
 #[cfg(test)]

@@ -66,6 +66,25 @@ impl QuadMesh {
         scene
     }
 
+    /// Returns the triangles of tiles, relative to the centre of the region and transparent.
+    pub fn of_shapes(tiles: &TileSet) -> QuadMesh {
+        let texture = ImageTexture { width: 1, height: 1, pixels: vec![[0; 4]], wrap: [Wrap::Clamp; 2] };
+        let mut scene = QuadMesh {
+            mesh: Mesh::default(),
+            texture: Arc::new(texture),
+            stq: Vec::new(),
+            light: None,
+            runs: Vec::new(),
+        };
+        let form = MeshForm { middle: DVec3::ZERO, coordinates: TextureCoordinates::Affine, light: AtlasLight::Codes };
+        for tile in &tiles.tiles {
+            // A quad counts once, however it is divided.
+            let whole = QuadTile { divisions: [1, 1], ..*tile };
+            scene.add_triangles(&whole, Place { side: 1, corner: [0; 2] }, [1; 2], &form);
+        }
+        scene
+    }
+
     /// Moves all corners that lie outside of a cube to its surface, towards its centre. Pictures from the centre do not change.
     pub fn pull_in(&mut self, middle: DVec3, half_m: f64) {
         for (at, position) in self.mesh.positions.iter_mut().enumerate() {

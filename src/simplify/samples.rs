@@ -29,6 +29,11 @@ pub struct Sample {
 /// sparkles on surfaces behind it.
 const BORDER_WEIGHT: f32 = 1e-3;
 
+/// Standard deviation, in degrees, of the angle to rays from the centre in the weights of [`BakedLight::Center`].
+const DIRECTION_DEVIATION_DEG: f64 = 5.0;
+/// Least weight of the colour of a direction, which is more than that of border pixels.
+const MIN_DIRECTION_WEIGHT: f64 = 0.01;
+
 /// Meaning of pixels at infinite distance.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Background {
@@ -47,6 +52,31 @@ pub enum Inside {
     Refuse,
     /// They are left out and counted.
     Drop,
+}
+
+/// Light that is baked into textures where cameras see different light of the same place.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum BakedLight {
+    /// Mean of all cameras.
+    #[default]
+    Mean,
+    /// That towards the centre of the region: cameras weigh less the more their rays turn away from those of the centre.
+    Center,
+}
+
+impl BakedLight {
+    /// Returns the weight of a sample.
+    fn weight(self, sample: &Sample) -> f32 {
+        match self {
+            BakedLight::Mean => 1.0,
+            BakedLight::Center => {
+                let along = sample.end - sample.origin;
+                let angle = along.angle_between(sample.end);
+                let turns = angle / DIRECTION_DEVIATION_DEG.to_radians();
+                ((-0.5 * turns * turns).exp() + MIN_DIRECTION_WEIGHT) as f32
+            }
+        }
+    }
 }
 
 /// Choice of the pixels of an image that are sampled.
@@ -73,6 +103,7 @@ pub struct SampleRules<'a> {
     pub region: &'a ViewingRegion,
     pub background: Background,
     pub inside: Inside,
+    pub baked: BakedLight,
 }
 
 impl SampleRules<'_> {
@@ -135,7 +166,7 @@ impl SampleRules<'_> {
         let wanted = rays.of_pixels(|pixel| pixels.contains(pixel, width));
         let left_out = self.each(capture, image, wanted, |sample| {
             let weight = if borders[sample.pixel as usize] { BORDER_WEIGHT } else { 1.0 };
-            samples.push(Sample { weight, ..sample });
+            samples.push(Sample { weight: weight * self.baked.weight(&sample), ..sample });
         })?;
         Ok((samples, left_out))
     }
@@ -216,4 +247,28 @@ fn overlapped<T: Send>(
         image += 1;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_towards_the_centre_weighs_most_and_none_vanishes() {
+        let sample = |origin: DVec3| Sample {
+            pixel: 0,
+            origin,
+            end: DVec3::new(0.0, 0.0, -4.0),
+            color: [1.0; 3],
+            is_surface: true,
+            weight: 1.0,
+        };
+        let weights = [0.0, 0.1, 0.35, 4.0].map(|x| BakedLight::Center.weight(&sample(DVec3::new(x, 0.0, 0.0))));
+        assert!(weights.is_sorted_by(|a, b| a > b) && weights[3] > 2.0 * BORDER_WEIGHT, "{weights:?}");
+        // 5 degrees: one standard deviation.
+        assert!((weights[2] - (-0.5f32).exp() - 0.01).abs() < 1e-2, "{weights:?}");
+        // Along the ray of the centre nothing changes.
+        assert_eq!(BakedLight::Center.weight(&sample(DVec3::new(0.0, 0.0, -2.0))), weights[0]);
+        assert_eq!(BakedLight::Mean.weight(&sample(DVec3::X)), 1.0);
+    }
 }

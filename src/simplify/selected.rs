@@ -5,19 +5,22 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 
+use super::budgeted::Budgeted;
 use super::candidates::{CandidateSettings, Extent, candidates};
 use super::capture::Capture;
 use super::cost::{CostModel, MAX_PARTS, ViewShares};
-use super::energy::EnergyKind;
+use super::extended::{ExtendedTiles, Extender, Surroundings};
 use super::gaps::SeenDirections;
 use super::gbuffer;
+use super::overdraw::OverdrawMeter;
 use super::points::PointMerger;
 use super::region::ViewingRegion;
 use super::samples::SampleRules;
-use super::selection::{Bounds, CONSTRAINTS, Problem, SelectedTiling, Selection};
+use super::selection::{Bounds, CONSTRAINTS, SelectedTiling, Selection};
 use super::settings::{Settings, SurfaceAtlases, TilingKind};
+use super::texturing::Texturing;
 use super::tile_plane::TilePlane;
-use super::tiles::{QuadTile, TileSet};
+use super::tiles::QuadTile;
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell};
 use codec::effort::Effort;
 use codec::error::{Error, Result};
@@ -32,15 +35,9 @@ const UNIFORM_LEVEL: u32 = 6;
 const MIN_CELL_PIXELS: f64 = 4.0;
 /// Relative distance to a sample within which a tile counts as the sample's surface (Seurat 5.1).
 pub(super) const SOLID_THRESHOLD: f64 = 0.01;
-/// Fraction of the budgets that selection reserves for gaps.
-const GAP_SHARE: f64 = 0.1;
-/// Maximum ratio of the energy with that reserve to the energy without it. Beyond this ratio errors are twice as large, which is
-/// more visible than gaps. Errors below the solid threshold do not count.
-const GAP_ENERGY: f64 = 4.0;
-/// Mean squared displacement in pixels that does not count.
-const SMALL_PX2: f64 = 0.01;
-/// Divisor of the number of iterations that estimate the energy without the reserve.
-const GAP_ITERATIONS: usize = 8;
+/// Fraction of the budgets that is left for tiles that are extended over gaps. With more, tiles are fewer and larger, and leave more
+/// gaps than can be closed.
+const GAP_SHARE: f64 = 0.03;
 
 const _: () = assert!(UNIFORM_LEVEL <= MAX_LEVEL);
 
@@ -54,12 +51,13 @@ pub struct Counts {
     pub candidates: u64,
     /// Number of tree cells with samples.
     pub fitted_cells: u64,
+    /// Number of tiles that were extended over gaps.
+    pub extended_tiles: u64,
 }
 
 #[derive(Debug, Clone)]
 pub struct SelectedTiles {
     pub region: ViewingRegion,
-    pub extent: Extent,
     /// Greatest coordinate of the surfaces relative to the centre of the region, in metres, without the sky; 0 without surfaces.
     pub surface_m: f64,
     /// Directions in which the capture has surfaces.
@@ -67,20 +65,14 @@ pub struct SelectedTiles {
     /// Tiles in drawing order.
     pub tiles: Vec<QuadTile>,
     pub selection: Selection,
-    pub reserve: Reserve,
+    /// Triangles, area in spheres, and the measured overdraw of the view with the most.
+    pub used: [f64; 3],
+    /// Fraction of the rays from eyes in the region that meet no surface that a camera has seen; `None` without a sky.
+    pub unsupported: Option<f64>,
     pub counts: Counts,
-    /// Durations of merging, candidates and selection.
-    pub durations: [Duration; 3],
+    /// Durations of merging, candidates, selection, and extension over gaps.
+    pub durations: [Duration; 4],
     pub notes: Vec<String>,
-}
-
-/// Reserve of the budgets for tiles that are extended over gaps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reserve {
-    /// Fraction of each budget, 0 to 1.
-    pub share: f64,
-    /// Lower bound of the energy of selections within the whole budgets.
-    pub dual: f64,
 }
 
 /// Supported radii of viewing regions, in metres.
@@ -93,7 +85,12 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     }
     let mut notes = Vec::new();
     let region = viewing_region(capture, settings, &mut notes)?;
-    let rules = SampleRules { region: &region, background: settings.background, inside: settings.inside };
+    let rules = SampleRules {
+        region: &region,
+        background: settings.background,
+        inside: settings.inside,
+        baked: settings.baked,
+    };
 
     let begun = Instant::now();
     let mut merger = PointMerger::new(MAX_POINTS);
@@ -114,7 +111,6 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     let points = merger.finish();
     let merged = begun.elapsed();
 
-    let texels_per_unit = settings.texels_per_unit(capture);
     let extent = Extent {
         min_m: region.min_m(),
         max_m: farthest_m,
@@ -136,49 +132,53 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
         points: points.len() as u64,
         candidates: cells().flatten().map(|tiling| tiling.planes.len() as u64).sum(),
         fitted_cells: cells().filter(|tilings| !tilings.is_empty()).count() as u64,
+        extended_tiles: 0,
     };
     let fitted = begun.elapsed();
     monitor.check()?;
 
-    let model = cost_model(extent, &region, settings, texels_per_unit);
+    let model = cost_model(extent, &region, settings);
     let costs = model.costs(&levels);
     let shares = ViewShares::of_trees();
-    let (iterations, gap) = match settings.effort {
+    let effort = match settings.effort {
         Effort::Fast => (200, 1e-2),
         Effort::Normal => (600, 1e-3),
         Effort::Exhaustive => (3000, 1e-5),
     };
-    let problem = |share: f64| {
-        let budgets = settings.budgets.scaled(1.0 - share);
-        Problem::new(&costs, fitting.levels[0], &shares, &budgets)
+    let meter = OverdrawMeter::new(region.border());
+    let budgeted = Budgeted {
+        levels: &levels,
+        costs: &costs,
+        shares: &shares,
+        model: &model,
+        meter: &meter,
+        budgets: settings.budgets,
+        effort,
     };
-    let select = |share: f64, iterations: usize| problem(share).solve(iterations, gap, monitor);
-    let reserved = select(GAP_SHARE, iterations);
-    let small = match settings.energy {
-        EnergyKind::Paper => SOLID_THRESHOLD * SOLID_THRESHOLD * samples as f64,
-        EnergyKind::Picture => SMALL_PX2 * points.iter().map(|point| point.contrast).sum::<f64>(),
-    };
-    let least = || -> Result<f64> { Ok(select(0.0, iterations / GAP_ITERATIONS)?.primal) };
-    let (share, selection) = match reserved {
-        Err(Error::Interrupted) => return Err(Error::Interrupted),
-        Ok(reserved) if reserved.primal <= small || reserved.primal <= GAP_ENERGY * least()? => (GAP_SHARE, reserved),
-        _ => (0.0, select(0.0, iterations)?),
-    };
-    let reserve = Reserve { share, dual: problem(0.0).bound(&selection.prices) };
     let seen = SeenDirections::new(points.iter().map(|point| point.position.as_dvec3()));
-    let tiles = TileSet::new(&selection.tilings, &levels, &model).tiles;
-    let durations = [merged, fitted - merged, begun.elapsed() - fitted];
-    Ok(SelectedTiles { region, extent, surface_m, seen, tiles, selection, reserve, counts, durations, notes })
+    drop(points);
+    let extender = Extender {
+        texturing: Texturing::new(capture, settings, &region, &mut Vec::new()),
+        surroundings: Surroundings { region: &region, seen: &seen, background: settings.background },
+        model: &model,
+        shares: &shares,
+        meter: &meter,
+        settings,
+    };
+    let selected = match budgeted.select(GAP_SHARE, monitor) {
+        Err(Error::Usage(_)) => budgeted.select(0.0, monitor)?,
+        selected => selected?,
+    };
+    let chosen = begun.elapsed();
+    let ExtendedTiles { selection, tiles, used, count, unsupported } = extender.extend(selected, capture, monitor)?;
+    let counts = Counts { extended_tiles: count, ..counts };
+    let durations = [merged, fitted - merged, chosen - fitted, begun.elapsed() - chosen];
+    let tiles = tiles.tiles;
+    Ok(SelectedTiles { region, surface_m, seen, tiles, selection, used, unsupported, counts, durations, notes })
 }
 
-pub(super) fn cost_model(
-    extent: Extent,
-    region: &ViewingRegion,
-    settings: &Settings,
-    texels_per_unit: f64,
-) -> CostModel {
-    let texture_coordinates = settings.texture_coordinates;
-    CostModel { extent, eyes: region.border(), texels_per_unit, texture_coordinates }
+pub(super) fn cost_model(extent: Extent, region: &ViewingRegion, settings: &Settings) -> CostModel {
+    CostModel { extent, eyes: region.border(), texture_coordinates: settings.texture_coordinates }
 }
 
 /// Returns the viewing region of a capture. Notes state how it was determined.
@@ -222,16 +222,16 @@ fn viewing_region(capture: &mut Capture, settings: &Settings, notes: &mut Vec<St
 impl SelectedTiles {
     /// Serialises all fields except the region and the notes.
     pub fn to_words(&self) -> Vec<u64> {
-        let Selection { tilings, primal, dual, prices, iterations, convergence, used } = &self.selection;
-        let Counts { samples, dropped_samples, points, candidates, fitted_cells } = self.counts;
-        let mut words = vec![samples, dropped_samples, points, candidates, fitted_cells];
+        let Selection { tilings, primal, dual, prices, iterations, convergence, used, capacity } = &self.selection;
+        let Counts { samples, dropped_samples, points, candidates, fitted_cells, extended_tiles } = self.counts;
+        let mut words = vec![samples, dropped_samples, points, candidates, fitted_cells, extended_tiles];
         words.extend(self.durations.map(|duration| duration.as_nanos() as u64));
-        let Extent { min_m, max_m, margin, sway_px_m } = self.extent;
-        words.extend([min_m, max_m, margin, sway_px_m, self.surface_m].map(f64::to_bits));
+        words.push(self.surface_m.to_bits());
+        words.extend(self.used.map(f64::to_bits));
+        // No fraction is below 0.
+        words.push(self.unsupported.unwrap_or(-1.0).to_bits());
         words.extend([primal.to_bits(), dual.to_bits(), *iterations as u64]);
-        words.extend([self.reserve.share, self.reserve.dual].map(f64::to_bits));
-        words.extend(prices.map(f64::to_bits));
-        words.extend(used.map(f64::to_bits));
+        words.extend([prices, used, capacity].into_iter().flatten().map(|value| value.to_bits()));
         words.push(convergence.len() as u64);
         words.extend(convergence.iter().flat_map(|bounds| [bounds.dual.to_bits(), bounds.primal.to_bits()]));
         words.push(tilings.len() as u64);
@@ -307,15 +307,16 @@ fn read(words: &mut Words<'_>, region: ViewingRegion, notes: Vec<String>) -> Opt
         points: words.word()?,
         candidates: words.word()?,
         fitted_cells: words.word()?,
+        extended_tiles: words.word()?,
     };
-    let durations = [words.word()?, words.word()?, words.word()?].map(Duration::from_nanos);
-    let [min_m, max_m, margin, sway_px_m] = words.floats()?;
-    let extent = Extent { min_m, max_m, margin, sway_px_m };
+    let durations = [words.word()?, words.word()?, words.word()?, words.word()?].map(Duration::from_nanos);
     let surface_m = words.float()?;
+    let used_in_all = words.floats()?;
+    let unsupported = words.float().map(|share| Some(share).filter(|share| *share >= 0.0))?;
     let (primal, dual, iterations) = (words.float()?, words.float()?, words.word()? as usize);
-    let reserve = Reserve { share: words.float()?, dual: words.float()? };
     let prices = words.floats::<CONSTRAINTS>()?;
     let used = words.floats::<CONSTRAINTS>()?;
+    let capacity = words.floats::<CONSTRAINTS>()?;
     let convergence = words.list(|words| Some(Bounds { dual: words.float()?, primal: words.float()? }))?;
     let tilings = words.list(|words| Some(SelectedTiling { cell: words.cell()?, tiling: words.word()? as usize }))?;
     let tiles = words.list(|words| {
@@ -329,6 +330,17 @@ fn read(words: &mut Words<'_>, region: ViewingRegion, notes: Vec<String>) -> Opt
         (is_met && tile.divisions.iter().all(|parts| (1..=MAX_PARTS).contains(parts))).then_some(tile)
     })?;
     let seen = SeenDirections::of_words(words.0.as_slice())?;
-    let selection = Selection { tilings, primal, dual, prices, iterations, convergence, used };
-    Some(SelectedTiles { region, extent, surface_m, seen, tiles, selection, reserve, counts, durations, notes })
+    let selection = Selection { tilings, primal, dual, prices, iterations, convergence, used, capacity };
+    Some(SelectedTiles {
+        region,
+        surface_m,
+        seen,
+        tiles,
+        selection,
+        used: used_in_all,
+        unsupported,
+        counts,
+        durations,
+        notes,
+    })
 }

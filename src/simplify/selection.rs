@@ -10,6 +10,7 @@
 use rayon::prelude::*;
 
 use super::cost::{TilingCost, VIEWS, ViewShares};
+use super::fill::fill;
 use super::tree::{MAX_LEVEL, TreeCell};
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
@@ -25,7 +26,7 @@ pub struct Budgets {
 }
 
 /// Start of the messages about budgets that cannot be kept.
-const INFEASIBLE: &str = "no selection of tiles meets";
+pub(super) const INFEASIBLE: &str = "no selection of tiles meets";
 
 /// Returns true if a message, of this process or of another one, reports that budgets cannot be kept.
 pub fn says_infeasible(message: &str) -> bool {
@@ -97,23 +98,20 @@ pub struct Selection {
     /// Bounds before the first iteration and after each.
     pub convergence: Vec<Bounds>,
     pub used: Use,
+    pub capacity: Use,
 }
 
 impl Selection {
     /// Returns the relative gap between primal and dual.
     pub fn gap(&self) -> f64 {
-        if self.primal > 0.0 { (self.primal - self.dual) / self.primal } else { 0.0 }
+        if self.primal > 0.0 { ((self.primal - self.dual) / self.primal).max(0.0) } else { 0.0 }
     }
 
     /// Returns the names of the budgets that have a price: if they were larger, the energy would be lower. Empty if no valid
     /// tiling has less energy.
-    pub fn limits(&self, budgets: &Budgets) -> Vec<&'static str> {
-        let views: f64 = self.prices[2..].iter().sum();
-        let worth = [
-            ("triangles", self.prices[0] * budgets.triangles),
-            ("area", self.prices[1] * budgets.area),
-            ("peak_overdraw", views * budgets.peak_overdraw),
-        ];
+    pub fn limits(&self) -> Vec<&'static str> {
+        let worth: Use = std::array::from_fn(|at| self.prices[at] * self.capacity[at]);
+        let worth = [("triangles", worth[0]), ("area", worth[1]), ("peak_overdraw", worth[2..].iter().sum())];
         let all: f64 = worth.iter().map(|(_, worth)| worth).sum();
         worth.into_iter().filter(|(_, worth)| *worth > MIN_WORTH * all).map(|(name, _)| name).collect()
     }
@@ -135,12 +133,14 @@ enum Choice {
     Tiling(u8),
 }
 
-struct Solution {
+/// A valid selection.
+pub(super) struct Solution {
     /// Sum of the energies, and of the prices of the resources used.
     priced: f64,
-    tilings: Vec<SelectedTiling>,
-    energy: f64,
-    used: Use,
+    /// Selected tilings in a depth-first traversal.
+    pub tilings: Vec<SelectedTiling>,
+    pub energy: f64,
+    pub used: Use,
 }
 
 impl<'a> Problem<'a> {
@@ -148,9 +148,17 @@ impl<'a> Problem<'a> {
         costs: &'a [Vec<Vec<TilingCost>>],
         first_level: u32,
         shares: &'a ViewShares,
-        budgets: &Budgets,
+        capacity: Use,
     ) -> Problem<'a> {
-        Problem { costs, first_level, shares, capacity: budgets.capacity() }
+        Problem { costs, first_level, shares, capacity }
+    }
+
+    /// Returns the energy and use of a selected tiling.
+    pub(super) fn cost_of(&self, SelectedTiling { cell, tiling }: SelectedTiling) -> (f64, Use) {
+        let cost = &self.of_cell(cell)[tiling];
+        let mut used = [0.0; CONSTRAINTS];
+        add_cost(&mut used, self.shares.of(cell.level, cell.index()), cost, 1.0);
+        (cost.energy, used)
     }
 
     fn last_level(&self) -> u32 {
@@ -219,7 +227,7 @@ impl<'a> Problem<'a> {
         solution
     }
 
-    fn is_feasible(&self, used: &Use) -> bool {
+    pub(super) fn is_feasible(&self, used: &Use) -> bool {
         keeps(used, &self.capacity)
     }
 
@@ -328,12 +336,15 @@ impl<'a> Problem<'a> {
     }
 
     /// Finds the smallest scale of prices at which the selection is feasible, by doubling and bisection. Keeps the best selection
-    /// on the way in `primal`.
+    /// on the way in `primal`, and fills it with parts of the last one that was not feasible.
     fn feasible_scale(&self, prices: &Use, primal: &mut Option<Solution>) -> Option<f64> {
+        let mut beyond: Option<Solution> = None;
         let mut try_scale = |scale: f64| {
             let solution = self.best(&prices.map(|price| scale * price), 1.0);
             let feasible = self.is_feasible(&solution.used);
-            if feasible && primal.as_ref().is_none_or(|primal| solution.energy < primal.energy) {
+            if !feasible {
+                beyond = Some(solution);
+            } else if primal.as_ref().is_none_or(|primal| solution.energy < primal.energy) {
                 *primal = Some(solution);
             }
             feasible
@@ -352,6 +363,9 @@ impl<'a> Problem<'a> {
         for _ in 0..12 {
             let middle = 0.5 * (low + high);
             if try_scale(middle) { high = middle } else { low = middle }
+        }
+        if let (Some(primal), Some(beyond)) = (primal, beyond) {
+            fill(self, primal, &beyond, prices);
         }
         Some(high)
     }
@@ -386,7 +400,7 @@ impl<'a> Problem<'a> {
         let Solution { tilings, energy, used, .. } = solution;
         let dual = convergence.last().map_or(f64::NEG_INFINITY, |bounds| bounds.dual);
         let iterations = convergence.len().saturating_sub(1);
-        Selection { tilings, primal: energy, dual, prices, iterations, convergence, used }
+        Selection { tilings, primal: energy, dual, prices, iterations, convergence, used, capacity: self.capacity }
     }
 }
 
@@ -452,7 +466,7 @@ mod tests {
             let costs = costs(seed);
             for triangles in [2.0, 8.0, 14.0, 22.0, 1000.0] {
                 let budgets = Budgets { triangles, area: 0.4, peak_overdraw: 2.5 };
-                let problem = Problem::new(&costs, 0, &shares, &budgets);
+                let problem = Problem::new(&costs, 0, &shares, budgets.capacity());
                 let every = all(&problem, TreeCell::ROOTS[0]);
                 let best = every.iter().filter(|(_, used)| problem.is_feasible(used)).map(|(energy, _)| *energy);
                 let best = best.fold(f64::INFINITY, f64::min);
@@ -464,7 +478,7 @@ mod tests {
                 assert!(found.dual <= best + 1e-9 && best <= found.primal + 1e-9, "{found:?} {best}");
                 assert!((problem.bound(&found.prices) - found.dual).abs() <= 1e-9);
                 // Prices found for smaller budgets also give a bound for larger ones.
-                let larger = Problem::new(&costs, 0, &shares, &budgets.scaled(1.25));
+                let larger = Problem::new(&costs, 0, &shares, budgets.scaled(1.25).capacity());
                 let least = every.iter().filter(|(_, used)| larger.is_feasible(used)).map(|(energy, _)| *energy);
                 assert!(larger.bound(&found.prices) <= least.fold(f64::INFINITY, f64::min) + 1e-9);
                 cases += 1;
@@ -492,24 +506,23 @@ mod tests {
         let (costs, shares) = (of_levels([10.0, 3.0, 0.01]), ViewShares::of_trees());
         let solve = |triangles: f64| {
             let budgets = Budgets { triangles, area: 1.0, peak_overdraw: 10.0 };
-            Problem::new(&costs, 0, &shares, &budgets).solve(400, 0.0, &Silent).unwrap()
+            Problem::new(&costs, 0, &shares, budgets.capacity()).solve(400, 0.0, &Silent).unwrap()
         };
         let fine = solve(32.0);
         assert!(fine.tilings.len() == 16 && (fine.primal - 0.16).abs() < 1e-12, "{fine:?}");
         let coarse = solve(2.0);
         assert_eq!(coarse.primal, 10.0);
-        let wide = Budgets { triangles: 32.0, area: 1.0, peak_overdraw: 10.0 };
-        assert_eq!((fine.limits(&wide), coarse.limits(&wide)), (vec![], vec!["triangles"]));
-        let small = Budgets { area: 0.004, ..wide };
-        let found = Problem::new(&costs, 0, &shares, &small).solve(400, 0.0, &Silent).unwrap();
-        assert_eq!((found.tilings.len(), found.limits(&small)), (1, vec!["area"]));
+        assert_eq!((fine.limits(), coarse.limits()), (vec![], vec!["triangles"]));
+        let small = Budgets { triangles: 32.0, area: 0.004, peak_overdraw: 10.0 };
+        let found = Problem::new(&costs, 0, &shares, small.capacity()).solve(400, 0.0, &Silent).unwrap();
+        assert_eq!((found.tilings.len(), found.limits()), (1, vec!["area"]));
     }
 
     #[test]
     fn bounds_approach_each_other() {
         let (costs, shares) = (costs(3), ViewShares::of_trees());
         let budgets = Budgets { triangles: 14.0, area: 0.4, peak_overdraw: 2.5 };
-        let found = Problem::new(&costs, 0, &shares, &budgets).solve(200, 0.0, &Silent).unwrap();
+        let found = Problem::new(&costs, 0, &shares, budgets.capacity()).solve(200, 0.0, &Silent).unwrap();
         assert_eq!(found.convergence.len(), found.iterations + 1);
         assert!(found.convergence.is_sorted_by(|a, b| a.dual <= b.dual && a.primal >= b.primal));
         let last = found.convergence[found.iterations];
@@ -521,7 +534,7 @@ mod tests {
     fn a_budget_that_cannot_be_kept_is_named_with_the_least_that_can() {
         let (costs, shares) = (costs(1), ViewShares::of_trees());
         let said = |budgets: Budgets| {
-            Problem::new(&costs, 0, &shares, &budgets).solve(50, 0.0, &Silent).unwrap_err().to_string()
+            Problem::new(&costs, 0, &shares, budgets.capacity()).solve(50, 0.0, &Silent).unwrap_err().to_string()
         };
         let wide = Budgets { triangles: 1e9, area: 1e9, peak_overdraw: 1e9 };
         let few = said(Budgets { triangles: 1.0, ..wide });

@@ -4,7 +4,7 @@ use super::capture::Capture;
 use super::cost::TextureCoordinates;
 use super::energy::EnergyKind;
 use super::quad_mesh::AtlasLight;
-use super::samples::{Background, Inside};
+use super::samples::{Background, BakedLight, Inside};
 use super::selection::Budgets;
 use super::shading::ShortCuts;
 use super::texture_filter::TextureFilter;
@@ -43,6 +43,7 @@ pub struct Settings {
     pub region: Option<Region>,
     pub background: Background,
     pub inside: Inside,
+    pub baked: BakedLight,
     pub effort: Effort,
     pub energy: EnergyKind,
     pub tiling: TilingKind,
@@ -74,6 +75,7 @@ impl Default for Settings {
             region: None,
             background: Background::Sky,
             inside: Inside::Refuse,
+            baked: BakedLight::Mean,
             effort: Effort::Normal,
             energy: EnergyKind::Picture,
             tiling: TilingKind::Quadtree,

@@ -3,8 +3,11 @@
 use std::time::{Duration, Instant};
 
 use super::capture::Capture;
-use super::quad_mesh::{MeshForm, QuadMesh};
+use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
+use super::region::ViewingRegion;
 use super::samples::{PixelChoice, SampleRules};
+use super::selected::SOLID_THRESHOLD;
+use super::settings::Settings;
 use super::shading::ShortCuts;
 use super::texture_filter::TextureFilter;
 use super::texture_sizes::{BLOCK, Layout, Sizing, layout};
@@ -50,7 +53,33 @@ pub struct Textured {
     pub durations: [Duration; 3],
 }
 
-impl Texturing<'_> {
+impl<'a> Texturing<'a> {
+    /// Returns the parameters for a capture. Depth whose errors are unknown or large gets a note.
+    pub fn new(
+        capture: &Capture,
+        settings: &Settings,
+        region: &'a ViewingRegion,
+        notes: &mut Vec<String>,
+    ) -> Texturing<'a> {
+        let light = if settings.short_cuts == ShortCuts::Taken { settings.light } else { AtlasLight::HalfFloats };
+        Texturing {
+            rules: SampleRules {
+                region,
+                background: settings.background,
+                inside: settings.inside,
+                baked: settings.baked,
+            },
+            solid_threshold: solid_threshold(capture, notes),
+            pixel_step: 1,
+            texels_per_unit: settings.texels_per_unit(capture),
+            form: MeshForm { middle: region.middle, coordinates: settings.texture_coordinates, light },
+            atlas: settings.atlas,
+            sizing: settings.sizing,
+            filter: settings.texture_filter,
+            short_cuts: settings.short_cuts,
+        }
+    }
+
     /// Returns the parameters for textures of half the size, from a quarter of the samples.
     pub fn coarse(self) -> Self {
         Texturing { texels_per_unit: 0.5 * self.texels_per_unit, pixel_step: 2, ..self }
@@ -97,5 +126,26 @@ impl Texturing<'_> {
     fn side(&self, tile: &QuadTile) -> usize {
         let texels = (tile.rect.longer_side() * self.texels_per_unit).ceil().min(LARGEST_SIDE) as usize + 1;
         texels.next_multiple_of(BLOCK)
+    }
+}
+
+/// Returns the relative distance within which a tile counts as a sample's surface, which is at least the depth error of the
+/// capture.
+fn solid_threshold(capture: &Capture, notes: &mut Vec<String>) -> f64 {
+    match capture.relative_depth_error {
+        Some(error) if error <= SOLID_THRESHOLD => SOLID_THRESHOLD,
+        Some(error) => {
+            notes.push(format!(
+                "the depth of the container has errors up to {:.2}%: a tile within that distance of a sample counts \
+                as its surface, instead of {:.0}%",
+                100.0 * error,
+                100.0 * SOLID_THRESHOLD
+            ));
+            error
+        }
+        None => {
+            notes.push("the depth of the container has no error bound".into());
+            SOLID_THRESHOLD
+        }
     }
 }

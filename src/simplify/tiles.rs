@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::candidates::CandidateLevel;
-use super::cost::CostModel;
+use super::cost::{CostModel, TextureCoordinates};
 use super::selection::SelectedTiling;
 use super::tile_plane::TilePlane;
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell, direction, project};
@@ -38,10 +38,42 @@ impl QuadTile {
         point.dot(forward)
     }
 
-    /// Returns the position within the texture, 0 to 1 along each side.
-    pub fn texture_position(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+    /// Returns the position within the texture, 0 to 1 along each side, at which the triangles of the tile show a direction: that of
+    /// their texture coordinates, so that what a texture shows stays in its place however coarsely a slanted tile is divided.
+    fn texture_position(&self, [u, v]: [f64; 2], coordinates: TextureCoordinates) -> [f64; 2] {
         let [least, most] = [self.rect.min, self.rect.max];
-        [(u - least[0]) / (most[0] - least[0]), (v - least[1]) / (most[1] - least[1])]
+        let projective = [(u - least[0]) / (most[0] - least[0]), (v - least[1]) / (most[1] - least[1])];
+        match coordinates {
+            TextureCoordinates::Projective => projective,
+            TextureCoordinates::Affine => self.affine_position(projective).unwrap_or(projective),
+        }
+    }
+
+    /// Converts a position in the plane of the face to affine texture coordinates; both are 0 to 1 along each side. Returns `None`
+    /// where the tile has no finite corners.
+    fn affine_position(&self, at: [f64; 2]) -> Option<[f64; 2]> {
+        let parts = self.divisions.map(f64::from);
+        let first: [f64; 2] =
+            std::array::from_fn(|axis| (at[axis] * parts[axis]).floor().clamp(0.0, parts[axis] - 1.0));
+        let [x, y]: [f64; 2] = std::array::from_fn(|axis| at[axis] * parts[axis] - first[axis]);
+        // Both triangles share the diagonal from the first corner.
+        let corners = if x >= y {
+            [([0.0, 0.0], 1.0 - x), ([1.0, 0.0], x - y), ([1.0, 1.0], y)]
+        } else {
+            [([0.0, 0.0], 1.0 - y), ([1.0, 1.0], x), ([0.0, 1.0], y - x)]
+        };
+        let (mut sum, mut weights) = ([0.0; 2], 0.0);
+        for (corner, share) in corners {
+            let corner: [f64; 2] = std::array::from_fn(|axis| (first[axis] + corner[axis]) / parts[axis]);
+            let place = std::array::from_fn(|axis| {
+                self.rect.min[axis] + corner[axis] * (self.rect.max[axis] - self.rect.min[axis])
+            });
+            // A share in the plane of the face is one on the tile times the depth of the corner.
+            let weight = share / self.plane.hit(direction(self.cell.face, place));
+            sum = [0, 1].map(|axis| sum[axis] + weight * corner[axis]);
+            weights += weight;
+        }
+        (weights > 0.0).then(|| sum.map(|sum| sum / weights))
     }
 }
 
@@ -49,6 +81,7 @@ impl QuadTile {
 #[derive(Debug)]
 pub struct TileSet {
     pub tiles: Vec<QuadTile>,
+    coordinates: TextureCoordinates,
     /// Tiles that overlap each cell of the last level.
     reach: Vec<Vec<u32>>,
     /// Maximum distance by which tiles extend over the edges of their faces.
@@ -84,11 +117,11 @@ impl TileSet {
         };
         let mut order: Vec<(f64, QuadTile)> = tiles.into_iter().map(|tile| (distance(&tile), tile)).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
-        TileSet::in_order(order.into_iter().map(|(_, tile)| tile).collect())
+        TileSet::in_order(order.into_iter().map(|(_, tile)| tile).collect(), model.texture_coordinates)
     }
 
     /// Takes tiles in drawing order.
-    pub fn in_order(tiles: Vec<QuadTile>) -> TileSet {
+    pub fn in_order(tiles: Vec<QuadTile>, coordinates: TextureCoordinates) -> TileSet {
         let mut reach = vec![Vec::new(); TreeCell::count(MAX_LEVEL)];
         for (tile, at) in tiles.iter().zip(0u32..) {
             let leaf = |corner: [f64; 2]| corner.map(leaf_place);
@@ -104,7 +137,17 @@ impl TileSet {
             [[a, b, c], [a, c, d]]
         }));
         let beyond = tiles.iter().flat_map(|tile| tile.rect.corners().concat()).map(|at| at.abs() - 1.0);
-        TileSet { margin: beyond.fold(0.0, f64::max), tiles, reach, bvh }
+        TileSet { margin: beyond.fold(0.0, f64::max), tiles, coordinates, reach, bvh }
+    }
+
+    /// Takes other tiles with the same texture coordinates.
+    pub fn with(&self, tiles: Vec<QuadTile>) -> TileSet {
+        TileSet::in_order(tiles, self.coordinates)
+    }
+
+    /// Returns the position in the texture of a tile, 0 to 1 along each side, of a point in the plane of its face.
+    pub fn texture_position(&self, tile: u32, at: [f64; 2]) -> [f64; 2] {
+        self.tiles[tile as usize].texture_position(at, self.coordinates)
     }
 
     /// Finds the tiles that the line from the centre through a point meets.
@@ -161,4 +204,60 @@ fn leaf_place(at: f64) -> u32 {
 
 fn leaf_index(face: Face, [u, v]: [f64; 2]) -> usize {
     TreeCell { face, level: MAX_LEVEL, column: leaf_place(u), row: leaf_place(v) }.index()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+
+    /// A floor below the centre, from 0.5 to 8 m ahead of it.
+    fn floor(divisions: [u32; 2]) -> QuadTile {
+        let rect = PlaneRect { min: [-0.5, 0.125], max: [0.5, 2.0] };
+        QuadTile { cell: TreeCell::ROOTS[5], plane: TilePlane(DVec3::new(0.0, -1.0, 0.0)), rect, divisions }
+    }
+
+    #[test]
+    fn affine_positions_are_those_that_triangles_show() {
+        for divisions in [[1, 1], [2, 3], [1, 16]] {
+            let tile = floor(divisions);
+            let parts = divisions.map(f64::from);
+            let place = |at: [f64; 2]| {
+                let share = [0, 1].map(|axis| at[axis] / parts[axis]);
+                let plane: [f64; 2] = std::array::from_fn(|axis| {
+                    tile.rect.min[axis] + share[axis] * (tile.rect.max[axis] - tile.rect.min[axis])
+                });
+                (tile.point(plane), DVec2::from_array(share))
+            };
+            for step in 0..divisions[0] * divisions[1] {
+                let first = [step % divisions[0], step / divisions[0]].map(f64::from);
+                let corner = |x: f64, y: f64| place([first[0] + x, first[1] + y]);
+                for [b, c] in [[corner(1.0, 0.0), corner(1.0, 1.0)], [corner(1.0, 1.0), corner(0.0, 1.0)]] {
+                    let a = corner(0.0, 0.0);
+                    let weights = [0.25, 0.6, 0.15];
+                    let point = weights[0] * a.0 + weights[1] * b.0 + weights[2] * c.0;
+                    let expected = weights[0] * a.1 + weights[1] * b.1 + weights[2] * c.1;
+                    let at = project(tile.cell.face, point).unwrap();
+                    let found = DVec2::from_array(tile.texture_position(at, TextureCoordinates::Affine));
+                    assert!((found - expected).length() < 1e-9, "{divisions:?}, part {step}: {found} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn positions_are_equal_at_corners_and_projective_ones_linear_in_the_face() {
+        let tile = floor([1, 1]);
+        for (corner, expected) in tile.rect.corners().into_iter().zip([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+        {
+            for coordinates in [TextureCoordinates::Affine, TextureCoordinates::Projective] {
+                assert_eq!(tile.texture_position(corner, coordinates), expected);
+            }
+        }
+        let middle = [0.0, 1.0625];
+        assert_eq!(tile.texture_position(middle, TextureCoordinates::Projective), [0.5, 0.5]);
+        let [_, y] = tile.texture_position(middle, TextureCoordinates::Affine);
+        // The middle of the picture is nearer than that of the floor.
+        assert!(y > 0.9, "{y}");
+    }
 }

@@ -49,6 +49,13 @@ impl TreeCell {
         })
     }
 
+    /// Returns true if the other cell is this one or lies in it.
+    pub fn contains(self, other: TreeCell) -> bool {
+        let above = other.level.checked_sub(self.level);
+        let at = [(self.column, other.column), (self.row, other.row)];
+        self.face == other.face && above.is_some_and(|above| at.iter().all(|(mine, other)| other >> above == *mine))
+    }
+
     /// Returns the index among the cells of all faces of the level.
     pub fn index(self) -> usize {
         let side = 1 << self.level;

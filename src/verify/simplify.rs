@@ -394,7 +394,6 @@ fn coincident() -> Measured {
     let model = CostModel {
         extent: Extent { min_m: 0.01, max_m: 4.0, margin: 0.0, sway_px_m: 1.0 },
         eyes: vec![DVec3::ZERO],
-        texels_per_unit: TEXELS as f64,
         texture_coordinates: TextureCoordinates::Affine,
     };
     let tiles = TileSet::new(&[SelectedTiling { cell, tiling: 0 }], &[CandidateLevel { level: 0, tilings }], &model);

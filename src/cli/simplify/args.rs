@@ -10,7 +10,7 @@ use simplify::cost::TextureCoordinates;
 use simplify::energy::EnergyKind;
 use simplify::export::{Ktx2Output, Outputs};
 use simplify::quad_mesh::AtlasLight;
-use simplify::samples::{Background, Inside};
+use simplify::samples::{Background, BakedLight, Inside};
 use simplify::selection::Budgets;
 use simplify::settings::{Settings, SurfaceAtlases, TilingKind};
 use simplify::shading::ShortCuts;
@@ -34,20 +34,20 @@ use simplify::texture_sizes::Sizing;
     A .glb file contains the texture as PNG; a .obj file comes with a .mtl and a .png file. --hdr writes the texture \
     to a .exr file with the name of the scene, in addition to the PNG of a .glb file or instead of the .png file. All \
     textures have straight alpha.\n\n\
-    Triangles of glTF interpolate texture coordinates linearly, so slanted quads are divided until the error is below \
-    half a texel. --uv projective does not divide quads: a .glb file then has the attribute _TEXCOORD_STQ, and a .obj \
-    file vt s t q, with texture coordinates s/q, t/q. Few viewers support this.\n\n\
+    Triangles of glTF interpolate texture coordinates linearly, so slanted quads are divided until the depths of each \
+    part are within a ratio of 1.5. --uv projective does not divide quads: a .glb file then has the attribute \
+    _TEXCOORD_STQ, and a .obj file vt s t q, with texture coordinates s/q, t/q. Few viewers support this.\n\n\
     A run that is interrupted after the selection of quads keeps them beside SCENE. The same command with --resume \
     continues it and writes the same bytes.\n\n\
     All budgets are met; if a budget cannot be met, the error states its minimum. Area: sum of the solid angles of \
     all quads, in full spheres. Peak overdraw: mean number of quads per pixel in the worst of 126 views of 90 \
-    degrees. Cracks: pixels of the capture with alpha below one half.\n\n\
+    degrees, as measured from the corners, edges, sides and centre of the region. Cracks: pixels of the capture with alpha below one half.\n\n\
     --json reports PSNR, SSIM and PSNR-HVS-M (psnr_hvs_m_db) of all images, and: released_psnr_db, the value that the \
     released evaluator of Seurat would print, which ignores translucent pixels and adds 24.07 dB; random_poses, \
-    cracks seen from 64 positions in the region; selection, the energy of the selected quads (primal) and its lower \
-    bound (dual) under the budgets without the part reserved for extending quads over gaps, the lower bound under the \
-    full budgets (dual_of_budgets), and the budgets that limit the energy (limited_by), none if larger budgets would \
-    not reduce it; in counters, the size of the mesh in a .glb file (geometry_bytes), and its size with \
+    cracks seen from 64 positions in the region; unsupported_percent, the rays from the region that meet no \
+    surface that a camera has seen; selection, the energy of the selected quads (primal) and its lower bound (dual) \
+    under 97% of the budgets, the rest of which extends quads over gaps, and the budgets that limit the energy \
+    (limited_by), none if larger budgets would not reduce it; in counters, the size of the mesh in a .glb file (geometry_bytes), and its size with \
     EXT_meshopt_compression, which is not written.")]
 pub struct Args {
     /// Input with colour and depth: a dataset (lightfield.json or its folder), a container, or a Seurat manifest
@@ -97,6 +97,9 @@ pub struct Args {
     /// Reduction of textures that do not fit into the atlas
     #[arg(long, value_parser = one_of(SIZINGS), default_value = "adaptive")]
     pub sizing: Sizing,
+    /// Light of surfaces that look different to each camera
+    #[arg(long, value_parser = one_of(LIGHTS), default_value = "mean")]
+    pub light: BakedLight,
     /// Filter from samples to texels
     #[arg(long, value_parser = one_of(FILTERS), default_value = "gaussian")]
     pub texture_filter: TextureFilter,
@@ -146,6 +149,15 @@ const INSIDE: &Choices<Inside> =
 const ENERGIES: &Choices<EnergyKind> = &[
     ("picture", EnergyKind::Picture, "Displacement in pictures from the region, weighted by contrast"),
     ("paper", EnergyKind::Paper, "Relative distance (Seurat equation 2)"),
+];
+
+const LIGHTS: &Choices<BakedLight> = &[
+    ("mean", BakedLight::Mean, "Mean of all cameras"),
+    (
+        "center",
+        BakedLight::Center,
+        "As from the center of the viewing region: reflections are sharp, and stay in place",
+    ),
 ];
 
 const TILINGS: &Choices<TilingKind> = &[
@@ -215,6 +227,7 @@ impl Args {
             ("`inside`", word_of(INSIDE, &self.inside).to_owned()),
             ("`effort`", word_of(EFFORTS, &self.effort).to_owned()),
             ("`energy`", word_of(ENERGIES, &self.energy).to_owned()),
+            ("`light`", word_of(LIGHTS, &self.light).to_owned()),
             ("`tiling`", word_of(TILINGS, &self.tiling).to_owned()),
             ("`sizing`", word_of(SIZINGS, &self.sizing).to_owned()),
             ("`texture_filter`", word_of(FILTERS, &self.texture_filter).to_owned()),
@@ -239,6 +252,7 @@ impl Args {
             inside: self.inside,
             effort: self.effort,
             energy: self.energy,
+            baked: self.light,
             tiling: self.tiling,
             sizing: self.sizing,
             texture_filter: self.texture_filter,

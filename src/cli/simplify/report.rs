@@ -35,6 +35,8 @@ pub struct Report {
     atlas_height: u32,
     atlas_texels: u64,
     atlas_occupancy: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unsupported_percent: Option<f64>,
     #[serde(flatten)]
     evaluation: Option<EvaluationReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -93,10 +95,6 @@ struct SelectionReport {
     primal: f64,
     gap: f64,
     iterations: usize,
-    /// Fraction of the budgets that the selection reserves for tiles that are extended over gaps.
-    reserved: f64,
-    /// Lower bound on the energy of every selection within the whole budgets.
-    dual_of_budgets: f64,
     /// Budgets that limit the result: with a larger one the energy would be lower.
     limited_by: Vec<&'static str>,
 }
@@ -183,6 +181,7 @@ impl Report {
             atlas_height: atlas[1],
             atlas_texels: texels,
             atlas_occupancy: simplified.used_texels as f64 / texels.max(1) as f64,
+            unsupported_percent: simplified.unsupported.map(|share| 100.0 * share),
             evaluation: evaluation.as_ref().map(EvaluationReport::new),
             held_out: held_out.as_ref().map(|held_out| HeldOutReport {
                 psnr_db: figure(held_out, held_out.similarity.all.psnr_db()),
@@ -196,9 +195,7 @@ impl Report {
                 primal: selection.primal,
                 gap: selection.gap(),
                 iterations: selection.iterations,
-                reserved: simplified.reserve.share,
-                dual_of_budgets: simplified.reserve.dual,
-                limited_by: selection.limits(&args.budgets()),
+                limited_by: selection.limits(),
             },
             budgets: vec![
                 BudgetReport { name: "triangles", limit: f64::from(args.triangles), used: triangles },
@@ -232,9 +229,13 @@ impl Report {
                 counted(held_out.images, "image")
             )
         });
+        let textures = match self.counters.reduced_tiles {
+            0 => "all textures in full resolution".to_owned(),
+            reduced => format!("{} reduced to fit", counted(reduced, "texture")),
+        };
         format!(
-            "{files}{}, area {:.2} spheres, peak overdraw of 126 views {:.2}\natlas {}x{}, {:.0}% used; energy within \
-            {:.1}% of the lower bound under {:.0}% of the budgets, {}\n{}{}{:.1} s",
+            "{files}{}, area {:.2} spheres, peak overdraw of 126 views {:.2}\natlas {}x{}, {:.0}% used, {textures}; energy \
+            within {:.1}% of the lower bound, {}\n{}{}{:.1} s",
             counted(self.triangles as u64, "triangle"),
             self.projected_area,
             self.peak_overdraw,
@@ -242,7 +243,6 @@ impl Report {
             self.atlas_height,
             100.0 * self.atlas_occupancy,
             100.0 * self.selection.gap,
-            100.0 * (1.0 - self.selection.reserved),
             self.selection.limits(),
             self.evaluation.as_ref().map_or(String::new(), EvaluationReport::text),
             held_out,
