@@ -5,14 +5,12 @@ import { Notice } from "./ui/notices.ts";
 import { openFilm } from "./ui/opening.ts";
 import { Page } from "./ui/page.ts";
 
-const reload = (): void => location.reload();
-
 async function start(): Promise<void> {
   try {
     const url = new URL("film.json", document.baseURI);
     await new Page(await fetchFilmFile(url.href), openFilm).load();
   } catch (error) {
-    new Notice(reload, reload).failed(error, undefined);
+    new Notice(() => location.reload()).failed(error);
   }
 }
 

@@ -3,6 +3,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Gpu, NoWebGpuError } from "../src/gpu/device.ts";
+import { DeviceRenderer } from "../src/player/device_renderer.ts";
+import type { Scene } from "../src/player/renderer.ts";
 
 /** A browser with this adapter. */
 function browserWith(adapter: unknown): { gpu: object } {
@@ -32,6 +34,8 @@ test("A missing device is named in one sentence", async () => {
     await refusal({ isSecureContext: true, navigator: browserWith(null) }),
     /no graphics device that it may use\.$/,
   );
+  const blocked = { gpu: { requestAdapter: () => Promise.reject(new Error("blocked")) } };
+  assert.match(await refusal({ isSecureContext: true, navigator: blocked }), /no graphics device that it may use\.$/);
   const few = { limits: { maxStorageBuffersPerShaderStage: 4 } };
   assert.match(await refusal({ isSecureContext: true, navigator: browserWith(few) }), /fewer than 8 buffers\.$/);
   const busy = {
@@ -43,6 +47,12 @@ test("A missing device is named in one sentence", async () => {
     await refusal({ isSecureContext: true, navigator: browserWith(busy) }),
     /cannot be opened: Error: busy\.$/,
   );
+});
+
+test("A device that cannot be set up counts as none", async () => {
+  const gpu = { pipeline: () => Promise.reject(new Error("no compiler")) };
+  const scene = { canvas: { getContext: () => null } };
+  await assert.rejects(DeviceRenderer.create(gpu as unknown as Gpu, scene as unknown as Scene), NoWebGpuError);
 });
 
 test("The device gets as much as the adapter has of what the player uses", async () => {

@@ -99,6 +99,40 @@ describe("The page of lightfold view", { skip }, () => {
     });
   }
 
+  test("draws on the processor at once where a device is missing or fails", async () => {
+    const { address, end } = await serveFilm(films.path("film.lfold"));
+    const faults = [
+      ["delete Navigator.prototype.gpu", "This browser has no WebGPU"],
+      ["GPU.prototype.requestAdapter = () => Promise.resolve(null)", "no graphics device that it may use"],
+      ["GPUAdapter.prototype.requestDevice = () => Promise.reject('busy')", "cannot be opened: busy"],
+      ["GPUDevice.prototype.createRenderPipelineAsync = () => Promise.reject('none')", "cannot draw the film: none"],
+      // The kernel of the first picture.
+      [
+        `const { createComputePipelineAsync: make } = GPUDevice.prototype;
+        GPUDevice.prototype.createComputePipelineAsync = function (asked) {
+          return asked.label === "render-pyramid" ? Promise.reject("no kernel") : make.call(this, asked);
+        }`,
+        "no kernel",
+      ],
+    ];
+    try {
+      for (const [fault, why] of faults) {
+        const { complaints } = await visit("about:blank", async (page) => {
+          await page.addInitScript(fault);
+          await page.goto(`${address}#renderer=gpu`);
+          await settled(page);
+          const said = await page.locator(".message span").allInnerTexts();
+          assert.equal(said.length, 1, fault);
+          assert.ok(said[0].endsWith(`${why}; the processor draws small pictures.`), said[0]);
+          assert.ok((await colorsOf(page, "fallback")) > 100);
+        });
+        assert.deepEqual(complaints, [], fault);
+      }
+    } finally {
+      end();
+    }
+  });
+
   test("shows a simplified scene", async () => {
     const scene = films.path("scene.glb");
     lightfold("simplify", films.path("images"), "--triangles", "400", "--effort", "fast", "-o", scene, "-q");

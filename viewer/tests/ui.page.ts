@@ -42,8 +42,11 @@ interface Fake {
   opened: number;
   closed: number;
   player: Player | undefined;
-  failure: "none" | "no-webgpu" | "format";
+  /** No device can be had, or it fails at the first picture; or the file is at fault. */
+  failure: "none" | "no-webgpu" | "first-picture" | "format";
 }
+
+const FAILURES = ["no-webgpu", "first-picture", "format"] as const;
 
 const fake: Fake = {
   views: [],
@@ -55,7 +58,7 @@ const fake: Fake = {
   opened: 0,
   closed: 0,
   player: undefined,
-  failure: location.search === "?no-webgpu" ? "no-webgpu" : location.search === "?format" ? "format" : "none",
+  failure: FAILURES.find((failure) => location.search === `?${failure}`) ?? "none",
 };
 
 function line(view: View, from: Vec3, to: Vec3): [number, number][] {
@@ -145,7 +148,11 @@ async function openFake(_file: FilmFile, canvas: HTMLCanvasElement, renderer: Re
   }
   const player: Player = {
     film: FILM,
+    renderer: renderer === "cpu" ? "cpu" : "gpu",
     async draw(view) {
+      if (fake.failure === "first-picture" && renderer !== "cpu") {
+        throw new Error("The device compiles nothing.");
+      }
       fake.active += 1;
       fake.greatestActive = Math.max(fake.greatestActive, fake.active);
       fake.views.push(view);

@@ -4,69 +4,12 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import type { Page as Tab } from "playwright-core";
-import type { Film, Player, View } from "../src/player/types.ts";
-import { bundle, inBrowser, inPageOf, serve, withoutBrowser } from "./browser.ts";
+import type { Film, View } from "../src/player/types.ts";
+import { inPageOf, withoutBrowser } from "./browser.ts";
 import { png, sceneFile } from "./ui_scene.ts";
-
-/** What ui.page.ts gives to tests. */
-interface Fake {
-  views: View[];
-  greatestActive: number;
-  missing: number;
-  opened: number;
-  closed: number;
-  player: Player;
-}
+import { drawn, type Fake, lastView, onPage, read, until } from "./ui_tab.ts";
 
 const skip = withoutBrowser;
-
-/** Opens the page, and checks that it asked its own server alone, kept its policy, and ran no text of the film as code. */
-async function onPage(path: string, use: (tab: Tab) => Promise<void>): Promise<void> {
-  const files = new Map([
-    ["/index.html", readFileSync("src/ui/index.html", "utf8")],
-    ["/style.css", readFileSync("src/ui/style.css", "utf8")],
-    ["/narrow.css", readFileSync("src/ui/narrow.css", "utf8")],
-    ["/viewer.js", bundle("tests/ui.page.ts")],
-  ]);
-  await inBrowser(serve(files), `/index.html${path}`, async (tab) => {
-    const foreign: string[] = [];
-    const own = new URL(tab.url()).origin;
-    tab.on("request", (request) => {
-      if (!request.url().startsWith(own) && !/^(blob|data):/.test(request.url())) {
-        foreign.push(request.url());
-      }
-    });
-    const complaints: string[] = [];
-    tab.on("console", (message) => complaints.push(message.text()));
-    await tab.waitForFunction(
-      () => document.querySelector<HTMLElement>("#notice-title")?.textContent !== "" && "fake" in globalThis,
-    );
-    await use(tab);
-    assert.deepEqual([foreign, complaints], [[], []]);
-    assert.equal(
-      await tab.evaluate(() => "broken" in globalThis || document.querySelector("img, b[onclick]") !== null),
-      false,
-    );
-  });
-}
-
-function read<T>(tab: Tab, get: (fake: Fake) => T): Promise<T> {
-  return tab.evaluate(`(${get.toString()})(globalThis.fake)`) as Promise<T>;
-}
-
-async function until(tab: Tab, holds: (fake: Fake) => boolean): Promise<void> {
-  for (let tries = 0; !(await read(tab, holds)); tries += 1) {
-    assert.ok(tries < 200, `never: ${holds.toString()}`);
-    await tab.waitForTimeout(25);
-  }
-}
-
-function lastView(tab: Tab): Promise<View> {
-  return read(tab, (fake) => fake.views[fake.views.length - 1]!);
-}
-
-/** Waits for the first picture. */
-const drawn = (fake: Fake): boolean => fake.views.length > 0;
 
 async function violations(tab: Tab): Promise<string[]> {
   await tab.evaluate(readFileSync("node_modules/axe-core/axe.min.js", "utf8"));
@@ -84,12 +27,14 @@ test("the page has no faults that axe finds, in any state", { skip }, async () =
       assert.deepEqual(await violations(tab), [], key);
     }
   });
-  for (const path of ["?no-webgpu", "?format"]) {
-    await onPage(path, async (tab) => {
-      await tab.waitForSelector("#notice-retry:not([hidden])");
-      assert.deepEqual(await violations(tab), [], path);
-    });
-  }
+  await onPage("?no-webgpu", async (tab) => {
+    await until(tab, drawn);
+    assert.deepEqual(await violations(tab), []);
+  });
+  await onPage("?format", async (tab) => {
+    await tab.waitForSelector("#notice-retry:not([hidden])");
+    assert.deepEqual(await violations(tab), []);
+  });
 });
 
 test("the keyboard moves, looks, plays and steps", { skip }, async () => {
@@ -428,54 +373,6 @@ test("the address follows the view, and the view the address", { skip }, async (
       command,
       /--eye 0\.2,1\.4,0\.1 --look-at -0\.78481,1\.57365,0\.1 --fov 80 --size \d+x\d+ --frames 33 -o view\.png$/,
     );
-  });
-});
-
-test("a lost device is recovered from: once at once, then by a button, with the same pose", { skip }, async () => {
-  await onPage("#eye=0.3,1.5,0&look=45,0&frame=50", async (tab) => {
-    await until(tab, drawn);
-    await tab.evaluate("fake.player.onProblem({ fatal: false, message: 'The server answered <b>500</b>' })");
-    await tab.evaluate("fake.views = []; fake.player.onProblem({ fatal: true, message: 'The device was lost.' })");
-    await until(tab, (fake) => fake.opened === 2 && fake.views.length > 0);
-    assert.equal(await read(tab, (fake) => fake.closed), 1);
-    const said = await tab.evaluate(() =>
-      [...document.querySelectorAll(".message span")].map((part) => part.textContent),
-    );
-    assert.deepEqual(said, ["The server answered <b>500</b>.", "The device was lost; the film is loaded again."]);
-    await tab.evaluate("fake.views = []; fake.player.onProblem({ fatal: true, message: 'The device was lost.' })");
-    await tab.waitForSelector("#notice-retry:not([hidden])");
-    assert.equal(await read(tab, (fake) => fake.opened), 2);
-    assert.equal(await tab.textContent("#notice-text"), "The device was lost.");
-    await tab.click("#notice-retry");
-    await until(tab, (fake) => fake.opened === 3 && fake.views.length > 0);
-    const { pose, frame } = await lastView(tab);
-    assert.deepEqual([pose.eye, frame], [[0.3, 1.5, 0], 50]);
-    assert.ok(Math.abs(pose.yaw - Math.PI / 4) < 1e-9);
-  });
-});
-
-test("without WebGPU the page says what is missing and how to render instead", { skip }, async () => {
-  await onPage("?no-webgpu#eye=0,1,0&look=0,0", async (tab) => {
-    await tab.waitForSelector("#notice-webgpu:not([hidden])");
-    assert.equal(await tab.textContent("#notice-text"), "This browser has no WebGPU.");
-    const command = (await tab.textContent("#notice-command")) ?? "";
-    assert.match(
-      command,
-      /^lightfold render 'atrium <img .*'\\''quoted'\\''\.lfold' --eye 0,1,0 --look-at 0,1,-1 .* -o view\.png$/,
-    );
-    assert.ok(!(await tab.isVisible("#transport")));
-    assert.equal(await tab.evaluate(() => document.querySelector("#stage canvas")), null);
-    await tab.click("#notice-processor");
-    await until(tab, drawn);
-    await tab.waitForFunction(() => location.hash.includes("renderer=cpu"));
-    await tab.click("#open-settings");
-    await tab.selectOption("#renderer", "gpu");
-    await tab.waitForSelector("#notice-webgpu:not([hidden])");
-  });
-  await onPage("?format", async (tab) => {
-    await tab.waitForSelector("#notice-retry:not([hidden])");
-    assert.match((await tab.textContent("#notice-text")) ?? "", /^index: chunk 3 of <b>.*lies outside of the file\.$/);
-    assert.ok(!(await tab.isVisible("#notice-webgpu")));
   });
 });
 

@@ -49,7 +49,8 @@ export async function findAdapter(): Promise<GPUAdapter> {
   if (typeof navigator === "undefined" || !("gpu" in navigator)) {
     throw new NoWebGpuError("This browser has no WebGPU.");
   }
-  const adapter = await navigator.gpu.requestAdapter({ powerPreference: "high-performance" });
+  // Some browsers reject where they should answer null.
+  const adapter = await navigator.gpu.requestAdapter({ powerPreference: "high-performance" }).catch(() => null);
   if (adapter === null) {
     throw new NoWebGpuError("This browser has WebGPU, but no graphics device that it may use.");
   }

@@ -3,7 +3,7 @@
 import type { Stream } from "../format/types.ts";
 import { FamilyDecoder } from "../gpu/decoder.ts";
 import { ROW_WORDS } from "../gpu/depth_planes.ts";
-import type { Gpu } from "../gpu/device.ts";
+import { type Gpu, NoWebGpuError } from "../gpu/device.ts";
 import { familyOf } from "../gpu/family.ts";
 import { Marcher, Picture } from "../gpu/march.ts";
 import { Presenter } from "../gpu/present.ts";
@@ -48,14 +48,16 @@ export class DeviceRenderer implements Renderer {
     void gpu.lost.then((reason) => this.onFailed(`The graphics device was lost: ${reason}`));
   }
 
-  /** Takes over a device, and a canvas that nothing else has drawn to. */
+  /** Takes over a device, and a canvas that nothing else has drawn to. A NoWebGpuError where the device fails. */
   static async create(gpu: Gpu, scene: Scene): Promise<DeviceRenderer> {
-    // Compiled while the first chunks are fetched.
-    void gpu.pipeline("render-pyramid");
+    // Compiled while the first chunks are fetched; the first picture fails where that does.
+    gpu.pipeline("render-pyramid").catch(() => undefined);
     const [texels, presenter] = await Promise.all([
       LightFieldTexels.create(gpu, scene.catalogue, scene.mostImages),
       Presenter.create(gpu, scene.canvas),
-    ]);
+    ]).catch((error: unknown) => {
+      throw new NoWebGpuError(`The graphics device cannot draw the film: ${String(error)}`);
+    });
     return new DeviceRenderer(gpu, scene, texels, presenter);
   }
 

@@ -206,7 +206,7 @@ class FilmPlayer implements Player {
     store.onProblem = (problem) => this.#tell(problem);
     this.#codings = new CodingMaps(decoding);
     pool.onFailed = (message) => this.#tell({ fatal: true, message });
-    renderer.onFailed = (message) => this.#tell({ fatal: true, message });
+    renderer.onFailed = (message) => this.#tell({ fatal: true, isOfDevice: renderer.name === "gpu", message });
     decoding.onReady = () => this.#wake();
     decoding.onBroken = (message) => this.#tell({ fatal: false, message });
     this.#context = { renderer, decoding, coding: catalogue.coding };

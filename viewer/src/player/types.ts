@@ -80,6 +80,8 @@ export interface Problem {
   fatal: boolean;
   /** It may pass: it is told again as long as it lasts. */
   passes?: boolean;
+  /** The graphics device fails; the processor may draw. */
+  isOfDevice?: boolean;
   /** One sentence. Plain text: it may hold names from a file. */
   message: string;
 }

@@ -37,24 +37,22 @@ export interface Shot {
   frame?: number;
 }
 
-/** `lightfold render` with the file's name and the shot; without a shot, its first picture. Of two eyes, `--size` is that of each. */
-export function renderCommand(name: string, shot?: Shot): string {
+/** `lightfold render` with the file's name and the shot. Of two eyes, `--size` is that of each. */
+export function renderCommand(name: string, shot: Shot): string {
   const words = ["lightfold", "render", shellWord(name)];
-  if (shot !== undefined) {
-    const { pose, stereo } = shot;
-    const ahead = forwardOf(pose);
-    const place = (values: number[]): string => values.map((value) => shortNumber(value, 5)).join(",");
-    words.push("--eye", place(pose.eye));
-    words.push("--look-at", place(pose.eye.map((value, axis) => value + ahead[axis])));
-    words.push("--fov", shortNumber(shot.fovDeg, 3));
-    const eyes = stereo === "side-by-side" ? 2 : 1;
-    words.push("--size", `${Math.max(1, Math.round(shot.size[0] / eyes))}x${shot.size[1]}`);
-    if (eyes === 2) {
-      words.push("--stereo", "side-by-side", "--eye-distance", shortNumber(shot.eyeDistance, 4));
-    }
-    if (shot.frame !== undefined) {
-      words.push("--frames", String(shot.frame));
-    }
+  const { pose, stereo } = shot;
+  const ahead = forwardOf(pose);
+  const place = (values: number[]): string => values.map((value) => shortNumber(value, 5)).join(",");
+  words.push("--eye", place(pose.eye));
+  words.push("--look-at", place(pose.eye.map((value, axis) => value + ahead[axis])));
+  words.push("--fov", shortNumber(shot.fovDeg, 3));
+  const eyes = stereo === "side-by-side" ? 2 : 1;
+  words.push("--size", `${Math.max(1, Math.round(shot.size[0] / eyes))}x${shot.size[1]}`);
+  if (eyes === 2) {
+    words.push("--stereo", "side-by-side", "--eye-distance", shortNumber(shot.eyeDistance, 4));
+  }
+  if (shot.frame !== undefined) {
+    words.push("--frames", String(shot.frame));
   }
   words.push("-o", "view.png");
   return words.join(" ");

@@ -73,6 +73,11 @@ export function sentence(text: string): string {
   return /[.!?]$/.test(text) ? text : `${text}.`;
 }
 
+/** Text without a full stop at its end. */
+export function clause(text: string): string {
+  return text.replace(/\.$/, "");
+}
+
 /** Puts text on the clipboard and says so on the button. Where the clipboard is closed to the page, `code` is selected for the viewer to copy. */
 export async function copyText(text: string, button: HTMLButtonElement, code?: Element): Promise<void> {
   const label = button.querySelector("span") ?? button;

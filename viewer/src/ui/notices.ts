@@ -1,7 +1,6 @@
 // What the viewer must know: messages over the picture, and a notice in its place.
 
-import { NoWebGpuError } from "../gpu/device.ts";
-import { byId, copyText, messageOf, onPress, sentence, setText } from "./dom.ts";
+import { byId, messageOf, onPress, sentence, setText } from "./dom.ts";
 
 /** Messages at a time; older ones make room. */
 const MAX_MESSAGES = 4;
@@ -54,8 +53,6 @@ export class Notice {
   readonly #section = byId("notice", HTMLElement);
   readonly #title = byId("notice-title", HTMLElement);
   readonly #text = byId("notice-text", HTMLElement);
-  readonly #webGpu = byId("notice-webgpu", HTMLElement);
-  readonly #command = byId("notice-command", HTMLElement);
   readonly #retry: HTMLButtonElement;
   readonly #stage = byId("stage", HTMLElement);
   readonly #tools = byId("tools", HTMLElement);
@@ -67,31 +64,20 @@ export class Notice {
     byId("state", HTMLElement),
   ];
 
-  /** Called when the viewer wants the film to be loaded again, or to be drawn on the processor. */
-  constructor(onRetry: () => void, onProcessor: () => void) {
+  /** Called when the viewer wants the film to be loaded again. */
+  constructor(onRetry: () => void) {
     this.#retry = onPress("notice-retry", onRetry);
-    onPress("notice-processor", onProcessor);
-    const copy = onPress("notice-copy", () => {
-      void copyText(this.#command.textContent ?? "", copy, this.#command);
-    });
   }
 
   /** A film is being opened. */
   opening(name: string): void {
     this.#show("Opening", name);
-    this.#webGpu.hidden = true;
     this.#retry.hidden = true;
   }
 
-  /** The film cannot be shown. `command` renders it without this page, where that is possible. */
-  failed(error: unknown, command: string | undefined): void {
-    const lacksWebGpu = error instanceof NoWebGpuError;
-    this.#show(
-      lacksWebGpu ? "No graphics device for this page" : "The film cannot be shown",
-      sentence(messageOf(error)),
-    );
-    this.#webGpu.hidden = !lacksWebGpu || command === undefined;
-    setText(this.#command, command ?? "");
+  /** The film cannot be shown. */
+  failed(error: unknown): void {
+    this.#show("The film cannot be shown", sentence(messageOf(error)));
     this.#retry.hidden = false;
     this.#section.focus();
   }

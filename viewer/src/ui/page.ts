@@ -1,16 +1,18 @@
 // The page: holds pose, film time and settings, and joins input, drawing, panels and the link.
 
 import type { Vec3 } from "../format/types.ts";
+import { NoWebGpuError } from "../gpu/device.ts";
 import type { Film, Pose, Problem, RendererChoice, View } from "../player/types.ts";
 import { clampEye, moveEye } from "./bounds.ts";
 import { FilmClock } from "./clock.ts";
 import { renderCommand } from "./command.ts";
 import { Controls } from "./controls.ts";
-import { byId, byteText, copyText, messageOf, onPress, setText, numberText } from "./dom.ts";
-import type { FilmFile, FilmKind } from "./film_file.ts";
+import { byId, byteText, clause, copyText, messageOf, onPress, setText, numberText } from "./dom.ts";
+import type { FilmFile } from "./film_file.ts";
 import { Inspector } from "./inspector.ts";
 import type { Reading } from "./inspector.ts";
 import type { Action } from "./keys.ts";
+import { headsetHelp, showPartsFor } from "./kinds.ts";
 import { formatLink, hasPose, parseLink } from "./link.ts";
 import type { Link } from "./link.ts";
 import { DrawLoop } from "./loop.ts";
@@ -59,13 +61,7 @@ export class Page {
   readonly #open: Opener;
   readonly #stage = byId("stage", HTMLElement);
   readonly #messages = new Messages();
-  readonly #notice = new Notice(
-    () => void this.load(),
-    () => {
-      this.#set({ renderer: "cpu" });
-      void this.load();
-    },
-  );
+  readonly #notice = new Notice(() => void this.load());
   readonly #panels = new Panels(() => (this.#panelsMs = -Infinity));
   readonly #settingsPanel = new SettingsPanel((change) => this.#set(change));
   readonly #inspector: Inspector;
@@ -133,8 +129,8 @@ export class Page {
     requestAnimationFrame((now) => this.#tick(now));
   }
 
-  /** Loads the film, or loads it again with the same pose, frame and settings. */
-  async load(): Promise<void> {
+  /** Loads the film, or loads it again with the same pose, frame and settings; `choice` in place of their renderer. */
+  async load(choice?: RendererChoice): Promise<void> {
     if (this.#isLoading) {
       return;
     }
@@ -143,10 +139,8 @@ export class Page {
     this.#renderer = renderer;
     this.#leave();
     this.#notice.opening(this.#file.name);
-    const canvas = document.createElement("canvas");
-    this.#stage.replaceChildren(canvas);
     try {
-      this.#enter(await this.#open(this.#file, canvas, renderer), canvas);
+      await this.#openWith(choice ?? renderer);
       this.#notice.hide();
       this.#panels.restore();
     } catch (error) {
@@ -154,7 +148,7 @@ export class Page {
       this.#poster?.remove();
       this.#stage.replaceChildren();
       setText(byId("film-facts", HTMLElement), "");
-      this.#notice.failed(error, this.#command());
+      this.#notice.failed(error);
       if (this.#pose !== undefined) {
         this.#writeLink(this.#frame ?? 0);
       }
@@ -163,6 +157,21 @@ export class Page {
     }
     if (this.#file.kind === "lfold" && renderer !== this.#settings.renderer) {
       await this.load();
+    }
+  }
+
+  /** Opens the film in a new canvas: for the processor where no device can be had. */
+  async #openWith(renderer: RendererChoice): Promise<void> {
+    const canvas = document.createElement("canvas");
+    this.#stage.replaceChildren(canvas);
+    try {
+      this.#enter(await this.#open(this.#file, canvas, renderer), canvas);
+    } catch (error) {
+      if (!(error instanceof NoWebGpuError)) {
+        throw error;
+      }
+      this.#sayProcessor(error.message);
+      await this.#openWith("cpu");
     }
   }
 
@@ -190,7 +199,7 @@ export class Page {
           this.#mayReload ||= performance.now() - openedMs > RELOAD_MS;
         }
       },
-      onFailed: (error) => lost({ fatal: true, message: messageOf(error) }),
+      onFailed: (error) => lost({ fatal: true, isOfDevice: player.renderer === "gpu", message: messageOf(error) }),
       now: () => performance.now(),
     });
     this.#shown = { ...opened, canvas, loop, clock };
@@ -236,7 +245,7 @@ export class Page {
     const small = renderer === "cpu" ? ["small pictures, drawn on the processor"] : [];
     facts.title = [...probes, frames, byteText(film.fileBytes), ...small].join(" · ");
     setText(facts, facts.title);
-    setText(byId("headset-help", HTMLElement), headsetHelp(this.#file, enterHeadset !== undefined));
+    setText(byId("headset-help", HTMLElement), headsetHelp(this.#file.kind, enterHeadset !== undefined));
   }
 
   #leave(): void {
@@ -249,20 +258,31 @@ export class Page {
     }
   }
 
-  /** Says a problem. After a fatal one the film is loaded again: once at once, later when the viewer wants it. */
-  #lost({ fatal, passes, message }: Problem): void {
+  #sayProcessor(why: string): void {
+    this.#messages.say(`${clause(why)}; the processor draws small pictures`, PASSING_MS);
+  }
+
+  /** Says a problem. After a fatal one the film is loaded again: once at once, later when the viewer wants it. A device that fails before
+   *  its first picture, or once more, is done without. */
+  #lost({ fatal, passes, isOfDevice = false, message }: Problem): void {
     if (!fatal) {
       this.#messages.say(message, passes === true ? PASSING_MS : Infinity);
       return;
     }
+    const stats = this.#drawn?.stats;
+    const hasShown = stats !== undefined && (stats.unitsMissing === 0 || stats.marchMs > 0);
+    const mayReload = this.#mayReload && (hasShown || !isOfDevice);
+    this.#mayReload = false;
     this.#leave();
-    if (this.#mayReload) {
-      this.#mayReload = false;
-      this.#messages.say(`${message.replace(/\.$/, "")}; the film is loaded again`);
+    if (mayReload) {
+      this.#messages.say(`${clause(message)}; the film is loaded again`);
       void this.load();
+    } else if (isOfDevice) {
+      this.#sayProcessor(message);
+      void this.load("cpu");
     } else {
       this.#stage.replaceChildren();
-      this.#notice.failed(message, this.#command());
+      this.#notice.failed(message);
     }
   }
 
@@ -343,7 +363,7 @@ export class Page {
       const [width, height] = this.#size(1);
       const half = Math.tan((this.#settings.fovDeg * Math.PI) / 360) * (width / height);
       const fovDeg = (2 * Math.atan(half) * 180) / Math.PI;
-      this.#inspector.show({ ...this.#drawn, pose: this.#pose, fovDeg, command: this.#command() });
+      this.#inspector.show({ ...this.#drawn, pose: this.#pose, fovDeg, command: this.#command(this.#pose) });
     }
   }
 
@@ -369,22 +389,15 @@ export class Page {
     return [Math.max(2, 2 * Math.round((width * scale) / 2)), Math.max(1, Math.round(height * scale))];
   }
 
-  /** The view as a command line; of a film that is not open yet, that of its link. */
-  #command(): string | undefined {
+  /** The view as a command line. */
+  #command(pose: Pose): string | undefined {
     const { kind, name } = this.#file;
     if (kind === "quilt") {
       return undefined;
     }
-    const link = parseLink(location.hash);
-    const linked = link.eye && link.look && { eye: link.eye, yaw: link.look[0], pitch: link.look[1] };
-    const pose = this.#pose ?? linked;
-    if (pose === undefined) {
-      return renderCommand(name);
-    }
     const { fovDeg, stereo, eyeDistance } = this.#settings;
     const shot = { pose, fovDeg, stereo, eyeDistance, size: this.#size(1 / this.#settings.scale) };
-    const frame = this.#frame ?? link.frame;
-    return renderCommand(name, kind === "glb" || frame === undefined ? shot : { ...shot, frame });
+    return renderCommand(name, kind === "glb" ? shot : { ...shot, frame: this.#frame ?? 0 });
   }
 
   #moveSpeed(): number {
@@ -566,26 +579,6 @@ export class Page {
 }
 
 const ORIGIN: Pose = { eye: [0, 0, 0], yaw: 0, pitch: 0 };
-
-/** Shows of the parts of index.html that some kinds of films have those of this one. */
-function showPartsFor(kind: FilmKind): void {
-  document.querySelectorAll<HTMLElement>("[data-kinds]").forEach((part) => {
-    part.hidden = !(part.dataset.kinds ?? "").split(" ").includes(kind);
-  });
-}
-
-function headsetHelp({ kind }: FilmFile, hasHeadset: boolean): string {
-  if (kind === "glb") {
-    return hasHeadset
-      ? "The button Headset shows this scene in WebXR."
-      : "This scene plays in WebXR, by a button that appears where the browser finds a headset.";
-  }
-  const films = "lightfold render --projection vr180 --stereo side-by-side makes pictures for headsets";
-  const scenes = "lightfold simplify makes a scene (.glb) of a frame, which this page shows in WebXR";
-  return kind === "quilt"
-    ? "Quilts are for displays of Looking Glass; headsets show other forms of light fields."
-    : `This page does not show light fields in headsets: WebXR takes pictures of WebGL in most browsers, and these are made by WebGPU. ${films}; ${scenes}.`;
-}
 
 async function toggleFullScreen(): Promise<void> {
   await (document.fullscreenElement === null
