@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use crate::options::{AccountArgs, Choices, EFFORTS, MemoryArgs, check_stdout, one_of, parse_positive, word_of};
 use codec::effort::Effort;
 use codec::error::{Error, Result};
+use footage::image_files::ktx2::AstcBlock;
 use scene::placement::Region;
 use simplify::cost::TextureCoordinates;
 use simplify::energy::EnergyKind;
-use simplify::export::{Ktx2Output, Outputs};
+use simplify::export::{Ktx2Blocks, Ktx2Output, Outputs};
 use simplify::quad_mesh::AtlasLight;
 use simplify::samples::{Background, BakedLight, Inside};
 use simplify::selection::Budgets;
@@ -23,6 +24,7 @@ use simplify::texture_sizes::Sizing;
     lightfold simplify footage --triangles 20000 --atlas 2048 --effort fast -o scene.glb --json\n  \
     lightfold simplify footage -o scene.obj --uv projective\n  \
     lightfold simplify footage -o scene.glb --ktx2 scene.ktx2 --hdr\n  \
+    lightfold simplify footage -o scene.glb --ktx2 scene.ktx2 --ktx2-blocks astc-6x6\n  \
     lightfold simplify footage -o scene.glb --resume\n  \
     lightfold simplify footage --region=-0.5,1.2,-0.5,0.5,1.8,0.5 --frames 24 -o scene.glb\n\n\
     The scene is valid for eyes inside the viewing region only. Triangles are stored back to front: a viewer must \
@@ -107,12 +109,15 @@ pub struct Args {
     #[arg(long, value_parser = one_of(COORDINATES), default_value = "affine")]
     pub uv: TextureCoordinates,
     /// Keep values above 1: write the texture as half floats to a .exr file beside the scene; --ktx2 then uses BC6H,
-    /// which has no alpha
+    /// which has no alpha, or ASTC of 8 bits
     #[arg(long)]
     pub hdr: bool,
-    /// Also write the texture as KTX2 in BC7, which graphics cards read compressed
+    /// Also write the texture as KTX2, which graphics cards read compressed
     #[arg(long, value_name = "FILE.ktx2")]
     pub ktx2: Option<PathBuf>,
+    /// Blocks of the KTX2 file
+    #[arg(long, value_name = "BLOCKS", value_parser = one_of(BLOCKS), default_value = "bc", requires = "ktx2")]
+    pub ktx2_blocks: Ktx2Blocks,
     /// Also compare pictures of the scene with the images of this dataset
     #[arg(long, value_name = "DATASET")]
     pub held_out: Option<PathBuf>,
@@ -158,6 +163,13 @@ const LIGHTS: &Choices<BakedLight> = &[
         BakedLight::Center,
         "As from the center of the viewing region: reflections are sharp, and stay in place",
     ),
+];
+
+const BLOCKS: &Choices<Ktx2Blocks> = &[
+    ("bc", Ktx2Blocks::Bc, "BC7, 8 bits per texel; BC6H with --hdr: desktops"),
+    ("astc-4x4", Ktx2Blocks::Astc(AstcBlock::Pixels4x4), "ASTC, 8 bits per texel: phones and headsets"),
+    ("astc-6x6", Ktx2Blocks::Astc(AstcBlock::Pixels6x6), "ASTC, 3.56 bits per texel"),
+    ("astc-8x8", Ktx2Blocks::Astc(AstcBlock::Pixels8x8), "ASTC, 2 bits per texel"),
 ];
 
 const TILINGS: &Choices<TilingKind> = &[
@@ -207,7 +219,7 @@ impl Args {
     }
 
     pub(super) fn outputs(&self) -> Outputs {
-        let ktx2 = |path: &PathBuf| Ktx2Output { path: path.clone(), effort: self.effort };
+        let ktx2 = |path: &PathBuf| Ktx2Output { path: path.clone(), blocks: self.ktx2_blocks, effort: self.effort };
         Outputs { scene: self.output.clone(), ktx2: self.ktx2.as_ref().map(ktx2) }
     }
 

@@ -6,20 +6,50 @@ const IDENTIFIER: [u8; 12] = *b"\xABKTX 20\xBB\r\n\x1A\n";
 /// Bytes of the header, the index and the index entry of one level (sections 3.1 to 3.9).
 const HEAD: usize = 80 + 24;
 /// Bytes per block, equal for all formats of this module; levels start at multiples of it (section 3.9.7).
-const BLOCK_BYTES: usize = 16;
-/// Block width and height in pixels.
-const BLOCK_SIDE: u32 = 4;
+pub const BLOCK_BYTES: usize = 16;
 /// Row 0 is the top row.
 const ORIENTATION: (&str, &str) = ("KTXorientation", "rd");
 const WRITER: (&str, &str) = ("KTXwriter", "lightfold");
 
-/// Compressed texture formats with 4x4 pixels in 16 bytes per block.
+/// Compressed texture formats with 16 bytes per block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BlockFormat {
     /// sRGB codes with straight (not premultiplied) alpha.
     Bc7Srgb,
     /// Linear RGB, unsigned.
     Bc6hUnsigned,
+    /// ASTC of 8 bits with this block footprint: sRGB codes with straight alpha.
+    AstcSrgb(AstcBlock),
+}
+
+/// Block footprints of ASTC.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AstcBlock {
+    /// 8 bits per pixel.
+    Pixels4x4,
+    /// 3.56 bits per pixel.
+    Pixels6x6,
+    /// 2 bits per pixel.
+    Pixels8x8,
+}
+
+impl AstcBlock {
+    /// Returns the width and height of a block in pixels.
+    pub fn side(self) -> u32 {
+        match self {
+            AstcBlock::Pixels4x4 => 4,
+            AstcBlock::Pixels6x6 => 6,
+            AstcBlock::Pixels8x8 => 8,
+        }
+    }
+
+    fn vk_format(self) -> u32 {
+        match self {
+            AstcBlock::Pixels4x4 => 158,
+            AstcBlock::Pixels6x6 => 166,
+            AstcBlock::Pixels8x8 => 172,
+        }
+    }
 }
 
 /// Fields of the header and the data format descriptor that depend on the block format.
@@ -36,6 +66,14 @@ struct Description {
 }
 
 impl BlockFormat {
+    /// Returns the width and height of a block in pixels.
+    pub fn side(self) -> u32 {
+        match self {
+            BlockFormat::Bc7Srgb | BlockFormat::Bc6hUnsigned => 4,
+            BlockFormat::AstcSrgb(block) => block.side(),
+        }
+    }
+
     fn description(self) -> Description {
         match self {
             BlockFormat::Bc6hUnsigned => {
@@ -44,13 +82,20 @@ impl BlockFormat {
             BlockFormat::Bc7Srgb => {
                 Description { vk_format: 146, color_model: 134, transfer: 2, qualifiers: 0, upper: u32::MAX }
             }
+            BlockFormat::AstcSrgb(block) => Description {
+                vk_format: block.vk_format(),
+                color_model: 162,
+                transfer: 2,
+                qualifiers: 0,
+                upper: u32::MAX,
+            },
         }
     }
 }
 
 /// Returns the bytes of a file with one texture of `width`×`height` pixels; `blocks` are in row order.
 pub fn bytes(format: BlockFormat, [width, height]: [u32; 2], blocks: &[u8]) -> Result<Vec<u8>> {
-    let [columns, rows] = [width, height].map(|side| u64::from(side.div_ceil(BLOCK_SIDE)));
+    let [columns, rows] = [width, height].map(|side| u64::from(side.div_ceil(format.side())));
     if columns * rows == 0 || blocks.len() as u64 != columns * rows * BLOCK_BYTES as u64 {
         return Err(Error::invalid(format!("{} bytes of blocks for a texture of {width}x{height}", blocks.len())));
     }
@@ -84,7 +129,8 @@ fn data_format_descriptor(format: BlockFormat) -> Vec<u8> {
     bytes.extend(version.to_le_bytes());
     bytes.extend((block_bytes as u16).to_le_bytes());
     bytes.extend([color_model, primaries_bt709, transfer, flag_straight_alpha]);
-    bytes.extend([BLOCK_SIDE as u8 - 1, BLOCK_SIDE as u8 - 1, 0, 0]);
+    let last = format.side() as u8 - 1;
+    bytes.extend([last, last, 0, 0]);
     bytes.extend([BLOCK_BYTES as u8, 0, 0, 0, 0, 0, 0, 0]);
     // Bits 0 to 127, channel 0 (colour), sample position at the block corner.
     bytes.extend([0, 0, 127, qualifiers, 0, 0, 0, 0]);
@@ -110,6 +156,12 @@ mod tests {
 
     use super::*;
 
+    const ASTC: [BlockFormat; 3] = [
+        BlockFormat::AstcSrgb(AstcBlock::Pixels4x4),
+        BlockFormat::AstcSrgb(AstcBlock::Pixels6x6),
+        BlockFormat::AstcSrgb(AstcBlock::Pixels8x8),
+    ];
+
     fn blocks(count: usize) -> Vec<u8> {
         (0..count * BLOCK_BYTES).map(|at| at as u8).collect()
     }
@@ -119,9 +171,13 @@ mod tests {
         let cases = [
             (BlockFormat::Bc7Srgb, ::ktx2::Format::BC7_SRGB_BLOCK, ColorModel::BC7, TransferFunction::SRGB),
             (BlockFormat::Bc6hUnsigned, ::ktx2::Format::BC6H_UFLOAT_BLOCK, ColorModel::BC6H, TransferFunction::Linear),
+            (ASTC[0], ::ktx2::Format::ASTC_4x4_SRGB_BLOCK, ColorModel::ASTC, TransferFunction::SRGB),
+            (ASTC[1], ::ktx2::Format::ASTC_6x6_SRGB_BLOCK, ColorModel::ASTC, TransferFunction::SRGB),
+            (ASTC[2], ::ktx2::Format::ASTC_8x8_SRGB_BLOCK, ColorModel::ASTC, TransferFunction::SRGB),
         ];
         for (format, vk_format, model, transfer) in cases {
-            let blocks = blocks(3 * 2);
+            let count = 10u32.div_ceil(format.side()) * 8u32.div_ceil(format.side());
+            let blocks = blocks(count as usize);
             let file = bytes(format, [10, 8], &blocks).unwrap();
             let reader = Reader::new(&file).unwrap();
             let header = reader.header();
@@ -135,14 +191,14 @@ mod tests {
             assert_eq!(reader.writer(), Some("lightfold\0"));
             let levels: Vec<_> = reader.levels().collect();
             assert_eq!(levels.len(), 1);
-            assert_eq!((levels[0].data, levels[0].uncompressed_byte_length), (&blocks[..], 96));
+            assert_eq!((levels[0].data, levels[0].uncompressed_byte_length), (&blocks[..], u64::from(16 * count)));
         }
     }
 
     /// Checks rules of the specification that readers do not have to enforce.
     #[test]
     fn descriptor_keys_and_alignment_are_as_the_specification_has_them() {
-        for format in [BlockFormat::Bc7Srgb, BlockFormat::Bc6hUnsigned] {
+        for format in [BlockFormat::Bc7Srgb, BlockFormat::Bc6hUnsigned, ASTC[0], ASTC[2]] {
             let file = bytes(format, [4, 4], &blocks(1)).unwrap();
             let word = |at: usize| u32::from_le_bytes(*file[at..].first_chunk().unwrap()) as usize;
             let long = |at: usize| u64::from_le_bytes(*file[at..].first_chunk().unwrap()) as usize;
@@ -152,9 +208,10 @@ mod tests {
             assert_eq!((pairs, pairs % 4, global, global_bytes), (148, 0, 0, 0));
             assert_eq!((level % 16, level_bytes, plain_bytes, level + 16), (0, 16, 16, file.len()));
             assert!(file[pairs + pairs_bytes..level].iter().all(|byte| *byte == 0));
-            // One basic block of version 2, with texel blocks of 4x4 and 16 bytes in its single plane.
+            let last = format.side() as u8 - 1;
+            // One basic block of version 2, with texel blocks of 16 bytes in its single plane.
             assert_eq!([word(descriptor + 4), word(descriptor + 8)], [0, 2 | 40 << 16]);
-            assert_eq!(file[descriptor + 16..descriptor + 28], [3, 3, 0, 0, 16, 0, 0, 0, 0, 0, 0, 0]);
+            assert_eq!(file[descriptor + 16..descriptor + 28], [last, last, 0, 0, 16, 0, 0, 0, 0, 0, 0, 0]);
             // The sample: 128 bits, range 0 to 1.
             let is_float = format == BlockFormat::Bc6hUnsigned;
             let (kind, upper) = if is_float { (0x80, 0x3f80_0000) } else { (0, u32::MAX as usize) };

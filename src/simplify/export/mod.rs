@@ -15,7 +15,7 @@ use footage::dataset::manifest::NORMAL_CHANNELS;
 use footage::image_files::exr;
 
 pub use glb::Scene;
-pub use textures::Ktx2Output;
+pub use textures::{Ktx2Blocks, Ktx2Output};
 
 /// Name of the material in an OBJ file and in its material library.
 const MATERIAL: &str = "quads";
@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn names_tell_the_format() {
         let of = |scene: &str, ktx2: Option<&str>| {
-            let ktx2 = ktx2.map(|path| Ktx2Output { path: path.into(), effort: Effort::Fast });
+            let ktx2 = ktx2.map(|path| Ktx2Output { path: path.into(), blocks: Ktx2Blocks::Bc, effort: Effort::Fast });
             Outputs { scene: scene.into(), ktx2 }
         };
         for (name, format) in [("a.glb", SceneFormat::Glb), ("a.OBJ", SceneFormat::Obj), ("-", SceneFormat::Glb)] {
