@@ -38,6 +38,8 @@ pub(super) const SOLID_THRESHOLD: f64 = 0.01;
 /// Fraction of the budgets that is left for tiles that are extended over gaps. With more, tiles are fewer and larger, and leave more
 /// gaps than can be closed.
 const GAP_SHARE: f64 = 0.03;
+/// Maximum ratio of the energy with that reserve to the energy without it: beyond it, errors of surfaces are more visible than gaps.
+const GAP_ENERGY: f64 = 2.0;
 
 const _: () = assert!(UNIFORM_LEVEL <= MAX_LEVEL);
 
@@ -167,6 +169,11 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     };
     let selected = match budgeted.select(GAP_SHARE, monitor) {
         Err(Error::Usage(_)) => budgeted.select(0.0, monitor)?,
+        Ok(reserved) if !reserved.selection.limits().is_empty() => {
+            let whole = budgeted.select(0.0, monitor)?;
+            let is_whole = GAP_ENERGY * whole.selection.primal < reserved.selection.primal;
+            if is_whole { whole } else { reserved }
+        }
         selected => selected?,
     };
     let chosen = begun.elapsed();
