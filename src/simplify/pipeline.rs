@@ -364,7 +364,7 @@ mod tests {
             }
             // Replaces the length of a list.
             let mut wrong = words;
-            wrong[18 + 2 * CONSTRAINTS] = u64::MAX;
+            wrong[18 + 3 * CONSTRAINTS] = u64::MAX;
             assert!(!is_read(&wrong));
         });
     }
