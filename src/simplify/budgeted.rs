@@ -1,9 +1,10 @@
 //! Selection within budgets, of which overdraw is measured on the selected tiles (Seurat 4).
 
+use super::budgets::{Budgets, Use};
 use super::candidates::CandidateLevel;
 use super::cost::{CostModel, TilingCost, VIEWS, ViewShares};
 use super::overdraw::{OverdrawMeter, ViewOverdraw, peak};
-use super::selection::{Budgets, Problem, Selection, Use};
+use super::selection::{INFEASIBLE, Problem, Selection};
 use super::tiles::TileSet;
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
@@ -76,12 +77,7 @@ impl Budgeted<'_> {
             }
             capacity[2..].iter_mut().for_each(|capacity| *capacity *= 1.0 - STEP * f64::from(round));
         }
-        best.ok_or_else(|| {
-            Error::Usage(format!(
-                "{} the budget of peak overdraw as measured: increase it",
-                super::selection::INFEASIBLE
-            ))
-        })
+        best.ok_or_else(|| Error::Usage(format!("{} the budget of peak overdraw as measured: increase it", INFEASIBLE)))
     }
 }
 

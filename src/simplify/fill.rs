@@ -3,7 +3,7 @@
 //! Prices select all tilings of about the same worth at once, so that the best feasible selection at any scale of prices may be far
 //! from the budgets. Parts of a selection at lower prices are exchanged one by one.
 
-use super::selection::{CONSTRAINTS, Problem, SelectedTiling, Solution, Use};
+use super::budgets::{CONSTRAINTS, SelectedTiling, Use, keeps};
 
 /// A part of the trees in which two selections differ.
 struct Exchange {
@@ -15,39 +15,48 @@ struct Exchange {
     worth: f64,
 }
 
-/// Exchanges parts of a feasible selection for those of another one, the best first, as long as the selection stays feasible.
-pub(super) fn fill(problem: &Problem<'_>, selection: &mut Solution, other: &Solution, prices: &Use) {
-    let mut exchanges = exchanges(problem, [&selection.tilings, &other.tilings], prices);
+/// Exchanges parts of the first of two selections, which is feasible, for those of the second, the best first, as long as capacities are
+/// kept. Returns all tilings; `None` if nothing is exchanged.
+///
+/// Both selections are in depth-first order and cover the same points. `cost` returns the energy and use of a tiling.
+pub fn filled(
+    tilings: [&[SelectedTiling]; 2],
+    cost: impl Fn(SelectedTiling) -> (f64, Use),
+    capacity: &Use,
+    prices: &Use,
+) -> Option<Vec<SelectedTiling>> {
+    let [first, second] = tilings;
+    let mut exchanges = exchanges(tilings, &cost, prices);
     exchanges.sort_by(|a, b| b.worth.total_cmp(&a.worth));
-    let mut taken: Vec<Exchange> = Vec::new();
-    for exchange in exchanges {
-        let used: Use = std::array::from_fn(|at| selection.used[at] + exchange.used[at]);
-        if problem.is_feasible(&used) {
-            selection.used = used;
-            taken.push(exchange);
+    let (_, mut used) = total(first, &cost);
+    exchanges.retain(|exchange| {
+        let after: Use = std::array::from_fn(|at| used[at] + exchange.used[at]);
+        let is_taken = keeps(&after, capacity);
+        if is_taken {
+            used = after;
         }
-    }
-    if taken.is_empty() {
-        return;
-    }
-    taken.sort_by_key(|exchange| exchange.ranges[0].start);
-    let (mut tilings, mut next) = (Vec::new(), 0);
-    for Exchange { ranges: [mine, of_other], .. } in taken {
-        tilings.extend_from_slice(&selection.tilings[next..mine.start]);
-        tilings.extend_from_slice(&other.tilings[of_other]);
+        is_taken
+    });
+    exchanges.sort_by_key(|exchange| exchange.ranges[0].start);
+    let (mut all, mut next) = (Vec::new(), 0);
+    for Exchange { ranges: [mine, of_other], .. } in &exchanges {
+        all.extend_from_slice(&first[next..mine.start]);
+        all.extend_from_slice(&second[of_other.clone()]);
         next = mine.end;
     }
-    tilings.extend_from_slice(&selection.tilings[next..]);
-    selection.tilings = tilings;
-    // Sums are taken anew, because differences are rounded.
-    (selection.energy, selection.used) = cost(problem, &selection.tilings);
+    all.extend_from_slice(&first[next..]);
+    (!exchanges.is_empty()).then_some(all)
 }
 
 /// Returns the parts in which the second selection has less energy than the first.
-fn exchanges(problem: &Problem<'_>, tilings: [&[SelectedTiling]; 2], prices: &Use) -> Vec<Exchange> {
+fn exchanges(
+    tilings: [&[SelectedTiling]; 2],
+    cost: impl Fn(SelectedTiling) -> (f64, Use),
+    prices: &Use,
+) -> Vec<Exchange> {
     let mut found = Vec::new();
     let mut next = [0, 0];
-    // Both are in depth-first order and cover the same points, so that one of the next cells contains the other.
+    // One of the next cells contains the other, because both contain the next point.
     while let (Some(a), Some(b)) = (tilings[0].get(next[0]), tilings[1].get(next[1])) {
         let outer = if a.cell.level < b.cell.level { a.cell } else { b.cell };
         let ranges = [0, 1].map(|of| {
@@ -58,7 +67,8 @@ fn exchanges(problem: &Problem<'_>, tilings: [&[SelectedTiling]; 2], prices: &Us
             break;
         }
         next = [ranges[0].end, ranges[1].end];
-        let [(before, of_first), (after, of_second)] = [0, 1].map(|of| cost(problem, &tilings[of][ranges[of].clone()]));
+        let [(before, of_first), (after, of_second)] =
+            [0, 1].map(|of: usize| total(&tilings[of][ranges[of].clone()], &cost));
         let used: Use = std::array::from_fn(|at| of_second[at] - of_first[at]);
         let paid: f64 = used.iter().zip(prices).map(|(used, price)| used * price).sum();
         let saved = before - after;
@@ -71,9 +81,9 @@ fn exchanges(problem: &Problem<'_>, tilings: [&[SelectedTiling]; 2], prices: &Us
 }
 
 /// Returns the energy and use of tilings.
-fn cost(problem: &Problem<'_>, tilings: &[SelectedTiling]) -> (f64, Use) {
+pub fn total(tilings: &[SelectedTiling], cost: impl Fn(SelectedTiling) -> (f64, Use)) -> (f64, Use) {
     tilings.iter().fold((0.0, [0.0; CONSTRAINTS]), |(energy, used), tiling| {
-        let (more, of_tiling) = problem.cost_of(*tiling);
+        let (more, of_tiling) = cost(*tiling);
         (energy + more, std::array::from_fn(|at| used[at] + of_tiling[at]))
     })
 }
@@ -81,29 +91,35 @@ fn cost(problem: &Problem<'_>, tilings: &[SelectedTiling]) -> (f64, Use) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cost::{TilingCost, ViewShares};
-    use crate::selection::Budgets;
     use crate::tree::TreeCell;
-    use codec::monitor::Silent;
 
-    /// Two levels below all roots: one tile in a root; in each of its children one, with an energy that grows with the root.
-    fn costs() -> Vec<Vec<Vec<TilingCost>>> {
-        let cost = |energy: f64| vec![TilingCost { energy, triangles: 2.0, area: 1e-3, worst_area: 1e-3 }];
-        let of_children = |index: usize| cost(0.25 + 0.01 * (index / 4) as f64);
-        vec![(0..6).map(|_| cost(2.0)).collect(), (0..24).map(of_children).collect()]
+    fn of_level(level: u32) -> Vec<SelectedTiling> {
+        let below = |root: TreeCell| if level == 0 { vec![root] } else { root.children().to_vec() };
+        TreeCell::ROOTS.into_iter().flat_map(below).map(|cell| SelectedTiling { cell, tiling: 0 }).collect()
     }
 
     #[test]
     fn what_prices_leave_is_filled_with_the_best_exchanges() {
-        let (costs, shares) = (costs(), ViewShares::of_trees());
-        // All roots have 12 triangles, and dividing one takes 6 more: 24 allow two, which no prices select alone if all are alike.
-        let capacity = Budgets { triangles: 24.0, area: 1.0, peak_overdraw: 10.0 }.capacity();
-        let problem = Problem::new(&costs, 0, &shares, capacity);
-        let found = problem.solve(50, 0.0, &Silent).unwrap();
-        let of_root = |root: TreeCell| found.tilings.iter().filter(|tiling| root.contains(tiling.cell)).count();
-        assert_eq!(TreeCell::ROOTS.map(of_root), [4, 4, 1, 1, 1, 1]);
-        assert!((found.primal - (4.0 * 2.0 + 4.0 * 0.25 + 4.0 * 0.26)).abs() < 1e-12 && found.used[0] == 24.0);
-        let (energy, used) = cost(&problem, &found.tilings);
-        assert_eq!((energy, used[0]), (found.primal, found.used[0]));
+        // Dividing a root saves less energy the later it comes, and takes 6 triangles more.
+        let cost = |SelectedTiling { cell, .. }: SelectedTiling| {
+            let energy = if cell.level == 0 { 2.0 } else { 0.25 + 0.01 * f64::from(cell.face as u32) };
+            let mut used = [0.0; CONSTRAINTS];
+            used[0] = 2.0;
+            (energy, used)
+        };
+        let mut prices = [0.0; CONSTRAINTS];
+        prices[0] = 0.1;
+        let divided = |triangles: f64| {
+            let mut capacity = [1.0; CONSTRAINTS];
+            capacity[0] = triangles;
+            let all = filled([&of_level(0), &of_level(1)], cost, &capacity, &prices)?;
+            assert!(total(&all, cost).1[0] <= triangles);
+            Some(TreeCell::ROOTS.map(|root| all.iter().filter(|tiling| root.contains(tiling.cell)).count()))
+        };
+        assert_eq!(divided(25.0), Some([4, 4, 1, 1, 1, 1]));
+        assert_eq!(divided(48.0), Some([4; 6]));
+        assert_eq!(divided(17.0), None);
+        // Nothing is exchanged for more energy.
+        assert!(filled([&of_level(1), &of_level(0)], cost, &[1e9; CONSTRAINTS], &prices).is_none());
     }
 }

@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::budgets::{Use, add_cost, keeps};
 use super::cost::{CostModel, ViewShares};
-use super::selection::{Use, add_cost, keeps};
 use super::tiles::{QuadTile, TileSet};
 use super::tree::{PlaneRect, TreeCell, direction, project};
 use codec::math::Camera;

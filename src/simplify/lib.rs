@@ -7,7 +7,7 @@
 //! 2. [`points`]: merges samples into a point cloud (4.1).
 //! 3. [`candidates`]: tilings of the cells of six quadtrees ([`tree`]), whose planes minimise an [`energy`], by [`fit_displacement`]
 //!    or, as in the paper, by [`fit`] (4.2).
-//! 4. [`cost`], [`selection`], [`fill`]: the tilings that keep the budgets (4.3), of which [`overdraw`] is measured by [`budgeted`];
+//! 4. [`cost`], [`budgets`], [`selection`], [`fill`]: the tilings that keep the budgets (4.3), of which [`overdraw`] is measured by [`budgeted`];
 //!    [`selected`] runs all stages up to this one. [`tiles`]:
 //!    the selected quads in drawing order; [`gaps`] and [`extended`] extend them over gaps.
 //! 5. [`constraints`], [`silhouettes`], [`shading`]: coverage and colour of the tiles' [`textures`] (5.1, 5.2), filtered by a
@@ -23,6 +23,7 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 pub mod budgeted;
+pub mod budgets;
 pub mod candidates;
 pub mod capture;
 pub mod constraints;

@@ -2,10 +2,10 @@
 //! textures after the tiles are selected.
 
 use super::capture::Capture;
+use super::points::MAX_POINTS;
 use super::points::{VOXEL_BYTES, WAITING};
 use super::quad_mesh::AtlasLight;
 use super::samples::Sample;
-use super::selected::MAX_POINTS;
 use super::settings::{Settings, SurfaceAtlases};
 use super::textures::SAMPLES_AT_ONCE;
 use codec::error::Result;

@@ -254,9 +254,9 @@ mod tests {
     use super::*;
     use codec::effort::Effort;
 
+    use crate::budgets::{Budgets, CONSTRAINTS};
     use crate::cost::TextureCoordinates;
     use crate::export::{self, Outputs, Scene};
-    use crate::selection::{Budgets, CONSTRAINTS};
     use crate::settings::TilingKind;
     use crate::tree::{MAX_LEVEL, TreeCell};
     use codec::monitor::Silent;

@@ -17,6 +17,9 @@ use rayon::prelude::*;
 
 use codec::image::cube::{FacePoint, direction_to_face};
 
+/// Maximum number of points that samples are merged into.
+pub const MAX_POINTS: usize = 1_500_000;
+
 /// A point of the merged cloud.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MergedPoint {

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 
 use super::budgeted::Budgeted;
+use super::budgets::{CONSTRAINTS, SelectedTiling};
 use super::candidates::{CandidateSettings, Extent, candidates};
 use super::capture::Capture;
 use super::cost::{CostModel, MAX_PARTS, ViewShares};
@@ -13,10 +14,10 @@ use super::extended::{ExtendedTiles, Extender, Surroundings};
 use super::gaps::SeenDirections;
 use super::gbuffer;
 use super::overdraw::OverdrawMeter;
-use super::points::PointMerger;
+use super::points::{MAX_POINTS, PointMerger};
 use super::region::ViewingRegion;
 use super::samples::SampleRules;
-use super::selection::{Bounds, CONSTRAINTS, SelectedTiling, Selection};
+use super::selection::{Bounds, Selection};
 use super::settings::{Settings, SurfaceAtlases, TilingKind};
 use super::texturing::Texturing;
 use super::tile_plane::TilePlane;
@@ -27,14 +28,10 @@ use codec::error::{Error, Result};
 use codec::image::Face;
 use codec::monitor::Monitor;
 
-/// Maximum number of points that samples are merged into.
-pub const MAX_POINTS: usize = 1_500_000;
 /// Level of the uniform tiling (Seurat 7, figure 13).
 const UNIFORM_LEVEL: u32 = 6;
 /// Minimum side of a tree cell, in pixels of the capture.
 const MIN_CELL_PIXELS: f64 = 4.0;
-/// Relative distance to a sample within which a tile counts as the sample's surface (Seurat 5.1).
-pub(super) const SOLID_THRESHOLD: f64 = 0.01;
 /// Fraction of the budgets that is left for tiles that are extended over gaps. With more, tiles are fewer and larger, and leave more
 /// gaps than can be closed.
 const GAP_SHARE: f64 = 0.03;

@@ -9,21 +9,12 @@
 
 use rayon::prelude::*;
 
-use super::cost::{TilingCost, VIEWS, ViewShares};
-use super::fill::fill;
+use super::budgets::{CONSTRAINTS, SelectedTiling, Use, add_cost, keeps};
+use super::cost::{TilingCost, ViewShares};
+use super::fill::{filled, total};
 use super::tree::{MAX_LEVEL, TreeCell};
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
-
-/// Limits of the drawing cost.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Budgets {
-    pub triangles: f64,
-    /// Area in units of the whole sphere.
-    pub area: f64,
-    /// Limit of the mean overdraw of each view.
-    pub peak_overdraw: f64,
-}
 
 /// Start of the messages about budgets that cannot be kept.
 pub(super) const INFEASIBLE: &str = "no selection of tiles meets";
@@ -33,9 +24,6 @@ pub fn says_infeasible(message: &str) -> bool {
     message.contains(INFEASIBLE)
 }
 
-/// Number of constraints: triangles, area, and the overdraw of each view.
-pub const CONSTRAINTS: usize = 2 + VIEWS;
-pub type Use = [f64; CONSTRAINTS];
 /// Maximum number of rounds that search for prices at which a tiling is feasible.
 const FEASIBILITY_ROUNDS: usize = 100;
 /// Fraction of the total worth of all budgets below which a budget does not limit a selection: its price approaches 0 without
@@ -43,39 +31,6 @@ const FEASIBILITY_ROUNDS: usize = 100;
 const MIN_WORTH: f64 = 0.01;
 /// Number of iterations after which the best prices so far are scaled until the selection is feasible.
 const REPAIR_INTERVAL: usize = 25;
-
-impl Budgets {
-    pub fn capacity(&self) -> Use {
-        let mut capacity = [self.peak_overdraw; CONSTRAINTS];
-        (capacity[0], capacity[1]) = (self.triangles, self.area);
-        capacity
-    }
-
-    pub fn scaled(&self, by: f64) -> Budgets {
-        Budgets { triangles: by * self.triangles, area: by * self.area, peak_overdraw: by * self.peak_overdraw }
-    }
-}
-
-/// Adds `times` the cost of a tile or tiling of a cell.
-pub fn add_cost(used: &mut Use, shares: &[(u8, f32)], cost: &TilingCost, times: f64) {
-    used[0] += times * cost.triangles;
-    used[1] += times * cost.area;
-    for &(view, share) in shares {
-        used[2 + usize::from(view)] += times * cost.worst_area * f64::from(share);
-    }
-}
-
-pub fn keeps(used: &Use, capacity: &Use) -> bool {
-    used.iter().zip(capacity).all(|(used, capacity)| *used <= capacity * (1.0 + 1e-12))
-}
-
-/// Selected tiling of a cell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SelectedTiling {
-    pub cell: TreeCell,
-    /// Index into the tilings of the cell.
-    pub tiling: usize,
-}
 
 /// Bounds of the energy of the best selection.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,13 +89,13 @@ enum Choice {
 }
 
 /// A valid selection.
-pub(super) struct Solution {
+struct Solution {
     /// Sum of the energies, and of the prices of the resources used.
     priced: f64,
     /// Selected tilings in a depth-first traversal.
-    pub tilings: Vec<SelectedTiling>,
-    pub energy: f64,
-    pub used: Use,
+    tilings: Vec<SelectedTiling>,
+    energy: f64,
+    used: Use,
 }
 
 impl<'a> Problem<'a> {
@@ -154,7 +109,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Returns the energy and use of a selected tiling.
-    pub(super) fn cost_of(&self, SelectedTiling { cell, tiling }: SelectedTiling) -> (f64, Use) {
+    fn cost_of(&self, SelectedTiling { cell, tiling }: SelectedTiling) -> (f64, Use) {
         let cost = &self.of_cell(cell)[tiling];
         let mut used = [0.0; CONSTRAINTS];
         add_cost(&mut used, self.shares.of(cell.level, cell.index()), cost, 1.0);
@@ -227,7 +182,7 @@ impl<'a> Problem<'a> {
         solution
     }
 
-    pub(super) fn is_feasible(&self, used: &Use) -> bool {
+    fn is_feasible(&self, used: &Use) -> bool {
         keeps(used, &self.capacity)
     }
 
@@ -365,7 +320,11 @@ impl<'a> Problem<'a> {
             if try_scale(middle) { high = middle } else { low = middle }
         }
         if let (Some(primal), Some(beyond)) = (primal, beyond) {
-            fill(self, primal, &beyond, prices);
+            let tilings = [&primal.tilings[..], &beyond.tilings];
+            if let Some(tilings) = filled(tilings, |tiling| self.cost_of(tiling), &self.capacity, prices) {
+                (primal.energy, primal.used) = total(&tilings, |tiling| self.cost_of(tiling));
+                primal.tilings = tilings;
+            }
         }
         Some(high)
     }
@@ -409,6 +368,7 @@ const _: () = assert!(MAX_LEVEL <= 10);
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::budgets::Budgets;
     use codec::math::random::Random;
     use codec::monitor::Silent;
 

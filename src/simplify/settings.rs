@@ -1,11 +1,11 @@
 //! Settings of simplification.
 
+use super::budgets::Budgets;
 use super::capture::Capture;
 use super::cost::TextureCoordinates;
 use super::energy::EnergyKind;
 use super::quad_mesh::AtlasLight;
 use super::samples::{Background, BakedLight, Inside};
-use super::selection::Budgets;
 use super::shading::ShortCuts;
 use super::texture_filter::TextureFilter;
 use super::texture_sizes::Sizing;

@@ -6,7 +6,6 @@ use super::capture::Capture;
 use super::quad_mesh::{AtlasLight, MeshForm, QuadMesh};
 use super::region::ViewingRegion;
 use super::samples::{PixelChoice, SampleRules};
-use super::selected::SOLID_THRESHOLD;
 use super::settings::Settings;
 use super::shading::ShortCuts;
 use super::texture_filter::TextureFilter;
@@ -16,6 +15,8 @@ use super::tiles::{QuadTile, TileSet};
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
 
+/// Relative distance to a sample within which a tile counts as the sample's surface (Seurat 5.1).
+const SOLID_THRESHOLD: f64 = 0.01;
 /// Maximum side of a tile's texture, in texels.
 const LARGEST_SIDE: f64 = 8192.0;
 

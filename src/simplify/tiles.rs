@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
+use super::budgets::SelectedTiling;
 use super::candidates::CandidateLevel;
 use super::cost::{CostModel, TextureCoordinates};
-use super::selection::SelectedTiling;
 use super::tile_plane::TilePlane;
 use super::tree::{MAX_LEVEL, PlaneRect, TreeCell, direction, project};
 use codec::image::Face;

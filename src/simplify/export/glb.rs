@@ -5,11 +5,11 @@ use std::io::Write;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
+use crate::budgets::Budgets;
 use crate::cost::TextureCoordinates;
 use crate::gbuffer::SurfaceAtlas;
 use crate::quad_mesh::QuadMesh;
 use crate::region::ViewingRegion;
-use crate::selection::Budgets;
 use codec::error::Result;
 use codec::math::{Camera, Lens};
 use scene::mesh::Material;
