@@ -75,7 +75,7 @@ mod tests {
     use super::*;
     use crate::cost::TextureCoordinates;
     use crate::tile_plane::TilePlane;
-    use crate::tiles::QuadTile;
+    use crate::tiles::{QuadTile, TileForm};
 
     fn cube(layers: &[f64]) -> TileSet {
         let tile = |cell: TreeCell, metres: f64| {
@@ -83,7 +83,7 @@ mod tests {
             QuadTile { cell, plane: TilePlane(forward / metres), rect: cell.rect(0.0), divisions: [1, 1] }
         };
         let of = |&metres: &f64| TreeCell::ROOTS.map(|cell| tile(cell, metres));
-        TileSet::in_order(layers.iter().flat_map(of).collect(), TextureCoordinates::Affine)
+        TileSet::in_order(layers.iter().flat_map(of).collect(), TileForm::as_fitted(TextureCoordinates::Affine))
     }
 
     #[test]
@@ -97,7 +97,7 @@ mod tests {
     fn what_an_eye_sees_larger_counts_more() {
         // One side only: a quad at 1 m, which fills a quarter of the view from 1 m behind the centre.
         let one = cube(&[1.0]).tiles[0];
-        let tiles = TileSet::in_order(vec![one], TextureCoordinates::Affine);
+        let tiles = TileSet::in_order(vec![one], TileForm::as_fitted(TextureCoordinates::Affine));
         let [forward, ..] = one.cell.face.axes();
         // The first view is that of the first face.
         let of = |eyes: Vec<DVec3>| OverdrawMeter::new(eyes).measure(&tiles).unwrap();

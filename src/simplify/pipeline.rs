@@ -19,7 +19,7 @@ use super::selection::Selection;
 use super::settings::{Settings, SurfaceAtlases};
 use super::shading::ShortCuts;
 use super::texturing::{Textured, Texturing};
-use super::tiles::TileSet;
+use super::tiles::{TileForm, TileSet};
 use codec::error::Result;
 use codec::monitor::Monitor;
 use footage::json;
@@ -182,7 +182,10 @@ pub fn texture(
         extended_tiles: counts.extended_tiles,
         ..Counters::default()
     };
-    let tiles = TileSet::in_order(tiles, settings.texture_coordinates);
+    let eye_m = capture.images.iter().map(|image| (image.eye - region.middle).abs().max_element()).fold(0.0, f64::max);
+    let farthest_m = if surface_m > 0.0 { surface_m.max(eye_m) } else { 0.0 };
+    let sky_m = region.scene_sky_m(farthest_m);
+    let tiles = TileSet::in_order(tiles, TileForm { coordinates: settings.texture_coordinates, sky_m });
     let texturing = Texturing::new(capture, settings, &region, &mut notes);
     if let Some(share) = unsupported.filter(|share| *share > MAX_UNSUPPORTED) {
         notes.push(format!(
@@ -198,6 +201,7 @@ pub fn texture(
     counters.add(&textured);
     let begun = Instant::now();
     let Textured { mut scene, layout, .. } = textured;
+    scene.pull_in(region.middle, sky_m);
     counters.blended_triangles = scene.runs.iter().step_by(2).map(|&count| u64::from(count)).sum();
     counters.float_texels = scene.light.as_ref().map_or(0, Vec::len) as u64;
     // Without runs, all triangles are blended.
@@ -216,9 +220,6 @@ pub fn texture(
         monitor.advance(1);
     }
     scene.runs = runs;
-    let eye_m = capture.images.iter().map(|image| (image.eye - region.middle).abs().max_element()).fold(0.0, f64::max);
-    let farthest_m = if surface_m > 0.0 { surface_m.max(eye_m) } else { 0.0 };
-    scene.pull_in(region.middle, region.scene_sky_m(farthest_m));
     let geometry = GeometryBytes::of(&scene)?;
     (counters.geometry_bytes, counters.geometry_bytes_meshopt) = (geometry.plain, geometry.meshopt);
     scene.light = scene.light.filter(|_| settings.light == AtlasLight::HalfFloats);

@@ -40,18 +40,18 @@ impl QuadTile {
 
     /// Returns the position within the texture, 0 to 1 along each side, at which the triangles of the tile show a direction: that of
     /// their texture coordinates, so that what a texture shows stays in its place however coarsely a slanted tile is divided.
-    fn texture_position(&self, [u, v]: [f64; 2], coordinates: TextureCoordinates) -> [f64; 2] {
+    fn texture_position(&self, [u, v]: [f64; 2], form: TileForm) -> [f64; 2] {
         let [least, most] = [self.rect.min, self.rect.max];
         let projective = [(u - least[0]) / (most[0] - least[0]), (v - least[1]) / (most[1] - least[1])];
-        match coordinates {
+        match form.coordinates {
             TextureCoordinates::Projective => projective,
-            TextureCoordinates::Affine => self.affine_position(projective).unwrap_or(projective),
+            TextureCoordinates::Affine => self.affine_position(projective, form.sky_m).unwrap_or(projective),
         }
     }
 
     /// Converts a position in the plane of the face to affine texture coordinates; both are 0 to 1 along each side. Returns `None`
     /// where the tile has no finite corners.
-    fn affine_position(&self, at: [f64; 2]) -> Option<[f64; 2]> {
+    fn affine_position(&self, at: [f64; 2], sky_m: f64) -> Option<[f64; 2]> {
         let parts = self.divisions.map(f64::from);
         let first: [f64; 2] =
             std::array::from_fn(|axis| (at[axis] * parts[axis]).floor().clamp(0.0, parts[axis] - 1.0));
@@ -69,7 +69,8 @@ impl QuadTile {
                 self.rect.min[axis] + corner[axis] * (self.rect.max[axis] - self.rect.min[axis])
             });
             // A share in the plane of the face is one on the tile times the depth of the corner.
-            let weight = share / self.plane.hit(direction(self.cell.face, place));
+            let ray = direction(self.cell.face, place);
+            let weight = share / self.plane.hit(ray).min(sky_m / ray.abs().max_element());
             sum = [0, 1].map(|axis| sum[axis] + weight * corner[axis]);
             weights += weight;
         }
@@ -77,11 +78,26 @@ impl QuadTile {
     }
 }
 
+/// How tiles are drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TileForm {
+    pub coordinates: TextureCoordinates,
+    /// Half of the edge of the cube that corners are moved into, in metres: [`super::quad_mesh::QuadMesh::pull_in`].
+    pub sky_m: f64,
+}
+
+impl TileForm {
+    /// Tiles whose corners stay where they were fitted.
+    pub fn as_fitted(coordinates: TextureCoordinates) -> TileForm {
+        TileForm { coordinates, sky_m: f64::INFINITY }
+    }
+}
+
 /// Tiles in drawing order, from back to front as seen from the centre of the region.
 #[derive(Debug)]
 pub struct TileSet {
     pub tiles: Vec<QuadTile>,
-    coordinates: TextureCoordinates,
+    form: TileForm,
     /// Tiles that overlap each cell of the last level.
     reach: Vec<Vec<u32>>,
     /// Maximum distance by which tiles extend over the edges of their faces.
@@ -117,11 +133,14 @@ impl TileSet {
         };
         let mut order: Vec<(f64, QuadTile)> = tiles.into_iter().map(|tile| (distance(&tile), tile)).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
-        TileSet::in_order(order.into_iter().map(|(_, tile)| tile).collect(), model.texture_coordinates)
+        TileSet::in_order(
+            order.into_iter().map(|(_, tile)| tile).collect(),
+            TileForm::as_fitted(model.texture_coordinates),
+        )
     }
 
     /// Takes tiles in drawing order.
-    pub fn in_order(tiles: Vec<QuadTile>, coordinates: TextureCoordinates) -> TileSet {
+    pub fn in_order(tiles: Vec<QuadTile>, form: TileForm) -> TileSet {
         let mut reach = vec![Vec::new(); TreeCell::count(MAX_LEVEL)];
         for (tile, at) in tiles.iter().zip(0u32..) {
             let leaf = |corner: [f64; 2]| corner.map(leaf_place);
@@ -137,17 +156,17 @@ impl TileSet {
             [[a, b, c], [a, c, d]]
         }));
         let beyond = tiles.iter().flat_map(|tile| tile.rect.corners().concat()).map(|at| at.abs() - 1.0);
-        TileSet { margin: beyond.fold(0.0, f64::max), tiles, coordinates, reach, bvh }
+        TileSet { margin: beyond.fold(0.0, f64::max), tiles, form, reach, bvh }
     }
 
-    /// Takes other tiles with the same texture coordinates.
+    /// Takes other tiles that are drawn in the same way.
     pub fn with(&self, tiles: Vec<QuadTile>) -> TileSet {
-        TileSet::in_order(tiles, self.coordinates)
+        TileSet::in_order(tiles, self.form)
     }
 
     /// Returns the position in the texture of a tile, 0 to 1 along each side, of a point in the plane of its face.
     pub fn texture_position(&self, tile: u32, at: [f64; 2]) -> [f64; 2] {
-        self.tiles[tile as usize].texture_position(at, self.coordinates)
+        self.tiles[tile as usize].texture_position(at, self.form)
     }
 
     /// Finds the tiles that the line from the centre through a point meets.
@@ -238,7 +257,8 @@ mod tests {
                     let point = weights[0] * a.0 + weights[1] * b.0 + weights[2] * c.0;
                     let expected = weights[0] * a.1 + weights[1] * b.1 + weights[2] * c.1;
                     let at = project(tile.cell.face, point).unwrap();
-                    let found = DVec2::from_array(tile.texture_position(at, TextureCoordinates::Affine));
+                    let found =
+                        DVec2::from_array(tile.texture_position(at, TileForm::as_fitted(TextureCoordinates::Affine)));
                     assert!((found - expected).length() < 1e-9, "{divisions:?}, part {step}: {found} {expected}");
                 }
             }
@@ -251,13 +271,18 @@ mod tests {
         for (corner, expected) in tile.rect.corners().into_iter().zip([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
         {
             for coordinates in [TextureCoordinates::Affine, TextureCoordinates::Projective] {
-                assert_eq!(tile.texture_position(corner, coordinates), expected);
+                assert_eq!(tile.texture_position(corner, TileForm::as_fitted(coordinates)), expected);
             }
         }
         let middle = [0.0, 1.0625];
-        assert_eq!(tile.texture_position(middle, TextureCoordinates::Projective), [0.5, 0.5]);
-        let [_, y] = tile.texture_position(middle, TextureCoordinates::Affine);
+        assert_eq!(tile.texture_position(middle, TileForm::as_fitted(TextureCoordinates::Projective)), [0.5, 0.5]);
+        let [_, y] = tile.texture_position(middle, TileForm::as_fitted(TextureCoordinates::Affine));
         // The middle of the picture is nearer than that of the floor.
         assert!(y > 0.9, "{y}");
+        // With all corners at one depth nothing is slanted: x is 0.5 and y the part of the side.
+        let cut = TileForm { coordinates: TextureCoordinates::Affine, sky_m: 1e-3 };
+        let near = QuadTile { rect: PlaneRect { min: [-0.5, 0.125], max: [0.5, 1.0] }, ..tile };
+        let [x, y] = near.texture_position([0.0, 0.5625], cut);
+        assert!((x - 0.5).abs() < 1e-12 && (y - 0.5).abs() < 1e-12, "{x} {y}");
     }
 }

@@ -29,6 +29,7 @@ use render::march::settings::SpecularMode;
 use render::views::catalogue::ProbeChoice;
 use render::views::light_field::LightField;
 use render::views::player::Player;
+use simplify::budgets::Budgets;
 use simplify::capture::Capture;
 use simplify::pipeline::simplify;
 use simplify::points::PointMerger;
@@ -38,7 +39,6 @@ use simplify::read_glb::read_glb;
 use simplify::region::ViewingRegion;
 use simplify::samples::{Background, Inside, SampleRules};
 use simplify::selected::MAX_POINTS;
-use simplify::selection::Budgets;
 use simplify::settings::Settings;
 
 /// Number of runs of each measurement.

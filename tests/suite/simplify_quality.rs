@@ -7,10 +7,10 @@ use std::fmt::Write as _;
 use codec::effort::Effort;
 use codec::monitor::Silent;
 use scene::{DemoKind, FootagePlan};
+use simplify::budgets::Budgets;
 use simplify::capture::Capture;
 use simplify::fidelity::Evaluation;
 use simplify::pipeline::{Simplified, simplify};
-use simplify::selection::Budgets;
 use simplify::settings::Settings;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/simplify.csv");
