@@ -77,7 +77,7 @@ impl Budgeted<'_> {
             }
             capacity[2..].iter_mut().for_each(|capacity| *capacity *= 1.0 - STEP * f64::from(round));
         }
-        best.ok_or_else(|| Error::Usage(format!("{} the budget of peak overdraw as measured: increase it", INFEASIBLE)))
+        best.ok_or_else(|| Error::Usage(format!("{INFEASIBLE} the budget of peak overdraw as measured: increase it")))
     }
 }
 

@@ -209,7 +209,8 @@ pub fn texture(
     if settings.short_cuts == ShortCuts::Off {
         scene.runs.clear();
     }
-    let placed = PlacedTiles { tiles: &tiles, layout: &layout };
+    let drawn = tiles.as_drawn();
+    let placed = PlacedTiles { tiles: &drawn, layout: &layout };
     let seams = Surroundings { region: &region, seen: &seen, background: settings.background };
     counters.closed_cracks += placed.close_in_pictures(&seams.pictures(&scene, OPAQUE_ALPHA, monitor)?, &mut scene);
     for image in 0..capture.images.len() {

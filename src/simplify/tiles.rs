@@ -151,12 +151,14 @@ impl TileSet {
                 }
             }
         }
-        let bvh = Bvh::new(tiles.iter().flat_map(|tile| {
-            let [a, b, c, d] = tile.corners();
-            [[a, b, c], [a, c, d]]
-        }));
+        let bvh = bvh_of(&tiles, f64::INFINITY);
         let beyond = tiles.iter().flat_map(|tile| tile.rect.corners().concat()).map(|at| at.abs() - 1.0);
         TileSet { margin: beyond.fold(0.0, f64::max), tiles, form, reach, bvh }
+    }
+
+    /// Returns the same tiles, whose rays are traced to their corners as drawn.
+    pub fn as_drawn(&self) -> TileSet {
+        TileSet { bvh: bvh_of(&self.tiles, self.form.sky_m), ..TileSet::in_order(self.tiles.clone(), self.form) }
     }
 
     /// Takes other tiles that are drawn in the same way.
@@ -212,6 +214,14 @@ impl TileSet {
     pub fn is_crossed(&self, ray: &Ray) -> bool {
         self.bvh.any(ray, 0.0..f64::INFINITY, |_| true)
     }
+}
+
+/// Returns the triangles of tiles, with corners within a cube of half the edge `sky_m`.
+fn bvh_of(tiles: &[QuadTile], sky_m: f64) -> Bvh {
+    Bvh::new(tiles.iter().flat_map(|tile| {
+        let [a, b, c, d] = tile.corners().map(|corner| corner * (sky_m / corner.abs().max_element()).min(1.0));
+        [[a, b, c], [a, c, d]]
+    }))
 }
 
 /// Returns the column or row of the last level's cell at a coordinate, or of the nearest cell if the coordinate is outside of the

@@ -147,7 +147,7 @@ fn what_limits_a_scene_is_told() {
     let limits = |options: &str| {
         let line = format!("simplify room -o quads.glb --effort fast --atlas 256 {options}");
         let text = String::from_utf8(fine(&line, folder.path()).stderr).unwrap();
-        let words = text.split("of the budgets, ").nth(1).unwrap().lines().next().unwrap().to_owned();
+        let words = text.split("of the lower bound, ").nth(1).unwrap().lines().next().unwrap().to_owned();
         (words, fine(&format!("{line} --json"), folder.path()).stdout)
     };
     let wide = "--area 40 --peak-overdraw 60";
