@@ -32,13 +32,12 @@ use render::views::player::Player;
 use simplify::budgets::Budgets;
 use simplify::capture::Capture;
 use simplify::pipeline::simplify;
-use simplify::points::PointMerger;
+use simplify::points::{MAX_POINTS, PointMerger};
 use simplify::quad_mesh::QuadMesh;
 use simplify::raster::{Compositing, DrawSettings, draw_picture, draw_plainly};
 use simplify::read_glb::read_glb;
 use simplify::region::ViewingRegion;
-use simplify::samples::{Background, Inside, SampleRules};
-use simplify::selected::MAX_POINTS;
+use simplify::samples::{Background, BakedLight, Inside, SampleRules};
 use simplify::settings::Settings;
 
 /// Number of runs of each measurement.
@@ -119,7 +118,8 @@ fn measure(name: &str, container: &str, scene: &str) -> Result<()> {
 fn merge(dataset: &str) -> Result<()> {
     let mut capture = Capture::open(Path::new(dataset), Some(0))?;
     let region = ViewingRegion::around(capture.images.iter().map(|image| image.eye));
-    let rules = SampleRules { region: &region, background: Background::Sky, inside: Inside::Drop };
+    let rules =
+        SampleRules { region: &region, background: Background::Sky, inside: Inside::Drop, baked: BakedLight::Mean };
     let images = 0..capture.images.len();
     let read = median(|| {
         images.clone().try_for_each(|image| capture.rays(image).map(|rays| rays.iter().map(black_box).for_each(|_| ())))
