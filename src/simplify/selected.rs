@@ -32,9 +32,8 @@ use codec::monitor::Monitor;
 const UNIFORM_LEVEL: u32 = 6;
 /// Minimum side of a tree cell, in pixels of the capture.
 const MIN_CELL_PIXELS: f64 = 4.0;
-/// Fraction of the budgets that is left for tiles that are extended over gaps. With more, tiles are fewer and larger, and leave more
-/// gaps than can be closed.
-const GAP_SHARE: f64 = 0.03;
+/// Fraction of the budgets that is left for tiles that are extended over gaps.
+const GAP_SHARE: f64 = 0.1;
 /// Maximum ratio of the energy with that reserve to the energy without it: beyond it, errors of surfaces are more visible than gaps.
 const GAP_ENERGY: f64 = 2.0;
 

@@ -48,7 +48,7 @@ use simplify::texture_sizes::Sizing;
     released evaluator of Seurat would print, which ignores translucent pixels and adds 24.07 dB; random_poses, \
     cracks seen from 64 positions in the region; unsupported_percent, the rays from the region that meet no \
     surface that a camera has seen; selection, the energy of the selected quads (primal) and its lower bound (dual) \
-    under the budgets (or 97% of them, the rest of which extends quads over gaps), and the budgets that limit the energy \
+    under the budgets (or 90% of them, the rest of which extends quads over gaps), and the budgets that limit the energy \
     (limited_by), none if larger budgets would not reduce it; in counters, the size of the mesh in a .glb file (geometry_bytes), and its size with \
     EXT_meshopt_compression, which is not written.")]
 pub struct Args {
