@@ -50,11 +50,11 @@ impl Budgeted<'_> {
         let first_level = self.levels.first().map_or(0, |level| level.level);
         let mut capacity = budgets.capacity();
         capacity[2..].fill(UNLIMITED);
-        let mut best: Option<BudgetedTiles> = None;
+        let (mut best, mut least): (Option<BudgetedTiles>, f64) = (None, f64::INFINITY);
         for round in 0..ROUNDS {
             let (iterations, gap) = self.effort;
-            let solved = Problem::new(self.costs, first_level, self.shares, capacity).solve(iterations, gap, monitor);
-            let mut selection = match solved {
+            let problem = Problem::new(self.costs, first_level, self.shares, budgets).with_views(&capacity);
+            let mut selection = match problem.solve(iterations, gap, monitor) {
                 Ok(selection) => selection,
                 Err(Error::Usage(_)) if best.is_some() => break,
                 Err(error) => return Err(error),
@@ -62,6 +62,7 @@ impl Budgeted<'_> {
             let tiles = TileSet::new(&selection.tilings, self.levels, self.model);
             let views = self.meter.measure(&tiles)?;
             let overdraw = peak(&views);
+            least = least.min(overdraw);
             let is_limited = selection.prices[2..].iter().any(|price| *price > 0.0);
             let is_better = best.as_ref().is_none_or(|best| selection.primal < best.selection.primal);
             capacity = scaled(budgets, &selection.used, &views);
@@ -77,7 +78,11 @@ impl Budgeted<'_> {
             }
             capacity[2..].iter_mut().for_each(|capacity| *capacity *= 1.0 - STEP * f64::from(round));
         }
-        best.ok_or_else(|| Error::Usage(format!("{INFEASIBLE} the budget of peak overdraw as measured: increase it")))
+        best.ok_or_else(|| {
+            Error::Usage(format!(
+                "{INFEASIBLE} the budget of peak overdraw: {least:.2} is the least that was measured: increase it"
+            ))
+        })
     }
 }
 

@@ -1,4 +1,4 @@
-//! Fills budgets that a selection leaves unused (Seurat 4.3 leaves them).
+//! Improves a selection within the budgets that it leaves unused, beyond Seurat 4.3.
 //!
 //! Prices select all tilings of about the same worth at once, so that the best feasible selection at any scale of prices may be far
 //! from the budgets. Parts of a selection at lower prices are exchanged one by one.
@@ -9,7 +9,7 @@ use super::budgets::{CONSTRAINTS, SelectedTiling, Use, keeps};
 struct Exchange {
     /// Ranges of tilings in both selections.
     ranges: [std::ops::Range<usize>; 2],
-    /// What the exchange uses in addition.
+    /// Resources that the exchange takes, less those that it frees.
     used: Use,
     /// Saved energy by price of what is used; `+inf` if nothing is paid.
     worth: f64,

@@ -18,7 +18,7 @@ use super::selected::{Counts, SelectedTiles, select};
 use super::selection::Selection;
 use super::settings::{Settings, SurfaceAtlases};
 use super::shading::ShortCuts;
-use super::texturing::{Textured, Texturing};
+use super::texturing::{Textured, Texturing, depth_note};
 use super::tiles::{TileForm, TileSet};
 use codec::error::Result;
 use codec::monitor::Monitor;
@@ -186,7 +186,8 @@ pub fn texture(
     let farthest_m = if surface_m > 0.0 { surface_m.max(eye_m) } else { 0.0 };
     let sky_m = region.scene_sky_m(farthest_m);
     let tiles = TileSet::in_order(tiles, TileForm { coordinates: settings.texture_coordinates, sky_m });
-    let texturing = Texturing::new(capture, settings, &region, &mut notes);
+    let texturing = Texturing::new(capture, settings, &region);
+    notes.extend(depth_note(capture));
     if let Some(share) = unsupported.filter(|share| *share > MAX_UNSUPPORTED) {
         notes.push(format!(
             "{:.1}% of the rays from the viewing region meet no surface that a camera has seen, and show what is behind or \

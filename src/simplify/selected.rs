@@ -156,7 +156,7 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     let seen = SeenDirections::new(points.iter().map(|point| point.position.as_dvec3()));
     drop(points);
     let extender = Extender {
-        texturing: Texturing::new(capture, settings, &region, &mut Vec::new()),
+        texturing: Texturing::new(capture, settings, &region),
         surroundings: Surroundings { region: &region, seen: &seen, background: settings.background },
         model: &model,
         shares: &shares,
@@ -172,6 +172,7 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
         }
         selected => selected?,
     };
+    drop((levels, costs));
     let chosen = begun.elapsed();
     let ExtendedTiles { selection, tiles, used, count, unsupported } = extender.extend(selected, capture, monitor)?;
     let counts = Counts { extended_tiles: count, ..counts };

@@ -9,7 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::budgets::{CONSTRAINTS, SelectedTiling, Use, add_cost, keeps};
+use super::budgets::{Budgets, CONSTRAINTS, SelectedTiling, Use, add_cost, keeps};
 use super::cost::{TilingCost, ViewShares};
 use super::fill::{filled, total};
 use super::tree::{MAX_LEVEL, TreeCell};
@@ -77,6 +77,7 @@ pub struct Problem<'a> {
     costs: &'a [Vec<Vec<TilingCost>>],
     first_level: u32,
     shares: &'a ViewShares,
+    budgets: Budgets,
     capacity: Use,
 }
 
@@ -103,9 +104,15 @@ impl<'a> Problem<'a> {
         costs: &'a [Vec<Vec<TilingCost>>],
         first_level: u32,
         shares: &'a ViewShares,
-        capacity: Use,
+        budgets: &Budgets,
     ) -> Problem<'a> {
-        Problem { costs, first_level, shares, capacity }
+        Problem { costs, first_level, shares, budgets: *budgets, capacity: budgets.capacity() }
+    }
+
+    /// Sets the capacities of views at which they reach the budget of overdraw. Costs are estimates, and other than what is measured.
+    pub fn with_views(mut self, capacity: &Use) -> Problem<'a> {
+        self.capacity[2..].copy_from_slice(&capacity[2..]);
+        self
     }
 
     /// Returns the energy and use of a selected tiling.
@@ -345,7 +352,7 @@ impl<'a> Problem<'a> {
         let (name, least) = match at {
             0 => ("triangles", least.ceil()),
             1 => ("area", (least * 1e4).ceil() / 1e4),
-            _ => ("peak overdraw", (least * 1e4).ceil() / 1e4),
+            _ => ("peak overdraw", (ratio * self.budgets.peak_overdraw * 1e4).ceil() / 1e4),
         };
         Error::Usage(match ratio > 1.0 {
             true => format!("{INFEASIBLE} the budget of {name}: the minimum is {least}"),
@@ -368,7 +375,6 @@ const _: () = assert!(MAX_LEVEL <= 10);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::budgets::Budgets;
     use codec::math::random::Random;
     use codec::monitor::Silent;
 
@@ -426,7 +432,7 @@ mod tests {
             let costs = costs(seed);
             for triangles in [2.0, 8.0, 14.0, 22.0, 1000.0] {
                 let budgets = Budgets { triangles, area: 0.4, peak_overdraw: 2.5 };
-                let problem = Problem::new(&costs, 0, &shares, budgets.capacity());
+                let problem = Problem::new(&costs, 0, &shares, &budgets);
                 let every = all(&problem, TreeCell::ROOTS[0]);
                 let best = every.iter().filter(|(_, used)| problem.is_feasible(used)).map(|(energy, _)| *energy);
                 let best = best.fold(f64::INFINITY, f64::min);
@@ -438,7 +444,7 @@ mod tests {
                 assert!(found.dual <= best + 1e-9 && best <= found.primal + 1e-9, "{found:?} {best}");
                 assert!((problem.bound(&found.prices) - found.dual).abs() <= 1e-9);
                 // Prices found for smaller budgets also give a bound for larger ones.
-                let larger = Problem::new(&costs, 0, &shares, budgets.scaled(1.25).capacity());
+                let larger = Problem::new(&costs, 0, &shares, &budgets.scaled(1.25));
                 let least = every.iter().filter(|(_, used)| larger.is_feasible(used)).map(|(energy, _)| *energy);
                 assert!(larger.bound(&found.prices) <= least.fold(f64::INFINITY, f64::min) + 1e-9);
                 cases += 1;
@@ -466,7 +472,7 @@ mod tests {
         let (costs, shares) = (of_levels([10.0, 3.0, 0.01]), ViewShares::of_trees());
         let solve = |triangles: f64| {
             let budgets = Budgets { triangles, area: 1.0, peak_overdraw: 10.0 };
-            Problem::new(&costs, 0, &shares, budgets.capacity()).solve(400, 0.0, &Silent).unwrap()
+            Problem::new(&costs, 0, &shares, &budgets).solve(400, 0.0, &Silent).unwrap()
         };
         let fine = solve(32.0);
         assert!(fine.tilings.len() == 16 && (fine.primal - 0.16).abs() < 1e-12, "{fine:?}");
@@ -474,7 +480,7 @@ mod tests {
         assert_eq!(coarse.primal, 10.0);
         assert_eq!((fine.limits(), coarse.limits()), (vec![], vec!["triangles"]));
         let small = Budgets { triangles: 32.0, area: 0.004, peak_overdraw: 10.0 };
-        let found = Problem::new(&costs, 0, &shares, small.capacity()).solve(400, 0.0, &Silent).unwrap();
+        let found = Problem::new(&costs, 0, &shares, &small).solve(400, 0.0, &Silent).unwrap();
         assert_eq!((found.tilings.len(), found.limits()), (1, vec!["area"]));
     }
 
@@ -482,7 +488,7 @@ mod tests {
     fn bounds_approach_each_other() {
         let (costs, shares) = (costs(3), ViewShares::of_trees());
         let budgets = Budgets { triangles: 14.0, area: 0.4, peak_overdraw: 2.5 };
-        let found = Problem::new(&costs, 0, &shares, budgets.capacity()).solve(200, 0.0, &Silent).unwrap();
+        let found = Problem::new(&costs, 0, &shares, &budgets).solve(200, 0.0, &Silent).unwrap();
         assert_eq!(found.convergence.len(), found.iterations + 1);
         assert!(found.convergence.is_sorted_by(|a, b| a.dual <= b.dual && a.primal >= b.primal));
         let last = found.convergence[found.iterations];
@@ -494,7 +500,7 @@ mod tests {
     fn a_budget_that_cannot_be_kept_is_named_with_the_least_that_can() {
         let (costs, shares) = (costs(1), ViewShares::of_trees());
         let said = |budgets: Budgets| {
-            Problem::new(&costs, 0, &shares, budgets.capacity()).solve(50, 0.0, &Silent).unwrap_err().to_string()
+            Problem::new(&costs, 0, &shares, &budgets).solve(50, 0.0, &Silent).unwrap_err().to_string()
         };
         let wide = Budgets { triangles: 1e9, area: 1e9, peak_overdraw: 1e9 };
         let few = said(Budgets { triangles: 1.0, ..wide });

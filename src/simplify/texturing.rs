@@ -15,7 +15,8 @@ use super::tiles::{QuadTile, TileSet};
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
 
-/// Relative distance to a sample within which a tile counts as the sample's surface (Seurat 5.1).
+/// Least relative distance to a sample within which a tile counts as the sample's surface (Seurat 5.1): that of depth errors if they are
+/// larger.
 const SOLID_THRESHOLD: f64 = 0.01;
 /// Maximum side of a tile's texture, in texels.
 const LARGEST_SIDE: f64 = 8192.0;
@@ -55,13 +56,8 @@ pub struct Textured {
 }
 
 impl<'a> Texturing<'a> {
-    /// Returns the parameters for a capture. Depth whose errors are unknown or large gets a note.
-    pub fn new(
-        capture: &Capture,
-        settings: &Settings,
-        region: &'a ViewingRegion,
-        notes: &mut Vec<String>,
-    ) -> Texturing<'a> {
+    /// Returns the parameters for a capture.
+    pub fn new(capture: &Capture, settings: &Settings, region: &'a ViewingRegion) -> Texturing<'a> {
         let light = if settings.short_cuts == ShortCuts::Taken { settings.light } else { AtlasLight::HalfFloats };
         Texturing {
             rules: SampleRules {
@@ -70,7 +66,7 @@ impl<'a> Texturing<'a> {
                 inside: settings.inside,
                 baked: settings.baked,
             },
-            solid_threshold: solid_threshold(capture, notes),
+            solid_threshold: capture.relative_depth_error.unwrap_or(0.0).max(SOLID_THRESHOLD),
             pixel_step: 1,
             texels_per_unit: settings.texels_per_unit(capture),
             form: MeshForm { middle: region.middle, coordinates: settings.texture_coordinates, light },
@@ -130,23 +126,16 @@ impl<'a> Texturing<'a> {
     }
 }
 
-/// Returns the relative distance within which a tile counts as a sample's surface, which is at least the depth error of the
-/// capture.
-fn solid_threshold(capture: &Capture, notes: &mut Vec<String>) -> f64 {
+/// Returns a note if the depth of a capture has errors that are unknown or above [`SOLID_THRESHOLD`].
+pub fn depth_note(capture: &Capture) -> Option<String> {
     match capture.relative_depth_error {
-        Some(error) if error <= SOLID_THRESHOLD => SOLID_THRESHOLD,
-        Some(error) => {
-            notes.push(format!(
-                "the depth of the container has errors up to {:.2}%: a tile within that distance of a sample counts \
-                as its surface, instead of {:.0}%",
-                100.0 * error,
-                100.0 * SOLID_THRESHOLD
-            ));
-            error
-        }
-        None => {
-            notes.push("the depth of the container has no error bound".into());
-            SOLID_THRESHOLD
-        }
+        Some(error) if error <= SOLID_THRESHOLD => None,
+        Some(error) => Some(format!(
+            "the depth of the container has errors up to {:.2}%: a tile within that distance of a sample counts as its surface, instead \
+            of {:.0}%",
+            100.0 * error,
+            100.0 * SOLID_THRESHOLD
+        )),
+        None => Some("the depth of the container has no error bound".into()),
     }
 }

@@ -158,7 +158,8 @@ impl TileSet {
 
     /// Returns the same tiles, whose rays are traced to their corners as drawn.
     pub fn as_drawn(&self) -> TileSet {
-        TileSet { bvh: bvh_of(&self.tiles, self.form.sky_m), ..TileSet::in_order(self.tiles.clone(), self.form) }
+        let bvh = bvh_of(&self.tiles, self.form.sky_m);
+        TileSet { tiles: self.tiles.clone(), form: self.form, reach: self.reach.clone(), margin: self.margin, bvh }
     }
 
     /// Takes other tiles that are drawn in the same way.
@@ -216,7 +217,7 @@ impl TileSet {
     }
 }
 
-/// Returns the triangles of tiles, with corners within a cube of half the edge `sky_m`.
+/// Returns the triangles of tiles for ray tests; corners outside of a cube are moved to it. `sky_m` is half of its edge.
 fn bvh_of(tiles: &[QuadTile], sky_m: f64) -> Bvh {
     Bvh::new(tiles.iter().flat_map(|tile| {
         let [a, b, c, d] = tile.corners().map(|corner| corner * (sky_m / corner.abs().max_element()).min(1.0));

@@ -1,4 +1,4 @@
-// What the page does where a film or a device fails, in headless Chromium, around a player of the tests.
+// Failures of films and devices on the page, in headless Chromium, with a stand-in for the player.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";

@@ -43,14 +43,15 @@ use simplify::texture_sizes::Sizing;
     continues it and writes the same bytes.\n\n\
     All budgets are met; if a budget cannot be met, the error states its minimum. Area: sum of the solid angles of \
     all quads, in full spheres. Peak overdraw: mean number of quads per pixel in the worst of 126 views of 90 \
-    degrees, as measured from the corners, edges, sides and centre of the region. Cracks: pixels of the capture with alpha below one half.\n\n\
+    degrees, as measured from the corners, edges, sides and centre of the region. Cracks: pixels of the capture with \
+    alpha below one half.\n\n\
     --json reports PSNR, SSIM and PSNR-HVS-M (psnr_hvs_m_db) of all images, and: released_psnr_db, the value that the \
     released evaluator of Seurat would print, which ignores translucent pixels and adds 24.07 dB; random_poses, \
     cracks seen from 64 positions in the region; unsupported_percent, the rays from the region that meet no \
     surface that a camera has seen; selection, the energy of the selected quads (primal) and its lower bound (dual) \
-    under the budgets (or 90% of them, the rest of which extends quads over gaps), and the budgets that limit the energy \
-    (limited_by), none if larger budgets would not reduce it; in counters, the size of the mesh in a .glb file (geometry_bytes), and its size with \
-    EXT_meshopt_compression, which is not written.")]
+    under the budgets (or 90% of them, the rest of which extends quads over gaps), and the budgets that limit the \
+    energy (limited_by), none if larger budgets would not reduce it; in counters, the size of the mesh in a .glb file \
+    (geometry_bytes), and its size with EXT_meshopt_compression, which is not written.")]
 pub struct Args {
     /// Input with colour and depth: a dataset (lightfield.json or its folder), a container, or a Seurat manifest
     #[arg(value_name = "INPUT")]

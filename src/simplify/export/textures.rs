@@ -5,6 +5,7 @@ use ctt_astcenc::{Context, Flags, Preset, Profile, Swizzle, config_init};
 use half::f16;
 use rayon::prelude::*;
 
+use std::ffi::c_void;
 use std::path::PathBuf;
 
 use crate::quad_mesh::QuadMesh;
@@ -35,7 +36,7 @@ pub struct Ktx2Output {
 /// Number of rows of blocks that one job encodes.
 const ROWS_A_JOB: usize = 16;
 
-/// Encodes the texture. Of half floats BC6H has no alpha, and ASTC the codes.
+/// Encodes the texture of a scene. BC6H keeps half floats without alpha; ASTC stores the 8-bit codes also where there are half floats.
 pub fn ktx2(quads: &QuadMesh, output: &Ktx2Output) -> Result<Vec<u8>> {
     let ImageTexture { width, height, pixels, .. } = &*quads.texture;
     let (across, effort) = (*width as usize, output.effort);
@@ -54,7 +55,7 @@ pub fn ktx2(quads: &QuadMesh, output: &Ktx2Output) -> Result<Vec<u8>> {
     ktx2::bytes(format, [*width, *height], &blocks)
 }
 
-/// Encodes sRGB codes with straight alpha. Errors of colour weigh as much as their alpha.
+/// Encodes sRGB codes with straight alpha. The encoder weights errors of colour by alpha.
 fn astc(texture: &ImageTexture, block: AstcBlock, effort: Effort) -> Result<Vec<u8>> {
     let preset = match effort {
         Effort::Fast => Preset::Fast,
@@ -68,16 +69,16 @@ fn astc(texture: &ImageTexture, block: AstcBlock, effort: Effort) -> Result<Vec<
     let (width, height) = (texture.width, texture.height);
     let mut codes = texture.pixels.concat();
     let mut layers = [codes.as_mut_ptr().cast()];
-    let mut image = astcenc_image {
-        dim_x: width,
-        dim_y: height,
-        dim_z: 1,
-        data_type: astcenc_type_ASTCENC_TYPE_U8,
-        data: layers.as_mut_ptr(),
-    };
+    let mut image = astc_image(&mut layers, [width, height]);
     let mut blocks = vec![0; width.div_ceil(side) as usize * height.div_ceil(side) as usize * ktx2::BLOCK_BYTES];
     context.compress(&mut image, Swizzle::IDENTITY, &mut blocks).map_err(failed)?;
     Ok(blocks)
+}
+
+/// Describes 8-bit RGBA codes at a pointer to the library.
+fn astc_image(layers: &mut [*mut c_void; 1], [width, height]: [u32; 2]) -> astcenc_image {
+    let data = layers.as_mut_ptr();
+    astcenc_image { dim_x: width, dim_y: height, dim_z: 1, data_type: astcenc_type_ASTCENC_TYPE_U8, data }
 }
 
 fn encode<E: BlockEncoder<Texel: Sync>>(encoder: &E, pixels: &[E::Texel], width: usize, effort: Effort) -> Vec<u8> {
@@ -126,13 +127,7 @@ mod tests {
             let config = config_init(Profile::LdrSrgb, side, side, 1, Preset::Medium, Flags::DECOMPRESS_ONLY).unwrap();
             let mut codes = vec![0u8; 4 * texture.pixels.len()];
             let mut layers = [codes.as_mut_ptr().cast()];
-            let mut image = astcenc_image {
-                dim_x: 50,
-                dim_y: 34,
-                dim_z: 1,
-                data_type: astcenc_type_ASTCENC_TYPE_U8,
-                data: layers.as_mut_ptr(),
-            };
+            let mut image = astc_image(&mut layers, [50, 34]);
             Context::new(&config).unwrap().decompress(&blocks, &mut image, Swizzle::IDENTITY).unwrap();
             let opaque = |codes: &[u8]| -> Vec<u8> {
                 codes

@@ -2,14 +2,14 @@
 
 import type { FilmKind } from "./film_file.ts";
 
-/** Shows of the parts of index.html that some kinds of films have those of this one. */
+/** Shows the parts of index.html for this kind of film, and hides those for others. */
 export function showPartsFor(kind: FilmKind): void {
   document.querySelectorAll<HTMLElement>("[data-kinds]").forEach((part) => {
     part.hidden = !(part.dataset.kinds ?? "").split(" ").includes(kind);
   });
 }
 
-/** What the help says of headsets. */
+/** Help text about headsets. */
 export function headsetHelp(kind: FilmKind, hasHeadset: boolean): string {
   if (kind === "glb") {
     return hasHeadset

@@ -262,8 +262,8 @@ export class Page {
     this.#messages.say(`${clause(why)}; the processor draws small pictures`, PASSING_MS);
   }
 
-  /** Says a problem. After a fatal one the film is loaded again: once at once, later when the viewer wants it. A device that fails before
-   *  its first picture, or once more, is done without. */
+  /** Shows a problem. A fatal one loads the film again, once; after a second one, the viewer has a button. If a device fails before its
+   *  first picture, or a second time, the processor takes over. */
   #lost({ fatal, passes, isOfDevice = false, message }: Problem): void {
     if (!fatal) {
       this.#messages.say(message, passes === true ? PASSING_MS : Infinity);
