@@ -45,9 +45,9 @@ impl ConstraintBitmap {
         self.has_solid && !self.has_free
     }
 
-    /// Returns for each texel the fraction of its places that are nearer to a solid constraint than to a free-space constraint, by
-    /// distances that differ by [`DILATION`]. Places with a free-space constraint are not covered, and those with both kinds count as
-    /// neither.
+    /// Returns for each texel the fraction of its places that lie nearer to a solid constraint than to a free-space constraint, where the
+    /// distance to the former may be 1.5 places longer. Places with a free-space constraint are not covered, and those with both kinds
+    /// count as neither.
     pub fn coverage(&self) -> Vec<f32> {
         let texels = self.side / SUPERSAMPLING;
         let to = |wanted: u8| squared_distances(self.side, |at| self.bits[at] == wanted);

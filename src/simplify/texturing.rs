@@ -126,7 +126,7 @@ impl<'a> Texturing<'a> {
     }
 }
 
-/// Returns a note if the depth of a capture has errors that are unknown or above [`SOLID_THRESHOLD`].
+/// Returns a note if the depth of a capture has errors that are unknown or above what a tile takes for its surface by default.
 pub fn depth_note(capture: &Capture) -> Option<String> {
     match capture.relative_depth_error {
         Some(error) if error <= SOLID_THRESHOLD => None,
