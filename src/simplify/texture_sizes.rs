@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::textures::TileTexture;
 use codec::error::{Error, Result};
 use codec::monitor::Monitor;
-use render::atlas::{Allocation, Atlas};
+use guillotiere::{SimpleAtlasAllocator, Size};
 
 /// Sides are multiples of this, so that no two tiles share a block of a compressed texture.
 pub const BLOCK: usize = 4;
@@ -106,32 +106,32 @@ pub fn layout(textures: &[TileTexture], most: u32, sizing: Sizing, monitor: &dyn
     Ok(best)
 }
 
-/// Packs squares in shelves from the top, the largest first; `None` if they do not fit.
+/// Packs squares into an atlas that is about as wide as it is high, the largest first; `None` if they do not fit.
 fn pack(sides: &[usize], full: &[usize], most: u32) -> Option<Layout> {
-    let most = most / BLOCK as u32 * BLOCK as u32;
-    let area: u64 = sides.iter().map(|&side| (side * side) as u64).sum();
-    if area > u64::from(most) * u64::from(most) {
+    let most = most as usize / BLOCK * BLOCK;
+    let area: usize = sides.iter().map(|&side| side * side).sum();
+    let widest = sides.iter().copied().max().unwrap_or(BLOCK);
+    if area > most * most || widest > most {
         return None;
     }
     let mut order: Vec<usize> = (0..sides.len()).collect();
     order.sort_by_key(|&at| std::cmp::Reverse(sides[at]));
-    // No wider than a square of this area, with some slack.
-    let wanted = ((area as f64).sqrt() * 1.02).ceil() as u32;
-    let widest = sides.iter().copied().max().unwrap_or(BLOCK) as u32;
-    let width = wanted.next_multiple_of(BLOCK as u32).max(widest).min(most);
-    [width, most].into_iter().find_map(|width| {
-        let mut atlas = Atlas::new([width, most], 1);
+    let of_width = |width: usize| {
+        let mut atlas = SimpleAtlasAllocator::new(Size::new(width as i32, width as i32));
         let mut places = vec![Place { side: 0, corner: [0; 2] }; sides.len()];
-        let mut height = 0;
+        let mut size = [BLOCK as u32; 2];
         for &at in &order {
-            let side = sides[at] as u32;
-            let Allocation { corner, .. } = atlas.allocate([side; 2])?;
-            height = height.max(corner[1] + side);
-            places[at] = Place { side, corner };
+            let found = atlas.allocate(Size::splat(sides[at] as i32))?;
+            places[at] = Place { side: sides[at] as u32, corner: [found.min.x as u32, found.min.y as u32] };
+            size = [size[0].max(found.max.x as u32), size[1].max(found.max.y as u32)];
         }
         let reduced = sides.iter().zip(full).filter(|(side, full)| side < full).count();
-        Some(Layout { places, size: [width, height.max(BLOCK as u32)], reduced })
-    })
+        Some(Layout { places, size, reduced })
+    };
+    let least = ((area as f64).sqrt().ceil() as usize).max(widest);
+    let widths = std::iter::successors(Some(least), |width| Some(width + width / 64 + 1));
+    let widths = widths.map(|width| width.next_multiple_of(BLOCK)).take_while(|&width| width < most);
+    widths.chain([most]).find_map(of_width)
 }
 
 /// Returns the variance of display values over all texels, summed over the three channels.
