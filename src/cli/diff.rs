@@ -141,9 +141,6 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         memory: args.memory.get(),
     };
     let pairing = Pairing::new(&sides, settings.coverage)?;
-    let progress = Progress::start(global, "comparing", pairing.images())?;
-    let comparison = compare(&pairing, &settings, &progress)?;
-    drop(progress);
     let bounds = Bounds {
         max_error: args.max_error,
         min_psnr_db: args.min_psnr,
@@ -152,6 +149,10 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         exact: args.exact,
         allow_clipping: args.allow_clipping,
     };
+    bounds.check(&pairing)?;
+    let progress = Progress::start(global, "comparing", pairing.images())?;
+    let comparison = compare(&pairing, &settings, &progress)?;
+    drop(progress);
     let judgement = bounds.judge(&comparison);
     let rows = if args.streams { usize::MAX } else { diff_text::FEW_ROWS };
     let text = || diff_text::report(&sides, &comparison, &judgement, rows);

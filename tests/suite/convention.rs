@@ -296,6 +296,24 @@ fn copies_of_images_are_found() {
 }
 
 #[test]
+fn mistakes_come_before_the_checks_that_fail_because_of_them() {
+    let set = Set::new();
+    let at_one_place = set.check_as(|manifest| {
+        let position = manifest.probes[0].position;
+        manifest.probes.iter_mut().for_each(|probe| probe.position = position);
+    });
+    assert!(suspected(&at_one_place)[0].says.contains("stand at one place"), "{at_one_place:#?}");
+    assert!(suspected(&at_one_place).len() > 1, "{at_one_place:#?}");
+    // One probe twice.
+    for face in Face::CUBE {
+        std::fs::copy(set.depth_file(1, face), set.depth_file(2, face)).unwrap();
+    }
+    let report = set.check_as(|_| ());
+    assert_eq!(suspected(&report)[0].check, "images", "{report:#?}");
+    assert!(suspected(&report).len() > 1, "{report:#?}");
+}
+
+#[test]
 fn walls_that_are_alike_are_no_copies() {
     let set = Set::new();
     let verdict = |report: &Report, words: &str| {

@@ -454,6 +454,19 @@ fn what_cannot_be_compared_is_refused() {
     bench.refused("set set.lfold --frames 90-99", "frames");
     bench.refused("set/pa/px/depth.%04d.exr set.lfold", "--probe");
     bench.refused("set set.lfold --max-error many", "--max-error");
+    for (bound, stream, words) in [
+        ("--max-error 9", "color", "--max-error: no stream of depth, material or alpha is compared"),
+        ("--min-psnr 30", "depth", "--min-psnr: no stream of colour is compared"),
+        ("--min-quality 30", "depth", "--min-quality: no stream of colour is compared"),
+    ] {
+        let line = format!("set set.lfold --stream {stream} {bound}");
+        bench.refused(&line, words);
+        assert_eq!(bench.run(&line).0, 2, "{line}");
+    }
+    // A stream of one side is a difference, unless it is left out.
+    bench.encode("set", "depth.lfold", |settings| settings.kinds = vec![footage::dataset::StreamKind::Depth]);
+    assert_eq!(bench.run("set depth.lfold --min-psnr 30").0, 1);
+    bench.refused("set depth.lfold --min-psnr 30 --common", "no stream of colour is compared");
     bench.refused("- -", "standard input");
     let small: ColorPlane = Plane::filled(8, 8, [f16::ONE; 3]);
     exr::write_color(&bench.path("color.exr"), &small).unwrap();

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use codec::image::{Face, Plane};
+use footage::image_files::png;
 use half::f16;
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -100,6 +101,47 @@ fn a_film_opens_where_the_most_is_to_see_and_shows_a_poster() {
     fs::copy(other.path().join("a.lfold"), at.join("b.lfold")).unwrap();
     fine("view b.lfold --export site", at);
     assert!(!names(&at.join("site")).contains("poster.jpg"));
+}
+
+/// Returns the mean difference of codes between pictures of one size.
+fn difference(a: &Path, b: &Path) -> f64 {
+    let [a, b] = [a, b].map(|path| image::open(path).unwrap().into_rgb8());
+    assert_eq!(a.dimensions(), b.dimensions());
+    let sum: u64 = a.iter().zip(b.iter()).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+    sum as f64 / a.len() as f64
+}
+
+#[test]
+fn a_scene_opens_with_its_camera_and_shows_a_poster() {
+    let folder = room("");
+    let at = folder.path();
+    fine("simplify . -o b.glb --triangles 400 --effort fast --atlas 256", at);
+    fine("view b.glb --export site", at);
+    fine("cameras b.glb --format lightfold -o camera.json", at);
+    fine("render b.glb --size 640x320 -o b.png", at);
+    let described = described(&at.join("site"));
+    assert_eq!(described["poster"], "poster.jpg");
+    let fov_y_deg = described["start"]["fov_y_deg"].as_f64().unwrap();
+    assert!((fov_y_deg - 60.0).abs() < 1e-4, "{fov_y_deg}");
+    let difference = difference(&at.join("site/poster.jpg"), &at.join("b.png"));
+    assert!(difference < 8.0, "{difference}");
+    fine("view b.glb --export b.html", at);
+    assert!(fs::read_to_string(at.join("b.html")).unwrap().contains("data-file=\"poster.jpg\""));
+}
+
+#[test]
+fn the_poster_of_a_quilt_is_its_middle_view() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    // Views 0 to 5 of 8x6 pixels have the gray 40 to 240; a column and a row are left over.
+    let quilt = Plane::from_fn(25, 13, |x, y| [40 * (1 + (x / 8).min(2) + 3 * (1 - (y / 6).min(1))) as u8; 3]);
+    png::write_color8(&at.join("a_qs3x2a0.5.png"), &quilt).unwrap();
+    fine("view a_qs3x2a0.5.png --export site", at);
+    let described = described(&at.join("site"));
+    assert_eq!((&described["poster"], described.get("start")), (&"poster.jpg".into(), None));
+    png::write_color8(&at.join("view.png"), &Plane::filled(160, 320, [160; 3])).unwrap();
+    let difference = difference(&at.join("site/poster.jpg"), &at.join("view.png"));
+    assert!(difference < 2.0, "{difference}");
 }
 
 #[test]

@@ -97,6 +97,7 @@ export async function openQuilt(
       framesPerSecond: VIEW_RATE,
       firstFrame: 0,
       frameCount: count,
+      startFrame: Math.floor(count / 2),
       headBox: { least: [0, 0, 0], greatest: [0, 0, 0] },
       probes: [],
       start: { ...origin, eye: [0, 0, 0] },

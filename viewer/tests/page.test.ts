@@ -46,6 +46,17 @@ async function settled(page: Page): Promise<void> {
   });
 }
 
+/** Opens a page whose film does not come until the returned function is called, and waits for the poster. */
+async function heldFilm(page: Page, address: string, name: string): Promise<() => void> {
+  let release: () => void = () => undefined;
+  const held = new Promise<void>((resolve) => (release = resolve));
+  await page.route(`**/${name}`, (route) => held.then(() => route.continue()));
+  await page.goto(address);
+  await page.locator("img.poster").waitFor({ state: "visible", timeout: 60_000 });
+  await page.waitForFunction(() => document.querySelector<HTMLImageElement>("img.poster")!.naturalWidth > 0);
+  return release;
+}
+
 /** Keeps a picture of the stage, and answers how many colors it has. */
 async function colorsOf(page: Page, name: string): Promise<number> {
   const png = await page.locator("#stage").screenshot({ path: `${PICTURES}/${name}.png` });
@@ -138,8 +149,12 @@ describe("The page of lightfold view", { skip }, () => {
     lightfold("simplify", films.path("images"), "--triangles", "400", "--effort", "fast", "-o", scene, "-q");
     const { address, end } = await serveFilm(scene);
     try {
-      const { complaints } = await visit(address, async (page) => {
+      const { complaints } = await visit("about:blank", async (page) => {
+        const release = await heldFilm(page, address, "film.glb");
+        assert.ok((await colorsOf(page, "scene-poster")) > 100);
+        release();
         await settled(page);
+        await page.locator("img.poster").waitFor({ state: "detached" });
         assert.ok((await colorsOf(page, "scene")) > 100);
       });
       assert.deepEqual(complaints, []);
@@ -152,13 +167,7 @@ describe("The page of lightfold view", { skip }, () => {
     const { address, end } = await serveFilm(films.path("film.lfold"));
     try {
       const { complaints } = await visit("about:blank", async (page) => {
-        // The film itself does not come.
-        let release: () => void = () => undefined;
-        const held = new Promise<void>((resolve) => (release = resolve));
-        await page.route("**/film.lfold", (route) => held.then(() => route.continue()));
-        await page.goto(address);
-        await page.locator("img.poster").waitFor({ state: "visible", timeout: 60_000 });
-        await page.waitForFunction(() => document.querySelector<HTMLImageElement>("img.poster")!.naturalWidth > 0);
+        const release = await heldFilm(page, address, "film.lfold");
         assert.ok((await colorsOf(page, "poster")) > 100);
         release();
         await settled(page);

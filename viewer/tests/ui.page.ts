@@ -42,11 +42,11 @@ interface Fake {
   opened: number;
   closed: number;
   player: Player | undefined;
-  /** No device can be had, or it fails at the first picture; or the file is at fault. */
-  failure: "none" | "no-webgpu" | "first-picture" | "format";
+  /** No device can be had, or it or the processor fails at the first picture; or the file is at fault. */
+  failure: "none" | (typeof FAILURES)[number];
 }
 
-const FAILURES = ["no-webgpu", "first-picture", "format"] as const;
+const FAILURES = ["no-webgpu", "first-picture", "no-renderer", "format"] as const;
 
 const fake: Fake = {
   views: [],
@@ -140,7 +140,7 @@ function statsOf(view: View): PlayerStats {
 async function openFake(_file: FilmFile, canvas: HTMLCanvasElement, renderer: RendererChoice): Promise<OpenFilm> {
   fake.opened += 1;
   await new Promise((resolve) => setTimeout(resolve, 30));
-  if (fake.failure === "no-webgpu" && renderer !== "cpu") {
+  if ((fake.failure === "no-webgpu" || fake.failure === "no-renderer") && renderer !== "cpu") {
     throw new NoWebGpuError("This browser has no WebGPU.");
   }
   if (fake.failure === "format") {
@@ -152,6 +152,9 @@ async function openFake(_file: FilmFile, canvas: HTMLCanvasElement, renderer: Re
     async draw(view) {
       if (fake.failure === "first-picture" && renderer !== "cpu") {
         throw new Error("The device compiles nothing.");
+      }
+      if (fake.failure === "no-renderer") {
+        throw new Error("The worker failed.");
       }
       fake.active += 1;
       fake.greatestActive = Math.max(fake.greatestActive, fake.active);

@@ -73,6 +73,14 @@ test("without a device, or with one that fails at once, the processor draws, and
   }
 });
 
+test("nothing is said of the processor before it has drawn", { skip }, async () => {
+  await onPage("?no-renderer", async (tab) => {
+    await tab.waitForSelector("#notice-retry:not([hidden])");
+    assert.equal(await tab.textContent("#notice-text"), "The worker failed.");
+    assert.deepEqual(await messages(tab), ["The worker failed; the film is loaded again."]);
+  });
+});
+
 test("a film that cannot be shown says why", { skip }, async () => {
   await onPage("?format", async (tab) => {
     await tab.waitForSelector("#notice-retry:not([hidden])");

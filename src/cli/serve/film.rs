@@ -7,16 +7,14 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
-use super::opening::{Opening, POSTER};
+use super::opening::{Content, Opening, POSTER};
+use super::quilt_shape::QuiltShape;
 use codec::container::header::{FOOT_BYTES, MAGIC};
 use codec::decode::Decoder;
 use codec::error::{Error, Result};
-use codec::image::ReadLimits;
 use codec::streams::StartView;
 use footage::dataset::manifest::{MANIFEST_NAME, MAX_MANIFEST_BYTES};
 use footage::files::open_regular;
-use footage::image_files::png;
-use footage::image_files::quilt::{QuiltName, parse_quilt_name};
 use scene::mesh::gltf::document::is_glb;
 
 const PNG_MAGIC: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
@@ -37,14 +35,6 @@ enum Kind {
     Quilt(QuiltShape),
 }
 
-/// Tiles of a quilt, and the width / height of a view.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct QuiltShape {
-    columns: u32,
-    rows: u32,
-    aspect: f64,
-}
-
 /// Description of a film that the page reads, `film.json`.
 #[derive(Debug, Clone, Serialize)]
 pub struct Description {
@@ -57,7 +47,7 @@ pub struct Description {
     pub bytes: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub quilt: Option<QuiltShape>,
-    /// Camera with which a container opens.
+    /// Camera with which a container or a scene opens.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<StartView>,
     /// Picture of the start, relative to the page.
@@ -103,7 +93,7 @@ impl Film {
             Kind::Glb
         } else if head.starts_with(&PNG_MAGIC) {
             check_png(file, path)?;
-            Kind::Quilt(quilt_shape(path)?)
+            Kind::Quilt(QuiltShape::of(path)?)
         } else {
             return Err(not_a_film(file, path));
         };
@@ -137,7 +127,12 @@ impl Film {
 
     /// Returns the start of the film as it is now.
     pub fn opening(&self) -> Opening {
-        if self.is_container() { Opening::of_container(&self.path) } else { Opening::default() }
+        let content = match self.kind {
+            Kind::Container => Content::Container,
+            Kind::Glb => Content::Scene,
+            Kind::Quilt(shape) => Content::Quilt(shape),
+        };
+        Opening::new(&self.path, content)
     }
 
     /// Returns the files of the player, beside the page, that it loads to play this film.
@@ -157,7 +152,7 @@ impl Film {
             Kind::Quilt(shape) => ("quilt", Some(shape)),
         };
         let name = self.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let poster = opening.start.map(|_| POSTER);
+        let poster = opening.has_poster().then_some(POSTER);
         Description { kind, url: self.url(), name, bytes, quilt, start: opening.start, poster }
     }
 
@@ -298,43 +293,10 @@ fn check_glb(head: &[u8], path: &Path) -> Result<()> {
     }
 }
 
-/// Limits of the page for quilts (viewer/src/ui/film_file.ts, viewer/src/quilt.ts).
-const MAX_TILES: u32 = 4096;
-const MAX_QUILT_PIXELS: u64 = 1 << 28;
-const ASPECTS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
-
-/// Parses the layout in the name of a picture, and checks it against the picture's size.
-fn quilt_shape(path: &Path) -> Result<QuiltShape> {
-    let Some(QuiltName { columns, rows, aspect }) = parse_quilt_name(path) else {
-        let message = "the name of the picture has no quilt layout: use a name such as film_qs8x6a0.75.png: 8 \
-            columns, 6 rows, views of width / height 0.75";
-        return Err(Error::unsupported(message).in_file(path));
-    };
-    let (width, height) = png::read_size(path, &ReadLimits::default())?;
-    if columns > width || rows > height {
-        let message = format!("{width}x{height} pixels, but its name states {columns}x{rows} tiles");
-        return Err(Error::invalid(message).in_file(path));
-    }
-    if columns > MAX_TILES || rows > MAX_TILES || u64::from(width) * u64::from(height) > MAX_QUILT_PIXELS {
-        let message = format!(
-            "{width}x{height} pixels in {columns}x{rows} tiles; the player shows up to {MAX_QUILT_PIXELS} pixels, and {MAX_TILES} tiles \
-             along a side"
-        );
-        return Err(Error::unsupported(message).in_file(path));
-    }
-    let in_pixels = || f64::from(width) / f64::from(columns) / (f64::from(height) / f64::from(rows));
-    let aspect = aspect.unwrap_or_else(in_pixels);
-    if !ASPECTS.contains(&aspect) {
-        let message =
-            format!("views of width / height {aspect}; the player shows {} to {}", ASPECTS.start(), ASPECTS.end());
-        return Err(Error::unsupported(message).in_file(path));
-    }
-    Ok(QuiltShape { columns, rows, aspect })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use footage::image_files::png;
 
     #[test]
     fn tags_follow_the_bytes_of_the_end_and_the_file_that_has_the_name() {

@@ -10,7 +10,7 @@
 //! | `/` | the page: `index.html` of the player |
 //! | `/viewer.js` and so on | the other files of the player, in the folder `viewer/dist` when the program was built |
 //! | `/film.json` | description of the film: kind, path, name, bytes, and the camera with which it opens |
-//! | `/poster.jpg` | a small picture by this camera |
+//! | `/poster.jpg` | a small picture by this camera, or the middle view of a quilt |
 //! | `/film.lfold`, `/film.glb` or `/film.png` | the film |
 
 mod answer;
@@ -22,6 +22,8 @@ mod hosts;
 mod one_file;
 mod opening;
 mod player;
+mod poster;
+mod quilt_shape;
 mod range;
 mod server;
 mod site;

@@ -3,73 +3,71 @@
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use glam::DVec3;
-use image::ExtendedColorType;
-use image::codecs::jpeg::JpegEncoder;
-
+use super::poster;
+use super::quilt_shape::QuiltShape;
 use codec::decode::Decoder;
-use codec::error::{Error, Result};
-use codec::image::ToneMap;
-use codec::math::{Camera, Lens};
-use codec::monitor::Silent;
+use codec::error::Result;
 use codec::streams::StartView;
-use render::frame_requests::FrameRequest;
-use render::march::SpecularMode;
-use render::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions};
-use render::march::playback::selection::SelectionSettings;
+use evaluate::cameras::{self, ReadSettings};
 use render::views::start_view;
 
 /// Name of the poster on the site.
 pub const POSTER: &str = "poster.jpg";
 pub const POSTER_MEDIA_TYPE: &str = "image/jpeg";
 
-/// Width and height in pixels: that of most windows. The page cuts off the sides.
-const SIZE: [u32; 2] = [640, 320];
-/// Steps of a ray, and probes that are decoded: a poster is worth no more time.
-const STEPS: u32 = 256;
-const MAX_VIEWS: usize = 4;
-const JPEG_QUALITY: u8 = 80;
+/// Content of a film, by which its poster is drawn.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Content {
+    #[default]
+    Container,
+    Scene,
+    Quilt(QuiltShape),
+}
 
-/// The start of a container.
+/// The start of a film.
 #[derive(Debug, Default)]
 pub struct Opening {
     path: PathBuf,
-    /// `None` for films other than containers, and for containers that cannot be rendered.
+    content: Content,
+    /// `None` for quilts, for containers that cannot be rendered, and for scenes without a camera.
     pub start: Option<StartView>,
     poster: OnceLock<Option<Vec<u8>>>,
 }
 
 impl Opening {
-    /// Determines the start of a container. A film that cannot be read has none: the page reports why.
-    pub fn of_container(path: &Path) -> Opening {
-        let start = Decoder::open(path).ok().and_then(|decoder| start_view(&decoder));
-        Opening { path: path.to_path_buf(), start, poster: OnceLock::new() }
+    /// Determines the start of a film. A film that cannot be read has none: the page reports why.
+    pub fn new(path: &Path, content: Content) -> Opening {
+        let start = match content {
+            Content::Container => Decoder::open(path).ok().and_then(|decoder| start_view(&decoder)),
+            Content::Scene => scene_camera(path),
+            Content::Quilt(_) => None,
+        };
+        Opening { path: path.to_path_buf(), content, start, poster: OnceLock::new() }
     }
 
-    /// Returns the poster as JPEG, rendered by the first call; `None` if there is none.
+    /// True if a poster can be drawn, unless the film is damaged.
+    pub fn has_poster(&self) -> bool {
+        self.start.is_some() || matches!(self.content, Content::Quilt(_))
+    }
+
+    /// Returns the poster as JPEG, drawn by the first call; `None` if there is none.
     pub fn poster(&self) -> Option<&[u8]> {
-        let render = || self.start.and_then(|start| render_poster(&self.path, start).ok());
-        self.poster.get_or_init(render).as_deref()
+        self.poster.get_or_init(|| self.draw()?.ok()).as_deref()
+    }
+
+    fn draw(&self) -> Option<Result<Vec<u8>>> {
+        match self.content {
+            Content::Container => self.start.map(|start| poster::of_container(&self.path, start)),
+            Content::Scene => self.start.map(|start| poster::of_scene(&self.path, start)),
+            Content::Quilt(shape) => Some(poster::of_quilt(&self.path, shape)),
+        }
     }
 }
 
-fn render_poster(path: &Path, start: StartView) -> Result<Vec<u8>> {
-    let decoder = Decoder::open(path)?;
-    let selection = SelectionSettings { most: Some(MAX_VIEWS), ..SelectionSettings::default() };
-    let mut playback = Playback::new(&decoder, PlaybackOptions { selection, ..PlaybackOptions::default() })?;
-    let [width, height] = SIZE.map(f64::from);
-    let lens = Lens { aspect: width / height, ..Lens::new(start.fov_y_deg) };
-    let [eye, look_at] = [start.eye, start.look_at].map(DVec3::from_array);
-    let camera = Camera::look_at(eye, look_at, DVec3::Y, lens)?;
-    let request = FrameRequest { frame: playback.player.frames().first, cameras: vec![camera] };
-    let options =
-        PictureOptions { size: SIZE, steps: STEPS, specular: SpecularMode::None, ..PictureOptions::default() };
-    let shown = playback.show(&request, &mut CpuRenderer::new(options), &Silent)?;
-    let rendered = shown.pictures.first().ok_or_else(|| Error::invalid("no picture was rendered"))?;
-    let codes: Vec<u8> = rendered.image.codes(ToneMap::default()).data().iter().flatten().copied().collect();
-    let mut jpeg = Vec::new();
-    JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY)
-        .encode(&codes, SIZE[0], SIZE[1], ExtendedColorType::Rgb8)
-        .map_err(|error| Error::invalid(error.to_string()))?;
-    Ok(jpeg)
+/// Returns the camera that simplification stores in a scene.
+fn scene_camera(path: &Path) -> Option<StartView> {
+    let camera = cameras::read(path, ReadSettings::default()).ok()?.cameras.first()?.timed.camera;
+    let [eye, look_at] = [camera.eye(), camera.eye() + camera.axes()[0]].map(|point| point.to_array());
+    let start = StartView { eye, look_at, fov_y_deg: camera.lens().fov_y_deg };
+    start.fault().is_none().then_some(start)
 }

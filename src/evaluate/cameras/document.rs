@@ -1,14 +1,16 @@
 //! Types and functions that all camera formats use.
 
 use std::borrow::Cow;
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
 
 use glam::{DMat3, DMat4, DVec3};
+use serde_json::{Map, Value};
 
 use codec::error::{Error, Result};
 use codec::image::FrameRange;
 use codec::image::sequence::split_number;
+use footage::account::listed;
 use footage::text::decode;
 use render::camera_path::{MAX_PATH_FRAMES, TimedCamera};
 
@@ -36,6 +38,15 @@ impl FileCameras {
         match poses {
             Ok(poses) => self.cameras.extend(poses),
             Err(error) => self.notes.push(format!("camera {name} was left out: {error}")),
+        }
+    }
+
+    /// Notes the keys of JSON objects that no field of a format has.
+    pub fn note_unused<'a>(&mut self, objects: impl IntoIterator<Item = &'a Map<String, Value>>) {
+        let unused: BTreeSet<&str> = objects.into_iter().flat_map(Map::keys).map(String::as_str).collect();
+        if !unused.is_empty() {
+            let names: Vec<&str> = unused.into_iter().collect();
+            self.notes.push(format!("keys that were not used: {}", listed(&names)));
         }
     }
 

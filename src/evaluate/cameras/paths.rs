@@ -3,7 +3,7 @@
 
 use glam::{DMat3, DMat4, DQuat, DVec3};
 use serde::Deserialize;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::document::{Content, FileCamera, FileCameras, axes_of, of_camera};
 use codec::error::{Error, Result};
@@ -25,6 +25,8 @@ struct NerfstudioPath {
     render_width: Option<u32>,
     render_height: Option<u32>,
     camera_path: Vec<NerfstudioPose>,
+    #[serde(flatten)]
+    others: Map<String, Value>,
 }
 
 #[derive(Deserialize)]
@@ -34,12 +36,14 @@ struct NerfstudioPose {
     /// Vertical field of view in degrees.
     fov: f64,
     aspect: Option<f64>,
+    #[serde(flatten)]
+    others: Map<String, Value>,
 }
 
 /// Reads `camera_path.json`, a pose for each picture.
 pub fn read_nerfstudio(content: &Content<'_>) -> Result<FileCameras> {
     let path: NerfstudioPath = json(content.bytes, "a camera_path.json of nerfstudio")?;
-    if let Some(kind) = path.camera_type.filter(|kind| kind != "perspective") {
+    if let Some(kind) = path.camera_type.as_ref().filter(|kind| *kind != "perspective") {
         return Err(Error::unsupported(format!(
             "its \"camera_type\" is {kind}, only perspective cameras are supported"
         )));
@@ -55,7 +59,9 @@ pub fn read_nerfstudio(content: &Content<'_>) -> Result<FileCameras> {
     };
     let poses = path.camera_path.iter().enumerate();
     let cameras = poses.map(|(at, of)| read(at, of).map_err(of_camera(at))).collect::<Result<_>>()?;
-    Ok(FileCameras { cameras, notes: Vec::new() })
+    let mut found = FileCameras { cameras, notes: Vec::new() };
+    found.note_unused(path.camera_path.iter().map(|of| &of.others).chain([&path.others]));
+    Ok(found)
 }
 
 pub fn is_splatting(document: &Value) -> bool {
@@ -74,6 +80,8 @@ struct SplattingCamera {
     rotation: [[f64; 3]; 3],
     fx: f64,
     fy: f64,
+    #[serde(flatten)]
+    others: Map<String, Value>,
 }
 
 /// Reads `cameras.json` of Gaussian splatting, the cameras of its photographs.
@@ -92,6 +100,7 @@ pub fn read_splatting(content: &Content<'_>) -> Result<FileCameras> {
     };
     let cameras = all.iter().enumerate().map(|(at, of)| read(at, of).map_err(of_camera(at))).collect::<Result<_>>()?;
     let mut found = FileCameras { cameras, notes: Vec::new() };
+    found.note_unused(all.iter().map(|of| &of.others));
     found.sort_by_names();
     Ok(found)
 }
@@ -104,6 +113,8 @@ pub fn is_instant_ngp(document: &Value) -> bool {
 #[derive(Deserialize)]
 struct InstantNgpPath {
     path: Vec<InstantNgpKey>,
+    #[serde(flatten)]
+    others: Map<String, Value>,
 }
 
 #[derive(Deserialize)]
@@ -115,6 +126,8 @@ struct InstantNgpKey {
     place: [f64; 3],
     /// Vertical field of view in degrees.
     fov: f64,
+    #[serde(flatten)]
+    others: Map<String, Value>,
 }
 
 /// Position of the world's origin in the unit cube of instant-ngp, and length of a metre there, unless a `transforms.json` states
@@ -143,5 +156,7 @@ pub fn read_instant_ngp(content: &Content<'_>) -> Result<FileCameras> {
         "these are the keys of a spline, without the poses between them; a scale of {NGP_SCALE} and an offset of \
         {NGP_OFFSET} were assumed, those of instant-ngp where transforms.json states none"
     );
-    Ok(FileCameras { cameras, notes: vec![note] })
+    let mut found = FileCameras { cameras, notes: vec![note] };
+    found.note_unused(path.path.iter().map(|key| &key.others).chain([&path.others]));
+    Ok(found)
 }

@@ -6,8 +6,6 @@
 //! same focal length. A file with an angle but no size, such as those of NeRF's synthetic scenes, has square pixels, and square
 //! pictures if it states one angle.
 
-use std::collections::BTreeSet;
-
 use glam::{DMat4, DVec4};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
@@ -18,7 +16,6 @@ use super::poses::{picture_names, poses};
 use codec::error::{Error, Result};
 use codec::image::FrameRange;
 use codec::math::Camera;
-use footage::account::listed;
 use footage::text::json_with_comments;
 use render::camera_path::TimedCamera;
 
@@ -68,7 +65,7 @@ pub fn is_of(document: &Value) -> bool {
 }
 
 pub fn read(content: &Content<'_>) -> Result<FileCameras> {
-    let file: File = json_with_comments(content.bytes, "a nerfstudio transforms.json")?;
+    let mut file: File = json_with_comments(content.bytes, "a nerfstudio transforms.json")?;
     let mut distortion = Distortion::default();
     let mut cameras = Vec::new();
     for (at, frame) in file.frames.iter().enumerate() {
@@ -77,13 +74,12 @@ pub fn read(content: &Content<'_>) -> Result<FileCameras> {
         cameras.push(camera.map_err(|error| error.context(format!("frame {at}")))?);
     }
     let mut found = FileCameras { cameras, notes: distortion.notes() };
-    let keys = file.frames.iter().map(|frame| &frame.lens).chain([&file.lens]).flat_map(|keys| keys.others.keys());
-    let unused: BTreeSet<&str> =
-        keys.map(String::as_str).filter(|key| !DISTORTION.contains(key) && *key != "applied_transform").collect();
-    if !unused.is_empty() {
-        let names: Vec<&str> = unused.into_iter().collect();
-        found.notes.push(format!("keys that were not used: {}", listed(&names)));
-    }
+    let lenses = file.frames.iter_mut().map(|frame| &mut frame.lens).chain([&mut file.lens]);
+    let others = lenses.map(|lens| {
+        lens.others.retain(|key, _| !DISTORTION.contains(&key.as_str()) && key != "applied_transform");
+        &lens.others
+    });
+    found.note_unused(others);
     found.sort_by_names();
     Ok(found)
 }

@@ -4,7 +4,9 @@ use serde::Serialize;
 
 use crate::compare::comparison::Comparison;
 use crate::compare::difference::Lowest;
+use crate::compare::pairing::Pairing;
 use crate::metrics::depth_error::Spot;
+use codec::error::{Error, Result};
 use codec::image::StreamKind;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -59,6 +61,21 @@ pub struct Judgement {
 }
 
 impl Bounds {
+    /// Fails if a bound applies to no stream of either side.
+    pub fn check(&self, pairing: &Pairing<'_>) -> Result<()> {
+        let missing = pairing.missing.iter().map(|missing| missing.id.kind);
+        let kinds: Vec<StreamKind> = pairing.pairs.iter().map(|pair| pair.streams[0].id.kind).chain(missing).collect();
+        let [has_color, has_codes] =
+            [true, false].map(|is_color| kinds.iter().any(|kind| (*kind == StreamKind::Color) == is_color));
+        let of_color = ["min_psnr", "min_cell_psnr", "min_quality"].into_iter().zip(self.of_color());
+        let color = of_color.filter(|(_, bound)| bound.is_some() && !has_color).map(|(name, _)| (name, "colour"));
+        let codes = self.max_error.filter(|_| !has_codes).map(|_| ("max_error", "depth, material or alpha"));
+        match codes.into_iter().chain(color).next() {
+            Some((name, kind)) => Err(Error::Usage(format!("`{name}`: no stream of {kind} is compared: leave it out"))),
+            None => Ok(()),
+        }
+    }
+
     pub fn judge(&self, comparison: &Comparison) -> Judgement {
         let mut violations = self.errors_beyond(comparison);
         violations.extend(self.color_below(comparison));

@@ -1,16 +1,17 @@
 //! Checks a dataset against its manifest, without changing it.
 //!
-//! Input: an open [`Source`]. Output: [`Finding`]s, each with a verdict, figures and a sentence for the user.
+//! Input: an open [`Source`]. Output: [`Finding`]s, each with a verdict, figures and a sentence for the user. Mistakes come before
+//! the checks that fail because of them.
 //!
-//! 1. `seams` checks order and orientation of cube faces by comparing their edges, for depth and colour separately. Edges are
+//! 1. `positions` finds probes at one place, `duplicate_images` images with equal pixels, and `values` invalid depth and an undeclared
+//!    background.
+//! 2. `seams` checks order and orientation of cube faces by comparing their edges, for depth and colour separately. Edges are
 //!    invariant under the 48 rotations and mirrorings of the whole cube; the one closest to the declared permutation is reported.
-//! 2. `flatness` distinguishes planar depth from distance by planes in the images of one probe. If `between_probes` confirms the
+//! 3. `flatness` distinguishes planar depth from distance by planes in the images of one probe. If `between_probes` confirms the
 //!    declared kind, a suspicion of this check becomes inconclusive, because a dome around the probe looks planar.
-//! 3. `between_probes` checks kind and scale of depth, positions and orientations. `hypotheses` lists common mistakes; up to
+//! 4. `between_probes` checks kind and scale of depth, positions and orientations. `hypotheses` lists common mistakes; up to
 //!    three are corrected one after the other, starting with the best fit.
-//! 4. `values` and `light` look for invalid values, an undeclared background, values outside near and far, and sRGB codes
-//!    declared as linear.
-//! 5. `duplicate_images` finds images with equal pixels.
+//! 5. `values` and `light` look for depth outside near and far, and sRGB codes declared as linear.
 
 mod between_probes;
 mod borders;
@@ -109,6 +110,15 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
     let footage = read::read(source, choice, &stated, monitor)?;
     let projection = manifest.map_or(Projection::Cubemap, |manifest| manifest.projection);
     let mut findings = Vec::new();
+    if choice.probes.is_empty() {
+        findings.extend(positions::check(source.probes()));
+    }
+    findings.extend(duplicate_images::check(&footage, source.depth_in_files));
+    let of_values = footage.depth.as_ref().map(|values| values::check(values, &stated));
+    // Near and far are also exceeded where the kind or the scale of depth is wrong.
+    let (near_far, of_values): (Vec<_>, Vec<_>) =
+        of_values.into_iter().flatten().partition(|finding| finding.check == values::NEAR_FAR);
+    findings.extend(of_values);
     // Faces cut from panoramas, crosses and strips have a fixed order.
     let own_faces = manifest.is_none_or(Manifest::has_face_files);
     for (stream, borders) in [(seams::DEPTH, &footage.depth_borders), (seams::COLOR, &footage.color_borders)] {
@@ -116,7 +126,7 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
             findings.extend(seams::check(stream, borders));
         }
     }
-    if let Some(values) = &footage.depth {
+    if footage.depth.is_some() {
         let kind = source.depth_in_files;
         if footage.views.is_empty() {
             let says = "the intrinsics of the perspective views are unknown";
@@ -135,13 +145,9 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
             }
             findings.extend(between);
         }
-        findings.extend(values::check(values, &stated));
     }
+    findings.extend(near_far);
     findings.extend(footage.color.as_ref().map(|values| check_light(source, values)));
-    findings.extend(duplicate_images::check(&footage, source.depth_in_files));
-    if choice.probes.is_empty() {
-        findings.extend(positions::check(source.probes()));
-    }
     let probes = read::chosen_probes(source, choice)?.len();
     Ok(Report { probes, all_probes: source.probes().len(), images: footage.images, findings, spreads: footage.spreads })
 }

@@ -4,6 +4,7 @@ use super::finding::{Finding, Verdict, listed, percent};
 use crate::dataset::{DepthRules, InvalidDepth};
 use codec::image::DepthPlane;
 
+pub const NEAR_FAR: &str = "depth.near_far";
 /// Minimum share of all pixels that have exactly the largest value, for it to be an undeclared background.
 const BACKGROUND_SHARE: f64 = 0.002;
 /// A frequent largest value is a background if all other values are below this fraction of it.
@@ -212,7 +213,7 @@ fn background(values: &DepthValues, stated: &Stated) -> Finding {
 fn near_far(values: &DepthValues, stated: &Stated) -> Finding {
     let [near, far] = stated.range_m;
     let Some(nearest) = values.min else {
-        return Finding::new("depth.near_far", Verdict::CannotTell, "there is no surface at all");
+        return Finding::new(NEAR_FAR, Verdict::CannotTell, "there is no surface at all");
     };
     let [min, max] = [nearest, values.max].map(|value| f64::from(value) * stated.rules.scale.abs());
     let outside = values.outside as f64 / values.surfaces.max(1) as f64;
@@ -235,7 +236,7 @@ fn near_far(values: &DepthValues, stated: &Stated) -> Finding {
         let outside = percent(outside);
         (Verdict::Suspect, format!("{seen}, {outside} of them outside the stated {near} m to {far} m{guess}"))
     };
-    Finding::new("depth.near_far", verdict, says).with(&figures)
+    Finding::new(NEAR_FAR, verdict, says).with(&figures)
 }
 
 #[cfg(test)]

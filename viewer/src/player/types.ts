@@ -12,6 +12,8 @@ export interface Film {
   framesPerSecond: number;
   firstFrame: number;
   frameCount: number;
+  /** The frame to begin with; else the first. */
+  startFrame?: number;
   /** The box of the probes' positions over all frames, in metres. */
   headBox: { least: Vec3; greatest: Vec3 };
   probes: { name: string; position: Vec3 }[];

@@ -80,6 +80,8 @@ export class Page {
   /** The choice that the film was opened with last. */
   #renderer: RendererChoice | undefined;
   #mayReload = true;
+  /** Why the processor is to draw, until it has. */
+  #whyProcessor: string | undefined;
   #wantsPicture = false;
   #tickMs = 0;
   #linkMs = -Infinity;
@@ -117,7 +119,7 @@ export class Page {
     const link = parseLink(location.hash);
     this.#settings = this.#linked(link);
     if (!hasPose(link) && link.frame === undefined && file.poster !== undefined) {
-      this.#poster = new Poster(file.poster);
+      this.#poster = new Poster(file.poster, file.kind);
     }
     if (hasPose(link) || matchMedia("(prefers-reduced-motion: reduce)").matches) {
       this.#orbit.stop();
@@ -129,18 +131,19 @@ export class Page {
     requestAnimationFrame((now) => this.#tick(now));
   }
 
-  /** Loads the film, or loads it again with the same pose, frame and settings; `choice` in place of their renderer. */
-  async load(choice?: RendererChoice): Promise<void> {
+  /** Loads the film, or loads it again with the same pose, frame and settings; for the processor where there is a reason to. */
+  async load(whyProcessor?: string): Promise<void> {
     if (this.#isLoading) {
       return;
     }
     this.#isLoading = true;
     const { renderer } = this.#settings;
     this.#renderer = renderer;
+    this.#whyProcessor = whyProcessor;
     this.#leave();
     this.#notice.opening(this.#file.name);
     try {
-      await this.#openWith(choice ?? renderer);
+      await this.#openWith(whyProcessor === undefined ? renderer : "cpu");
       this.#notice.hide();
       this.#panels.restore();
     } catch (error) {
@@ -170,7 +173,7 @@ export class Page {
       if (!(error instanceof NoWebGpuError)) {
         throw error;
       }
-      this.#sayProcessor(error.message);
+      this.#whyProcessor = error.message;
       await this.#openWith("cpu");
     }
   }
@@ -195,6 +198,7 @@ export class Page {
       onDrawn: (stats, pictureMs) => {
         if (this.#shown?.player === player) {
           this.#drawn = { stats, pictureMs, size: [canvas.width, canvas.height] };
+          this.#sayProcessor();
           // A film that was shown for a while may be loaded again by itself.
           this.#mayReload ||= performance.now() - openedMs > RELOAD_MS;
         }
@@ -215,7 +219,7 @@ export class Page {
     this.#pose = { ...this.#pose, eye: clampEye(this.#pose.eye, film.headBox) };
     clock.isLooped = this.#settings.isLooped;
     clock.setSpeed(this.#settings.speed, performance.now());
-    clock.seek(this.#frame ?? link.frame ?? film.firstFrame, performance.now());
+    clock.seek(this.#frame ?? link.frame ?? startFrameOf(film), performance.now());
     this.#describe(opened);
     opened.showOverdraw?.(this.#settings.marks.has("overdraw"));
   }
@@ -258,8 +262,12 @@ export class Page {
     }
   }
 
-  #sayProcessor(why: string): void {
-    this.#messages.say(`${clause(why)}; the processor draws small pictures`, PASSING_MS);
+  /** Says why the processor draws, once it has. */
+  #sayProcessor(): void {
+    if (this.#whyProcessor !== undefined) {
+      this.#messages.say(`${clause(this.#whyProcessor)}; the processor draws small pictures`, PASSING_MS);
+      this.#whyProcessor = undefined;
+    }
   }
 
   /** Shows a problem. A fatal one loads the film again, once; after a second one, the viewer has a button. If a device fails before its
@@ -278,8 +286,7 @@ export class Page {
       this.#messages.say(`${clause(message)}; the film is loaded again`);
       void this.load();
     } else if (isOfDevice) {
-      this.#sayProcessor(message);
-      void this.load("cpu");
+      void this.load(message);
     } else {
       this.#stage.replaceChildren();
       this.#notice.failed(message);
@@ -343,7 +350,7 @@ export class Page {
     const { eye, yaw, pitch } = this.#start(film);
     const pose = this.#pose ?? ORIGIN;
     const isSame = pose.yaw === yaw && pose.pitch === pitch && pose.eye.join() === clampEye(eye, film.headBox).join();
-    return isSame && !clock.isPlaying && this.#frame === film.firstFrame;
+    return isSame && !clock.isPlaying && this.#frame === startFrameOf(film);
   }
 
   #savePicture(canvas: HTMLCanvasElement): void {
@@ -489,7 +496,7 @@ export class Page {
     this.#pose = shown && this.#posed(this.#start(shown.player.film), link);
     this.#frame = undefined;
     if (shown !== undefined) {
-      this.#seek(link.frame ?? shown.player.film.firstFrame);
+      this.#seek(link.frame ?? startFrameOf(shown.player.film));
     }
     // Another renderer opens the film anew.
     this.#set(this.#linked(link));
@@ -576,6 +583,10 @@ export class Page {
       asked?.catch((error: unknown) => this.#messages.say(`The headset does not open: ${messageOf(error)}`));
     });
   }
+}
+
+function startFrameOf({ startFrame, firstFrame }: Film): number {
+  return startFrame ?? firstFrame;
 }
 
 const ORIGIN: Pose = { eye: [0, 0, 0], yaw: 0, pitch: 0 };

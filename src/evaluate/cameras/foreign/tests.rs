@@ -234,6 +234,13 @@ fn paths_of_programs_for_radiance_fields_are_read() {
     let camera = found.cameras[0].timed.camera;
     assert!((camera.eye() - DVec3::new(0.5, 0.0, 2.0)).length() < 1e-9, "{camera:?}");
     assert!(found.notes[0].contains("keys of a spline"), "{:?}", found.notes);
+    for (text, unused) in [(nerfstudio, "keyframes, seconds"), (splatting, "seconds"), (instant_ngp, "scale, seconds")]
+    {
+        let text = text.replacen("\"fov\"", "\"seconds\": 2, \"fov\"", 1);
+        let text = text.replacen("\"fy\"", "\"seconds\": 2, \"fy\"", 1);
+        let said = said_of(&text);
+        assert!(said.ends_with(&format!("keys that were not used: {unused}")), "{said}");
+    }
     let other = nerfstudio.replace("\"perspective\"", "\"equirectangular\"");
     assert!(said_of(&other).contains("its \"camera_type\" is equirectangular"), "{}", said_of(&other));
 }
