@@ -189,7 +189,7 @@ const SIZINGS: &Choices<Sizing> = &[
 ];
 
 const FILTERS: &Choices<TextureFilter> = &[
-    ("gaussian", TextureFilter::Gaussian, "Gaussian with a standard deviation of 0.3 texels and a radius of 1.5"),
+    ("gaussian", TextureFilter::Gaussian, "Gaussian with a standard deviation of 0.4 texels and a radius of 1.5"),
     ("box", TextureFilter::Box, "Mean of the samples in a texel; most texels have none, and are filled"),
     ("b-spline", TextureFilter::BSpline, "Cubic with a radius of 2 texels: smoothest"),
 ];
