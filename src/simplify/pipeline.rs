@@ -332,7 +332,8 @@ mod tests {
         // Enough triangles and texels, so that both have the same tiles.
         let of = |texture_coordinates| {
             let budgets = Budgets { triangles: 1e6, ..BUDGETS };
-            let settings = Settings { texture_coordinates, budgets, atlas: 2048, ..settings() };
+            let pixels_per_degree = Some(1.2);
+            let settings = Settings { texture_coordinates, budgets, atlas: 2048, pixels_per_degree, ..settings() };
             captured_at(64, |capture| {
                 let found = simplify(capture, &settings, &Silent).unwrap();
                 let psnr_db = found.evaluate(capture, &settings, &Silent).unwrap().fidelity.similarity.all.psnr_db();

@@ -17,7 +17,7 @@ use scene::placement::Region;
 const TEXELS_BEFORE_ATLAS: f64 = 2.0;
 /// Number of texels per pixel of the capture along one axis, at least and at most. With only one, texels would blur again what pixels
 /// have already blurred.
-const TEXELS_ACROSS_PIXEL: [f64; 2] = [2.0, 3.0];
+const TEXELS_ACROSS_PIXEL: [f64; 2] = [1.5, 3.0];
 /// Number of samples that a texel should have, so that the noise of a single one does not become texture.
 const SAMPLES_A_TEXEL: f64 = 2.0;
 /// Maximum area that tiles cover in practice, in spheres, whatever the budget.
@@ -37,7 +37,7 @@ pub struct Settings {
     pub budgets: Budgets,
     /// Maximum side of the atlas, in texels.
     pub atlas: u32,
-    /// Texels per degree at the centre of a cube face; `None` for two to three times the pixels of the capture, by its number of cameras.
+    /// Texels per degree at the centre of a cube face; `None` for 1.5 to 3 times the pixels of the capture, by its number of cameras.
     pub pixels_per_degree: Option<f64>,
     /// Viewing region; `None` for the box around the cameras.
     pub region: Option<Region>,

@@ -72,7 +72,7 @@ pub struct Args {
     #[arg(long, value_name = "TEXELS", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(4..=16_384))]
     pub atlas: u32,
     /// Texels per degree of view before textures are fitted to the atlas; reduced if quads of the full area would need
-    /// more than two atlases [default: two to three times those of the capture, by its number of cameras]
+    /// more than two atlases [default: 1.5 to 3 times those of the capture, by its number of cameras]
     #[arg(long, value_name = "P", value_parser = parse_positive)]
     pub pixels_per_degree: Option<f64>,
     /// Viewing region, which must not contain surfaces: x0,y0,z0,x1,y1,z1 (two corners in metres), sphere:x,y,z,r, or a
