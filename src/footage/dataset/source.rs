@@ -64,9 +64,9 @@ pub struct SourceOptions {
 pub enum Arrangement {
     /// One face per image: a cube face, or [`Face::View`] for a perspective image.
     Single(Face),
-    /// All six faces in a cross ([`FaceLayout::Cross`]).
+    /// All six faces in a cross ([`codec::image::FaceLayout::Cross`]).
     Cross,
-    /// All six faces in a strip ([`FaceLayout::Strip`]).
+    /// All six faces in a strip ([`codec::image::FaceLayout::Strip`]).
     Strip,
     Equirect,
 }
