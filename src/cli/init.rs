@@ -155,14 +155,20 @@ fn checked(manifest: &Manifest, file: &Path, global: &GlobalArgs) -> Result<(Man
 fn text(file: &Path, manifest: &Manifest) -> String {
     let kinds: Vec<&str> =
         StreamKind::ALL.into_iter().filter(|kind| manifest.files.get(*kind).is_some()).map(StreamKind::name).collect();
+    let mut sizes: Vec<String> = Vec::new();
+    for [width, height] in manifest.probes.iter().map(|probe| manifest.size_of(probe)) {
+        let size = format!("{width}x{height}");
+        if !sizes.contains(&size) {
+            sizes.push(size);
+        }
+    }
     format!(
-        "{}: {} of {} in {}, frames {}, {}x{} pixels",
+        "{}: {} of {} in {}, frames {}, {} pixels",
         file.display(),
         kinds.join(" and "),
         counted(manifest.probes.len() as u64, "probe"),
         manifest.projection.name(),
         manifest.frame_range(),
-        manifest.size[0],
-        manifest.size[1]
+        sizes.join(" or ")
     )
 }

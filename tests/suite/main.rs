@@ -54,6 +54,7 @@ mod orientation;
 mod outputs;
 mod panoramas;
 mod place;
+mod probe_sizes;
 mod properties;
 mod quadtree;
 mod quality;

@@ -156,6 +156,7 @@ fn manifest() -> impl Strategy<Value = Manifest> {
                 name,
                 position: Some([position[0], position[1], position[2]]),
                 frames: Some([first, first + more]),
+                size: (more > 9).then_some([more; 2]),
                 extra: Some(serde_json::json!({ "kept": [first, null] })),
                 ..Probe::default()
             };

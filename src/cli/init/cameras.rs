@@ -77,7 +77,7 @@ fn matched(cameras: &[FileCamera], manifest: &Manifest) -> Option<Vec<Probe>> {
         all => frames.iter().map(|frame| Some((frame, of_frame(all, frame)?))).map(|of| of.map(pose)).collect(),
     };
     let poses = poses?;
-    let intrinsics = poses.first().and_then(|(_, camera)| lens(camera, manifest)).or(probe.intrinsics);
+    let intrinsics = poses.first().and_then(|(_, camera)| lens(camera, probe, manifest)).or(probe.intrinsics);
     let poses = poses.into_iter().map(|(pose, _)| pose).collect();
     Some(vec![Probe { position: None, orientation: None, poses, intrinsics, ..probe.clone() }])
 }
@@ -100,7 +100,7 @@ fn pose((frame, camera): (u32, &FileCamera)) -> (Pose, &FileCamera) {
 
 fn still(probe: &Probe, camera: &FileCamera, manifest: &Manifest) -> Probe {
     let of = &camera.timed.camera;
-    let intrinsics = lens(camera, manifest).or(probe.intrinsics);
+    let intrinsics = lens(camera, probe, manifest).or(probe.intrinsics);
     Probe {
         position: Some(of.eye().to_array()),
         orientation: of.orientation(),
@@ -111,7 +111,7 @@ fn still(probe: &Probe, camera: &FileCamera, manifest: &Manifest) -> Probe {
 }
 
 /// Returns fx, fy, cx, cy for perspective images.
-fn lens(camera: &FileCamera, manifest: &Manifest) -> Option<[f64; 4]> {
+fn lens(camera: &FileCamera, probe: &Probe, manifest: &Manifest) -> Option<[f64; 4]> {
     let is_perspective = manifest.projection == Projection::Perspective;
-    is_perspective.then(|| camera.timed.camera.intrinsics(manifest.size.map(f64::from)))
+    is_perspective.then(|| camera.timed.camera.intrinsics(manifest.size_of(probe).map(f64::from)))
 }

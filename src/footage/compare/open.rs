@@ -172,8 +172,12 @@ fn open_dataset(path: &str, form: Form, options: &SideOptions, other: &Other<'_>
         source.color_space = None;
     }
     source.frames = options.selection.frames;
+    // Panoramas of different sizes become faces of different sizes, as in encodes.
+    let has_own_sizes = manifest.probes.iter().any(|probe| manifest.size_of(probe) != manifest.size);
+    let mut sides = other.streams.iter().map(|stream| stream.size[0]);
     source.face_size = match form {
-        Form::Panorama => options.source.face_size.or(other.streams.first().map(|stream| stream.size[0])),
+        Form::Panorama if has_own_sizes => options.source.face_size.or(only_one(sides)),
+        Form::Panorama => options.source.face_size.or(sides.next()),
         _ => None,
     };
     let mut source = Source::open(Path::new(path), &source)?;

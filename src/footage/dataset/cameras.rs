@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::manifest::{MAX_MANIFEST_BYTES, Manifest, Probe, intrinsics_of, pose_fault};
 use crate::{json, text};
 use codec::error::{Error, Result};
+use codec::image::Projection;
 
 pub const CAMERAS_VERSION: u32 = 1;
 
@@ -115,6 +116,11 @@ impl CameraSet {
     }
 
     fn of_manifest(manifest: &Manifest) -> Result<CameraSet> {
+        // Of pictures of one aspect, the size is free to choose.
+        let aspect_of = |[width, height]: [u32; 2]| f64::from(width) / f64::from(height);
+        let aspects = manifest.probes.iter().map(|probe| aspect_of(manifest.picture_size_of(probe)));
+        let is_perspective = manifest.projection == Projection::Perspective;
+        let has_aspects = is_perspective && aspects.clone().min_by(f64::total_cmp) != aspects.max_by(f64::total_cmp);
         let camera = |probe: &Probe| {
             if !probe.poses.is_empty() {
                 let message = format!("probe {} has \"poses\": cameras to capture must be static", probe.name);
@@ -122,12 +128,13 @@ impl CameraSet {
             }
             let (fov_y_deg, shift) = match probe.intrinsics {
                 None => (probe.fov_y_deg, None),
-                Some(intrinsics) => lens_of(intrinsics, manifest.picture_size())
+                Some(intrinsics) => lens_of(intrinsics, manifest.picture_size_of(probe))
                     .map(|(fov_y_deg, shift)| (Some(fov_y_deg), Some(shift)))
                     .map_err(|error| error.context(format!("probe {}", probe.name)))?,
             };
             Ok(PlacedCamera {
                 name: Some(probe.name.clone()),
+                aspect: has_aspects.then(|| aspect_of(manifest.picture_size_of(probe))),
                 orientation: probe.orientation,
                 fov_y_deg,
                 shift,
@@ -244,6 +251,23 @@ mod tests {
         assert!(found.iter().zip([60.0, 60.0, 48.0, 18.0]).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
         let error = CameraSet::from_json(manifest("[30, 31, 24, 9]").as_bytes()).unwrap_err().to_string();
         assert!(error.contains("probe a") && error.contains("non-square"), "{error}");
+    }
+
+    #[test]
+    fn probes_of_other_sizes_keep_their_lenses_and_state_their_aspect_if_it_differs() {
+        let set = |size: &str| {
+            let text = format!(
+                r#"{{"lightfield": 1, "name": "a", "fps": 24, "frames": [0, 0], "projection": "perspective", "size": [40, 20],
+                "files": {{"depth": "{{probe}}.%04d.exr"}}, "probes": [
+                {{"name": "a", "position": [0, 0, 0], "intrinsics": [30, 30, 24, 9]}},
+                {{"name": "b", "position": [1, 0, 0], "size": {size}, "intrinsics": [60, 60, 48, 18]}}]}}"#
+            );
+            CameraSet::from_json(text.as_bytes()).unwrap()
+        };
+        let same = set("[80, 40]");
+        let [a, b] = &same.cameras[..] else { panic!("two probes") };
+        assert_eq!((a.shift, a.fov_y_deg, same.aspect().unwrap()), (b.shift, b.fov_y_deg, None));
+        assert!(set("[80, 30]").aspect().unwrap_err().to_string().contains("different \"aspect\""));
     }
 
     #[test]

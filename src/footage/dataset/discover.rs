@@ -6,12 +6,13 @@
 //! 1. `sequences` finds files with frame numbers (`numbers`), and the kinds of images that the first file of each sequence holds.
 //! 2. `names` derives for each kind one pattern with `{probe}` and `{face}`.
 //! 3. `poses` reads cameras, if EXR files state them.
-//! 4. `panoramas` detects two eyes in one image.
+//! 4. `own_sizes` finds probes with images of another size, `panoramas` two eyes in one image.
 //! 5. This module determines the frames, the projection from names and image shape, and depth properties from the first image.
 
 mod depth;
 mod names;
 mod numbers;
+mod own_sizes;
 mod panoramas;
 mod poses;
 mod sequences;
@@ -80,10 +81,30 @@ pub fn propose(folder: &Path, numbers: Numbers) -> Result<Proposal> {
         let message = format!("it has no .exr, .png or .jpg files that can be used, such as beauty.0001.exr{left_out}");
         return Err(Error::invalid(message).in_file(folder));
     }
-    leave_out_previews(&mut found, &mut left_out);
+    let own_sizes = kinds_of(&found, folder, &mut Vec::new()).map(|kinds| own_sizes::of_probes(&kinds));
+    let own_sizes = own_sizes.unwrap_or_default();
+    if own_sizes.is_empty() {
+        leave_out_previews(&mut found, &mut left_out);
+    }
+    let kinds = kinds_of(&found, folder, &mut left_out)?;
+    if kinds.is_empty() {
+        let channels = found[0].channels();
+        let message =
+            format!("its images have neither colour nor depth; {} has the channels {channels}", found[0].text);
+        return Err(Error::invalid(message).in_file(folder));
+    }
+    Draft { folder, found: &found, kinds, own_sizes, limits, unsure, left_out }.manifest()
+}
+
+/// Returns the sequences of each kind with their common pattern.
+fn kinds_of<'a>(
+    found: &'a [Found],
+    folder: &Path,
+    left_out: &mut Vec<String>,
+) -> Result<BTreeMap<StreamKind, OfKind<'a>>> {
     let mut kinds = BTreeMap::new();
     for kind in StreamKind::ALL {
-        let chosen = choose(&found, kind);
+        let chosen = choose(found, kind);
         if chosen.is_empty() {
             continue;
         }
@@ -95,13 +116,7 @@ pub fn propose(folder: &Path, numbers: Numbers) -> Result<Proposal> {
         }));
         kinds.insert(kind, (chosen, named));
     }
-    if kinds.is_empty() {
-        let channels = found[0].channels();
-        let message =
-            format!("its images have neither colour nor depth; {} has the channels {channels}", found[0].text);
-        return Err(Error::invalid(message).in_file(folder));
-    }
-    Draft { folder, found: &found, kinds, limits, unsure, left_out }.manifest()
+    Ok(kinds)
 }
 
 /// Leaves out colour of another size, if some colour has the size of most depth images, or else of most images.
@@ -145,6 +160,8 @@ struct Draft<'a> {
     folder: &'a Path,
     found: &'a [Found],
     kinds: BTreeMap<StreamKind, OfKind<'a>>,
+    /// Sizes of images of probes, where they are not those of the first probe.
+    own_sizes: BTreeMap<String, (u32, u32)>,
     limits: ReadLimits,
     unsure: Vec<String>,
     left_out: Vec<String>,
@@ -165,8 +182,11 @@ impl Draft<'_> {
             let frames = (frames[name] != all).then_some(frames[name]);
             let first = self.first_file(name);
             let place = first.map(|(of, face)| poses::of(of, face, frames.unwrap_or(all), &self.limits)).transpose()?;
-            let mut probe = Probe { name: name.clone(), frames, ..place.flatten().unwrap_or_default() };
+            let own = self.own_sizes.get(name).copied();
+            let mut probe =
+                Probe { name: name.clone(), frames, size: own.map(Into::into), ..place.flatten().unwrap_or_default() };
             if projection == Projection::Perspective {
+                let size = own.unwrap_or(size);
                 probe.intrinsics = first.and_then(|(of, _)| poses::lens(of, size, frames.unwrap_or(all), &self.limits));
             }
             if probe.position.is_none() && probe.poses.is_empty() {
@@ -239,10 +259,18 @@ impl Draft<'_> {
         if name.is_empty() || name.contains(char::is_control) { "footage".into() } else { name.into() }
     }
 
-    /// Returns the common size of all images. Fails if sizes differ, except for depth of another size and of the same shape.
-    fn size(&self) -> Result<(u32, u32)> {
+    /// Returns the size of the first image. Fails if sizes differ, except for depth of another size and of the same shape, and for
+    /// probes with sizes of their own.
+    fn size(&mut self) -> Result<(u32, u32)> {
         let mut all = self.kinds.values().flat_map(|(files, _)| files);
         let first = all.next().map_or(&self.found[0], |of| *of);
+        if !self.own_sizes.is_empty() {
+            let (width, height) = first.size;
+            self.unsure.extend(self.own_sizes.iter().map(|(probe, (wide, high))| {
+                format!("images of probe {probe} are {wide}x{high} pixels, of others {width}x{height}: it has its own \"size\"")
+            }));
+            return Ok(first.size);
+        }
         let depth = self.kinds.get(&StreamKind::Depth).map(|(files, _)| files[0]);
         let may_differ = depth.filter(|of| has_shape_of(of.size, first.size)).map_or(first.size, |of| of.size);
         let is_depth = |of: &Found| of.kinds.len() == 1 && of.kinds.contains(&StreamKind::Depth);

@@ -45,7 +45,7 @@ pub struct Manifest {
     /// First and last frame, inclusive.
     pub frames: [u32; 2],
     pub projection: Projection,
-    /// Width and height of each image file, in pixels.
+    /// Width and height of each image file, in pixels, except those of probes with a `size` of their own.
     pub size: [u32; 2],
     /// Arrangement of the faces of cube maps in files; six files if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -173,7 +173,7 @@ pub struct DepthInfo {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub far: Option<f64>,
     /// Width and height of depth files in pixels, if it is not that of the other files: they show the same picture, and are
-    /// resampled to the size of the others by nearest neighbour.
+    /// resampled to the size of the others by nearest neighbour. Not for probes with a `size` of their own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size: Option<[u32; 2]>,
 }
@@ -439,9 +439,19 @@ impl Manifest {
         given.map_or(face.name(), String::as_str)
     }
 
-    /// Returns the width and height of a picture: of an image file, or of one eye's part of it.
-    pub fn picture_size(&self) -> [u32; 2] {
-        self.stereo.and_then(|layout| eye_size(layout, self.size)).unwrap_or(self.size)
+    /// Returns the width and height of the image files of a probe.
+    pub fn size_of(&self, probe: &Probe) -> [u32; 2] {
+        probe.size.unwrap_or(self.size)
+    }
+
+    /// Returns the width and height of a probe's picture: of its image files, or of one eye's part of them.
+    pub fn picture_size_of(&self, probe: &Probe) -> [u32; 2] {
+        self.picture_in(self.size_of(probe))
+    }
+
+    /// Returns the width and height of the picture in an image file of `size`.
+    pub(super) fn picture_in(&self, size: [u32; 2]) -> [u32; 2] {
+        self.stereo.and_then(|layout| eye_size(layout, size)).unwrap_or(size)
     }
 
     /// Returns the frames of a probe.

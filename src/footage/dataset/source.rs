@@ -4,11 +4,13 @@
 
 mod account;
 mod open;
+mod shape;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use half::f16;
+use shape::{Content, Shape, Shapes};
 
 use super::manifest::{Manifest, Pose};
 use super::missing::{FrameFiles, Missing};
@@ -22,8 +24,8 @@ use codec::error::{Error, Result};
 use codec::image::equirect::{FaceMap, resample_alpha, resample_color, resample_nearest};
 use codec::image::layout::{cut_eye, cut_faces};
 use codec::image::{
-    AlphaPlane, ChannelSelect, ColorPlane, DepthKind, DepthPlane, Face, FaceLayout, FrameRange, ImageProjection,
-    MaterialPlane, NormalPlane, Plane, Primaries, Projection, ReadLimits, StereoLayout, StreamKind,
+    AlphaPlane, ChannelSelect, ColorPlane, DepthKind, DepthPlane, Face, FrameRange, ImageProjection, MaterialPlane,
+    NormalPlane, Plane, Primaries, Projection, ReadLimits, StereoLayout, StreamKind,
 };
 
 /// Options of the caller. `None` uses the manifest's value, or else the default of the field.
@@ -62,9 +64,9 @@ pub struct SourceOptions {
 pub enum Arrangement {
     /// One face per image: a cube face, or [`Face::View`] for a perspective image.
     Single(Face),
-    /// All six faces in a cross ([`FaceLayout::Cross`]).
+    /// All six faces in a cross ([`codec::image::FaceLayout::Cross`]).
     Cross,
-    /// All six faces in a strip ([`FaceLayout::Strip`]).
+    /// All six faces in a strip ([`codec::image::FaceLayout::Strip`]).
     Strip,
     Equirect,
 }
@@ -136,27 +138,6 @@ pub struct SourceGroup {
     pub height: u32,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Content {
-    Face,
-    /// A face as a camera sees it ([`FaceFiles::Cameras`]).
-    Camera,
-    Faces(FaceLayout),
-    Equirect,
-}
-
-impl Content {
-    fn words(self) -> &'static str {
-        match self {
-            Content::Face => "one face",
-            Content::Camera => "one face as a camera sees it",
-            Content::Faces(FaceLayout::Cross) => "a cross of six faces",
-            Content::Faces(FaceLayout::Strip) => "a strip of six faces",
-            Content::Equirect => "an equirectangular image",
-        }
-    }
-}
-
 /// An open dataset. Reading takes `&self`, so that frames can be read in parallel.
 #[derive(Debug)]
 pub struct Source {
@@ -172,8 +153,7 @@ pub struct Source {
     pub manifest: Option<Manifest>,
     content: Content,
     stereo: Option<StereoLayout>,
-    file_size: (u32, u32),
-    delivered_size: (u32, u32),
+    shapes: Shapes,
     pub rules: DepthRules,
     /// True if the depth scale is stated.
     scale_stated: bool,
@@ -191,7 +171,6 @@ pub struct Source {
     invalid_color: InvalidColor,
     missing: Missing,
     limits: ReadLimits,
-    maps: Vec<FaceMap>,
 }
 
 impl Source {
@@ -217,7 +196,7 @@ impl Source {
     /// decoded as a whole, and the parts cut from it.
     pub fn reading_bytes(&self, group: &SourceGroup) -> u64 {
         let count = |size: [u32; 2]| size.map(u64::from).iter().product::<u64>();
-        let file_pixels = count(self.file_size.into());
+        let file_pixels = count(self.shape(group).file_size.into());
         let pixels = u64::from(group.width) * u64::from(group.height) * group.faces.len() as u64;
         let value = match group.kind {
             StreamKind::Depth | StreamKind::Alpha => 4,
@@ -229,7 +208,7 @@ impl Source {
         let decoding = match (is_png, group.kind) {
             (false, _) => path.as_deref().map_or(0, |path| exr::reading_bytes(path, 0, &self.limits).unwrap_or(0)),
             // The codes of the file, and 16 bits for each requested channel.
-            (true, StreamKind::Depth) => 2 * self.depth_size().map_or(file_pixels, count),
+            (true, StreamKind::Depth) => 2 * self.depth_size(group).map_or(file_pixels, count),
             (true, _) => (8 + 8) * file_pixels,
         };
         // Codes or values of alpha, and colour before and after multiplication.
@@ -237,7 +216,7 @@ impl Source {
         let alpha = if is_multiplied { 16 * file_pixels } else { 0 };
         // Depth of another size, before it is resampled.
         let resized =
-            self.depth_size().filter(|_| group.kind == StreamKind::Depth).map_or(0, |size| value * count(size));
+            self.depth_size(group).filter(|_| group.kind == StreamKind::Depth).map_or(0, |size| value * count(size));
         let is_cut = self.stereo.is_some() || self.content != Content::Face;
         let cut = if is_cut { pixels * value } else { 0 };
         file_pixels * value + resized + decoding.max(alpha).max(cut)
@@ -298,7 +277,7 @@ impl Source {
     ) -> Result<Vec<ColorPlane>> {
         self.read(StreamKind::Color, group, frame, [f16::ZERO; 3], |path| {
             let mut plane = self.color_file(path, group)?;
-            self.check_size(&plane)?;
+            self.check_size(&plane, group)?;
             check_color(&mut plane, self.invalid_color)?;
             if !png::has_codes(path) && self.color_space == Some(ColorSpace::Srgb) {
                 linear_from_srgb(&mut plane);
@@ -320,7 +299,7 @@ impl Source {
                 "the alpha of this frame is missing, which premultiplied colour needs: set `missing` to hold or black";
             return Err(Error::invalid(message));
         }
-        let (width, height) = self.file_size;
+        let (width, height) = self.shape(group).file_size;
         match self.file(group, frame)? {
             Some(path) => self.alpha_file(&path, group).map(Some).map_err(|error| error.in_file(&path)),
             None => Ok(Some(Plane::filled(width, height, 0.0))),
@@ -366,7 +345,7 @@ impl Source {
             let [own, color] = [&self.alpha_channel, &self.color_channel].map(|channel| self.select(channel, group));
             exr::read_alpha(path, &own, &color, &self.limits)?
         };
-        self.check_size(&plane)?;
+        self.check_size(&plane, group)?;
         check_alpha(&mut plane, self.invalid_color)?;
         Ok(plane)
     }
@@ -429,7 +408,7 @@ impl Source {
             let names =
                 self.material_channels.each_ref().map(|name| name.replace("{probe}", probe).replace("{face}", face));
             let mut plane = exr::read_material(path, names.each_ref().map(String::as_str), &self.limits)?;
-            self.check_size(&plane)?;
+            self.check_size(&plane, group)?;
             check_material(&mut plane, self.invalid_color)?;
             // A pixel's weights belong to one surface, so they are not blended.
             self.faces_of(plane, group, resample_nearest)
@@ -441,7 +420,7 @@ impl Source {
         let Some(path) = self.normals.path(group.probe, group.faces[0], frame) else { return Ok(None) };
         let read = |path: &Path| {
             let plane = normals::read(path, &self.limits)?;
-            self.check_size(&plane)?;
+            self.check_size(&plane, group)?;
             self.faces_of(plane, group, resample_nearest)
         };
         read(&path).map(Some).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
@@ -526,15 +505,22 @@ impl Source {
         } else {
             exr::read_depth(path, &self.select(&self.depth_channel, group), &self.limits)?
         };
-        let Some([width, height]) = self.depth_size() else { return self.check_size(&plane).map(|()| plane) };
-        check_plane(&plane, (width, height))?;
-        Ok(resized(&plane, self.file_size))
+        let Some(size) = self.depth_size(group) else { return self.check_size(&plane, group).map(|()| plane) };
+        check_plane(&plane, size.into())?;
+        Ok(resized(&plane, self.shape(group).file_size))
     }
 
-    /// Returns the size of depth files, if it is not that of the others.
-    fn depth_size(&self) -> Option<[u32; 2]> {
-        let size = self.manifest.as_ref()?.depth.as_ref()?.size?;
-        (self.file_size != size.into()).then_some(size)
+    /// Returns the size of depth files, if it is not that of the others. Those of a probe with its own size have that size.
+    fn depth_size(&self, group: &SourceGroup) -> Option<[u32; 2]> {
+        let manifest = self.manifest.as_ref()?;
+        let has_own_size = manifest.probes.get(group.probe).is_some_and(|probe| probe.size.is_some());
+        let size = manifest.depth.as_ref()?.size.filter(|_| !has_own_size)?;
+        (self.shape(group).file_size != size.into()).then_some(size)
+    }
+
+    /// Returns the shape of the files of a group.
+    fn shape(&self, group: &SourceGroup) -> &Shape {
+        self.shapes.of(group.probe)
     }
 
     /// Returns the depth rules of the first depth file; for footage without depth, or a file that cannot be opened, those of
@@ -552,8 +538,8 @@ impl Source {
         Ok(DepthRules { largest, ..self.rules })
     }
 
-    fn check_size<T>(&self, plane: &Plane<T>) -> Result<()> {
-        check_plane(plane, self.file_size)
+    fn check_size<T>(&self, plane: &Plane<T>, group: &SourceGroup) -> Result<()> {
+        check_plane(plane, self.shape(group).file_size)
     }
 
     /// Cuts or resamples an image, or one eye's part of it, into the faces of its group.
@@ -574,7 +560,8 @@ impl Source {
             Content::Faces(layout) => Ok(keep_faces(cut_faces(&plane, layout)?, &group.faces)),
             Content::Equirect => {
                 let none = |face: &Face| Error::Usage(format!("an equirectangular image has no face {}", face.name()));
-                let map = |face: &Face| self.maps.iter().find(|map| map.face == *face).ok_or_else(|| none(face));
+                let maps = &self.shape(group).maps;
+                let map = |face: &Face| maps.iter().find(|map| map.face == *face).ok_or_else(|| none(face));
                 group.faces.iter().map(|face| resample(&plane, map(face)?)).collect()
             }
         }

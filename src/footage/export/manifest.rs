@@ -68,7 +68,7 @@ pub fn has_decoded(manifest: &Manifest) -> bool {
 
 /// Builds the manifest of decoded files. Its `extra` contains the coding of the streams, so that a later comparison can use the
 /// same codes. Fails with the reason if there can be no manifest: PNG files hold codes that a manifest cannot describe, streams
-/// differ in size, cube faces are not square, or some faces have kinds or frames that others do not.
+/// of a probe differ in size, cube faces are not square, or some faces have kinds or frames that others do not.
 pub(super) fn manifest_of(
     decoder: &Decoder,
     streams: &[StreamFrames<'_>],
@@ -78,10 +78,11 @@ pub(super) fn manifest_of(
     let index = decoder.reader().index();
     let size = streams.first().ok_or("no stream was decoded")?.stream.size();
     let cube = index.projection == 0;
-    if streams.iter().any(|part| part.stream.size() != size) {
-        return Err("the streams differ in size");
+    let mut sizes = BTreeMap::new();
+    if streams.iter().any(|part| *sizes.entry(part.stream.probe).or_insert(part.stream.size()) != part.stream.size()) {
+        return Err("the streams of a probe differ in size");
     }
-    if cube && size[0] != size[1] {
+    if cube && sizes.values().any(|[width, height]| width != height) {
         return Err("the cube faces are not square");
     }
     let listed = listed(streams, format);
@@ -147,7 +148,7 @@ pub(super) fn manifest_of(
         alpha: None,
         missing: None,
         files,
-        probes: probes_of(decoder, &listed, all),
+        probes: probes_of(decoder, &listed, (all, size)),
         view: decoder.footage().view,
         extra: Some(json!({ "lightfold": coding_of(decoder, streams) })),
     })
@@ -185,10 +186,15 @@ fn is_complete(listed: &[StreamFrames<'_>]) -> bool {
     of_probes.values().all(|(_, places)| places.len() == kinds.len() * faces.len())
 }
 
-/// Returns the probes of the streams. A probe states its frames only if they differ from `all`.
-fn probes_of(decoder: &Decoder, listed: &[StreamFrames<'_>], all: FrameRange) -> Vec<manifest::Probe> {
-    let frames_of: BTreeMap<usize, FrameRange> = listed.iter().map(|part| (part.stream.probe, part.frames)).collect();
-    let probe_of = |(at, frames): (usize, FrameRange)| {
+/// Returns the probes of the streams. A probe states its frames and its size only if they differ from those of `all`.
+fn probes_of(
+    decoder: &Decoder,
+    listed: &[StreamFrames<'_>],
+    (all, usual): (FrameRange, [u32; 2]),
+) -> Vec<manifest::Probe> {
+    let of_probes: BTreeMap<usize, (FrameRange, [u32; 2])> =
+        listed.iter().map(|part| (part.stream.probe, (part.frames, part.stream.size()))).collect();
+    let probe_of = |(at, (frames, size)): (usize, (FrameRange, [u32; 2]))| {
         let probe = &decoder.reader().index().probes[at];
         let known = probe.intrinsics.iter().any(|&value| value != 0.0);
         let poses = decoder.footage().poses_of(&probe.name).iter().filter(|pose| frames.contains(pose.frame));
@@ -201,13 +207,14 @@ fn probes_of(decoder: &Decoder, listed: &[StreamFrames<'_>], all: FrameRange) ->
             name: probe.name.clone(),
             position: stands.then_some(probe.position),
             frames: (frames != all).then_some([frames.first, frames.last]),
+            size: (size != usual).then_some(size),
             orientation: (stands && is_turned).then_some(probe.orientation),
             poses,
             intrinsics: known.then_some(probe.intrinsics),
             ..manifest::Probe::default()
         }
     };
-    frames_of.into_iter().map(probe_of).collect()
+    of_probes.into_iter().map(probe_of).collect()
 }
 
 /// Returns the colour format, and near and far of each depth stream.

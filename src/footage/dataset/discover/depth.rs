@@ -75,10 +75,8 @@ impl Draft<'_> {
 
     /// States the size of depth files, if it is not that of the others.
     pub(super) fn sized(&mut self, depth: DepthInfo, size: (u32, u32)) -> DepthInfo {
-        let Some(of) = self.kinds.get(&StreamKind::Depth).map(|(files, _)| files[0]).filter(|of| of.size != size)
-        else {
-            return depth;
-        };
+        let first = self.kinds.get(&StreamKind::Depth).map(|(files, _)| files[0]);
+        let Some(of) = first.filter(|of| of.size != size && self.own_sizes.is_empty()) else { return depth };
         self.unsure.push(format!(
             "{} is {}x{} pixels, others are {}x{}: it was assumed to show the same picture, and becomes as large by nearest \
              neighbour",

@@ -36,6 +36,9 @@ pub struct Probe {
     /// First and last frame of this probe, inclusive; those of the dataset if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames: Option<[u32; 2]>,
+    /// Width and height of each image file of this probe, in pixels; those of the dataset if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<[u32; 2]>,
     /// Unit quaternion x, y, z, w that rotates the probe's axes into the world's; identity if absent. Static probes only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation: Option<[f64; 4]>,
@@ -49,7 +52,7 @@ pub struct Probe {
     /// camera is unknown and planar depth is not converted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fov_y_deg: Option<f64>,
-    /// fx, fy, cx, cy in pixels; perspective only.
+    /// fx, fy, cx, cy in pixels of the probe's pictures; perspective only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub intrinsics: Option<[f64; 4]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]

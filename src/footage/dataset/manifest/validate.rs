@@ -27,19 +27,9 @@ impl Manifest {
             return wrong(format!("\"fps\" is {}, it must be above 0", self.fps));
         }
         check_frames(self.frames).map_err(|error| error.context("\"frames\""))?;
-        let [width, height] = self.size;
-        if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
-            return wrong(format!("\"size\" is {width}x{height}, each side must be 1 to {MAX_SIDE} pixels"));
-        }
+        self.validate_size(self.size)?;
         if self.projection != Projection::Cubemap && self.faces.is_some() {
             return wrong("\"faces\" is only for projection \"cubemap\"".into());
-        }
-        if self.stereo.is_some_and(|layout| eye_size(layout, self.size).is_none()) {
-            return wrong(format!("\"size\" is {width}x{height}, which \"stereo\" cannot split into halves"));
-        }
-        let [width, height] = self.picture_size();
-        if self.has_face_files() && width != height {
-            return wrong(format!("\"size\" gives pictures of {width}x{height}, but the faces of a cube are square"));
         }
         if let Some(names) = &self.faces_present {
             self.validate_faces(names)?;
@@ -53,6 +43,23 @@ impl Manifest {
         self.validate_depth()?;
         self.validate_files()?;
         self.validate_probes()
+    }
+
+    /// Checks the size of the image files of the dataset or of a probe.
+    fn validate_size(&self, size: [u32; 2]) -> Result<()> {
+        let wrong = |message: String| Err(Error::invalid(message));
+        let [width, height] = size;
+        if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+            return wrong(format!("\"size\" is {width}x{height}, each side must be 1 to {MAX_SIDE} pixels"));
+        }
+        if self.stereo.is_some_and(|layout| eye_size(layout, size).is_none()) {
+            return wrong(format!("\"size\" is {width}x{height}, which \"stereo\" cannot split into halves"));
+        }
+        let [width, height] = self.picture_in(size);
+        if self.has_face_files() && width != height {
+            return wrong(format!("\"size\" gives pictures of {width}x{height}, but the faces of a cube are square"));
+        }
+        Ok(())
     }
 
     fn validate_faces(&self, names: &[String]) -> Result<()> {
@@ -200,6 +207,9 @@ impl Manifest {
             }
             if let Some(frames) = probe.frames {
                 check_frames(frames).map_err(|error| error.context(format!("probe \"{}\": \"frames\"", probe.name)))?;
+            }
+            if let Some(Err(error)) = probe.size.map(|size| self.validate_size(size)) {
+                return wrong(error.to_string());
             }
             if let Err(error) = self.validate_poses(probe) {
                 return wrong(error.to_string());

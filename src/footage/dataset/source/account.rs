@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::shape::Shape;
 use super::{Source, SourceGroup};
 use crate::account::{Account, listed};
 use crate::dataset::manifest::{Manifest, NORMAL_CHANNELS};
@@ -43,9 +44,9 @@ impl Source {
         vec![
             ("what an image shows", self.content.words().to_owned()),
             ("the place of the eyes", self.stereo.map_or("none", StereoLayout::name).to_owned()),
-            ("the size of the image files", format!("{}x{}", self.file_size.0, self.file_size.1)),
-            ("the size of depth files", format!("{:?}", self.depth_size())),
-            ("the size of the faces", format!("{}x{}", self.delivered_size.0, self.delivered_size.1)),
+            ("the size of the image files", self.sizes_in_words(|shape| shape.file_size)),
+            ("the size of depth files", format!("{:?}", range.and_then(|depth| depth.size))),
+            ("the size of the faces", self.sizes_in_words(|shape| shape.delivered_size)),
             ("`background`", self.rules.background.to_string()),
             ("`depth_scale`", self.rules.scale.to_string()),
             ("the disparity", format!("{:?}", self.rules.disparity)),
@@ -63,6 +64,18 @@ impl Source {
             ("the choice of material channels", self.material_channels.join(", ")),
             ("the choice of the alpha channel", self.alpha_channel.words()),
         ]
+    }
+
+    /// Returns the size of all probes in words, or that of each, in their order.
+    fn sizes_in_words(&self, size_of: impl Fn(&Shape) -> (u32, u32)) -> String {
+        let mut sizes: Vec<String> = (0..self.probes.len())
+            .map(|probe| size_of(self.shapes.of(probe)))
+            .map(|(width, height)| format!("{width}x{height}"))
+            .collect();
+        if sizes.iter().all(|size| *size == sizes[0]) {
+            sizes.truncate(1);
+        }
+        sizes.join(", ")
     }
 
     /// Returns the account of the first file of each probe and kind: patterns, channels and probes. Channels that no kind reads are

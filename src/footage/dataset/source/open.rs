@@ -1,11 +1,12 @@
 //! Opens datasets and image sequences: finds their files and determines how they are read.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::{Arrangement, Content, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions};
+use super::shape::{Content, Shape, Shapes};
+use super::{Arrangement, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions};
 use crate::dataset::manifest::{
-    DepthInfo, FaceFiles, MAX_SIDE, Manifest, MaterialChannels, Pose, check_intrinsics, intrinsics_of, is_probe_name,
+    DepthInfo, FaceFiles, Manifest, MaterialChannels, Pose, check_intrinsics, intrinsics_of, is_probe_name,
     manifest_path,
 };
 use crate::dataset::missing::FrameFiles;
@@ -14,8 +15,7 @@ use crate::dataset::pixels::{DepthRules, FARTHEST_M};
 use crate::dataset::timed::TimedFiles;
 use crate::image_files::{exr, png};
 use codec::error::{Error, Result};
-use codec::image::equirect::{FaceMap, check_face_size, full_face_size};
-use codec::image::layout::face_size;
+use codec::image::equirect::FaceMap;
 use codec::image::{DepthKind, Face, FaceLayout, FolderNames, FrameRange, Primaries, Projection, StreamKind};
 
 const DEFAULT_FPS: f64 = 24.0;
@@ -23,18 +23,25 @@ const DEFAULT_FPS: f64 = 24.0;
 impl Source {
     /// Returns the face maps whose filters are used to resample colour or alpha of these groups from panoramas.
     pub fn filtered_maps<'a>(&'a self, groups: &[&SourceGroup]) -> Vec<&'a FaceMap> {
-        let is_filtered = |group: &SourceGroup| matches!(group.kind, StreamKind::Color | StreamKind::Alpha);
-        let is_used = |map: &&FaceMap| groups.iter().any(|group| is_filtered(group) && group.faces.contains(&map.face));
-        self.maps.iter().filter(|_| self.content == Content::Equirect).filter(is_used).collect()
+        self.maps_of(groups, |kind| matches!(kind, StreamKind::Color | StreamKind::Alpha))
+    }
+
+    /// Returns the face maps of the groups of some kinds, those of one size once.
+    fn maps_of(&self, groups: &[&SourceGroup], is_kind: impl Fn(StreamKind) -> bool) -> Vec<&FaceMap> {
+        let mut maps = Vec::new();
+        for shape in self.shapes.all() {
+            let is_of = |group: &&&SourceGroup| is_kind(group.kind) && self.shape(group).file_size == shape.file_size;
+            let faces: BTreeSet<Face> = groups.iter().filter(is_of).flat_map(|group| group.faces.clone()).collect();
+            maps.extend(shape.maps.iter().filter(|map| faces.contains(&map.face)));
+        }
+        maps
     }
 
     /// Size in bytes of the tables for resampling panoramas of these groups. Each is built once and kept.
     pub fn table_bytes(&self, groups: &[&SourceGroup]) -> u64 {
-        let is_nearest = |group: &SourceGroup| matches!(group.kind, StreamKind::Depth | StreamKind::Material);
-        let is_used = |map: &&FaceMap| groups.iter().any(|group| is_nearest(group) && group.faces.contains(&map.face));
-        let nearest = self.maps.iter().filter(|_| self.content == Content::Equirect).filter(is_used);
+        let nearest = self.maps_of(groups, |kind| matches!(kind, StreamKind::Depth | StreamKind::Material));
         let filters = self.filtered_maps(groups).into_iter().map(FaceMap::filter_bytes);
-        filters.chain(nearest.map(FaceMap::nearest_bytes)).sum()
+        filters.chain(nearest.into_iter().map(FaceMap::nearest_bytes)).sum()
     }
 
     /// Opens a dataset, given its manifest or the folder that contains `lightfield.json`.
@@ -62,10 +69,13 @@ impl Source {
         }
         let space = options.color_space.or(manifest.color.as_ref().and_then(|color| color.space));
         let names = manifest.material.clone().map_or_else(MaterialChannels::default, |material| material.channels);
-        let [width, height] = manifest.picture_size();
-        let mut source = Source::new(content, (width, height), kind, options).map_err(|error| error.in_file(file))?;
+        let shape = |size: [u32; 2]| {
+            Shape::new(content, size.into(), manifest.picture_in(size).into(), options.face_size)
+                .map_err(|error| error.in_file(file))
+        };
+        let mut source =
+            Source::new(content, shape(manifest.size)?, kind, options).map_err(|error| error.in_file(file))?;
         source.stereo = manifest.stereo;
-        source.file_size = manifest.size.into();
         source.name.clone_from(&manifest.name);
         source.fps = manifest.fps;
         source.rules.scale = scale.filter(|_| disparity.is_none()).unwrap_or(1.0);
@@ -88,7 +98,10 @@ impl Source {
         }
         let wanted =
             options.frames.map_or(Some(manifest.frame_range()), |frames| manifest.frame_range().intersect(frames));
-        for probe in &manifest.probes {
+        for (at, probe) in manifest.probes.iter().enumerate() {
+            let size = manifest.size_of(probe);
+            let of_probe = |error: Error| error.context(format!("probe \"{}\"", probe.name));
+            source.shapes.set(at, size.into(), || shape(size).map_err(of_probe))?;
             let own = manifest.frames_of(probe);
             let frames = wanted.and_then(|wanted| wanted.intersect(own)).unwrap_or(own);
             let Pose { position, orientation, .. } = probe.first_pose(frames);
@@ -98,7 +111,7 @@ impl Source {
                 orientation,
                 poses: probe.poses_in(frames),
                 frames,
-                intrinsics: probe.intrinsics_for(manifest.picture_size()),
+                intrinsics: probe.intrinsics_for(manifest.picture_size_of(probe)),
             });
         }
         if manifest.projection == Projection::Perspective
@@ -173,10 +186,10 @@ impl Source {
                 );
                 return Err(Error::unsupported(message).in_file(&file));
             }
-            let probe = &mut self.probes[group.probe];
-            if let Some(fov_y_deg) = manifest.probes[group.probe].fov_y_deg {
-                let [fx, fy, cx, cy] = intrinsics_of(fov_y_deg, manifest.picture_size());
-                probe.intrinsics = Some([fx / aspect, fy, cx, cy]);
+            let of_manifest = &manifest.probes[group.probe];
+            if let Some(fov_y_deg) = of_manifest.fov_y_deg {
+                let [fx, fy, cx, cy] = intrinsics_of(fov_y_deg, manifest.picture_size_of(of_manifest));
+                self.probes[group.probe].intrinsics = Some([fx / aspect, fy, cx, cy]);
             }
         }
         Ok(())
@@ -234,7 +247,9 @@ impl Source {
             return Err(Error::invalid(message).in_file(&first));
         }
         let depth_kind = options.depth_kind.unwrap_or_default();
-        let mut source = Source::new(content, size, depth_kind, options).map_err(|error| error.in_file(&first))?;
+        let mut source = Shape::new(content, size, size, options.face_size)
+            .and_then(|shape| Source::new(content, shape, depth_kind, options))
+            .map_err(|error| error.in_file(&first))?;
         source.name = sequence_name(spec);
         let view = faces == [Face::View];
         if view {
@@ -257,7 +272,7 @@ impl Source {
     }
 
     /// Creates a source without probes, initialised from the options only.
-    fn new(content: Content, file_size: (u32, u32), depth_kind: DepthKind, options: &SourceOptions) -> Result<Source> {
+    fn new(content: Content, shape: Shape, depth_kind: DepthKind, options: &SourceOptions) -> Result<Source> {
         if let Some(scale) = options.depth_scale
             && (!scale.is_finite() || scale == 0.0)
         {
@@ -271,32 +286,6 @@ impl Source {
         if content == Content::Equirect && depth_kind == DepthKind::Planar {
             return Err(Error::Usage("equirectangular images have no planar depth: use distance".into()));
         }
-        let (width, height) = file_size;
-        if content == Content::Equirect && u64::from(width) != 2 * u64::from(height) {
-            return Err(Error::invalid(format!(
-                "an equirectangular image is twice as wide as it is high, but the size here is {width}x{height}"
-            )));
-        }
-        let delivered_size = match (content, options.face_size) {
-            (Content::Face | Content::Camera, None) => file_size,
-            (Content::Faces(layout), None) => {
-                let side = face_size(layout, width, height)?;
-                (side, side)
-            }
-            (Content::Equirect, side) => {
-                let side = side.unwrap_or(full_face_size(width));
-                if side == 0 || side > MAX_SIDE {
-                    return Err(Error::Usage(format!("a face size is 1 to {MAX_SIDE} pixels, not {side}")));
-                }
-                check_face_size(side, width)?;
-                (side, side)
-            }
-            (_, Some(_)) => {
-                return Err(Error::Usage("a face size is only for equirectangular input".into()));
-            }
-        };
-        let cut = if content == Content::Equirect { &Face::CUBE[..] } else { &[] };
-        let maps = cut.iter().map(|&face| FaceMap::new(face, delivered_size.0, width, height));
         let material_channels = match &options.material_channel {
             Some(text) => three_channels(text)?,
             None => MaterialChannels::default().names().map(str::to_owned),
@@ -312,8 +301,7 @@ impl Source {
             manifest: None,
             content,
             stereo: None,
-            file_size,
-            delivered_size,
+            shapes: Shapes::new(shape),
             rules: DepthRules {
                 background: options.background.unwrap_or(f32::INFINITY),
                 scale: options.depth_scale.unwrap_or(1.0),
@@ -332,7 +320,6 @@ impl Source {
             invalid_color: options.invalid_color,
             missing: options.missing.unwrap_or_default(),
             limits: options.limits,
-            maps: maps.collect::<Result<_>>()?,
         })
     }
 
@@ -349,7 +336,7 @@ impl Source {
     }
 
     fn add(&mut self, kind: StreamKind, probe: usize, faces: &[Face], files: FrameFiles) {
-        let (width, height) = self.delivered_size;
+        let (width, height) = self.shapes.of(probe).delivered_size;
         let frames = files.frames();
         self.groups.push(SourceGroup { kind, probe, faces: faces.to_vec(), frames, width, height });
         self.sequences.insert((kind, probe, faces[0]), files);
