@@ -116,7 +116,7 @@ impl CameraSet {
     }
 
     fn of_manifest(manifest: &Manifest) -> Result<CameraSet> {
-        // Of pictures of one aspect, the size is free to choose.
+        // Pictures of one aspect may be captured in any size.
         let aspect_of = |[width, height]: [u32; 2]| f64::from(width) / f64::from(height);
         let aspects = manifest.probes.iter().map(|probe| aspect_of(manifest.picture_size_of(probe)));
         let is_perspective = manifest.projection == Projection::Perspective;
