@@ -62,11 +62,11 @@ impl TexturedTiles<'_> {
                 }
             }
         }
-        let mut normal = normals.map(|buffers| self.atlas(&buffers)).transpose()?;
+        let mut normal = normals.map(|buffers| self.atlas(buffers)).transpose()?;
         for normal in normal.iter_mut().flat_map(Plane::data_mut) {
             *normal = glam::Vec3::from_array(*normal).normalize_or_zero().to_array();
         }
-        Ok(SurfaceAtlas { normal, material: materials.map(|buffers| self.atlas(&buffers)).transpose()? })
+        Ok(SurfaceAtlas { normal, material: materials.map(|buffers| self.atlas(buffers)).transpose()? })
     }
 
     fn buffers(&self) -> Buffers {
@@ -82,15 +82,17 @@ impl TexturedTiles<'_> {
         });
     }
 
-    fn atlas(&self, buffers: &Buffers) -> Result<Plane<[f32; 3]>> {
+    fn atlas(&self, buffers: Buffers) -> Result<Plane<[f32; 3]>> {
         let [width, height] = self.layout.size;
         let mut texels = vec![[0.0; 3]; width as usize * height as usize];
-        let resolved: Vec<Vec<[f32; 3]>> =
-            buffers.par_iter().map(|buffer| buffer.resolve(ShortCuts::Taken).0).collect();
+        let resolved: Vec<Vec<[f32; 4]>> =
+            buffers.into_par_iter().map(|buffer| buffer.resolve(ShortCuts::Taken).0).collect();
         for (place, tile) in self.layout.places.iter().zip(resolved) {
             for (row, values) in (0..).zip(tile.chunks_exact(place.side as usize)) {
                 let first = (place.corner[1] + row) as usize * width as usize + place.corner[0] as usize;
-                texels[first..first + values.len()].copy_from_slice(values);
+                for (texel, &[x, y, z, _]) in texels[first..].iter_mut().zip(values) {
+                    *texel = [x, y, z];
+                }
             }
         }
         Plane::new(width, height, texels)

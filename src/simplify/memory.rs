@@ -23,11 +23,13 @@ const COMPARED_PIXEL_BYTES: u64 = 240;
 const POINT_BYTES: u64 = 96;
 /// Bytes of the constraints of a sample that lies along eight tiles, as found and sorted by tile.
 const CONSTRAINED_BYTES: u64 = 8 * 2 * 24;
-/// Bytes per texel while samples are added: a sum of colour, and 4x4 places of constraints.
-const TEXEL_BYTES: u64 = 16 + 16;
+/// Bytes per texel while samples are added: a sum of colour, and the bits of 4x4 places of constraints.
+const TEXEL_BYTES: u64 = 16 + 4;
 /// Bytes per texel of the tile that a thread finishes: distances of 4x4 places to both kinds of constraints, coverage, and
 /// colour.
 const FINISHED_BYTES: u64 = 2 * 4 * 16 + 4 + 28;
+/// Bytes per texel of the atlas while textures are copied to it: codes and half floats.
+const MESH_ATLAS_BYTES: u64 = 4 + 6;
 /// Bytes per texel of the atlas while files are written; with half floats; with surface atlases.
 const ATLAS_BYTES: u64 = 16;
 const FLOAT_ATLAS_BYTES: u64 = 40;
@@ -74,7 +76,8 @@ fn texturing_bytes(capture: &Capture, sides: &[usize], settings: &Settings) -> u
     let finished = largest.into_iter().take(threads).map(of_side).sum::<u64>() * FINISHED_BYTES;
     let samples = pixels.saturating_mul(READING_PIXEL_BYTES + size_of::<Sample>() as u64 * held_images(capture));
     let constraints = pixels.min(SAMPLES_AT_ONCE as u64) * CONSTRAINED_BYTES;
-    let textures = texels.saturating_mul(TEXEL_BYTES).saturating_add(finished.max(samples + constraints));
+    let in_atlas = atlas_texels(texels, settings) * MESH_ATLAS_BYTES;
+    let textures = texels.saturating_mul(TEXEL_BYTES).saturating_add(finished.max(samples + constraints).max(in_atlas));
     let atlas_bytes = match (settings.surfaces, settings.light) {
         (SurfaceAtlases::GBuffer, _) => SURFACE_ATLAS_BYTES,
         (_, AtlasLight::HalfFloats) => FLOAT_ATLAS_BYTES,

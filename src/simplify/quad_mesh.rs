@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
 use half::f16;
+use rayon::prelude::*;
 
 use super::cost::TextureCoordinates;
 use super::texture_sizes::{Layout, Place, resized};
@@ -47,7 +48,7 @@ pub struct MeshForm {
 }
 
 impl QuadMesh {
-    pub fn new(tiles: &TileSet, textures: &[TileTexture], layout: &Layout, form: &MeshForm) -> QuadMesh {
+    pub fn new(tiles: &TileSet, textures: Vec<TileTexture>, layout: &Layout, form: &MeshForm) -> QuadMesh {
         let [width, height] = layout.size;
         let texels = (width * height) as usize;
         let texture = ImageTexture { width, height, pixels: vec![[0; 4]; texels], wrap: [Wrap::Clamp; 2] };
@@ -55,12 +56,14 @@ impl QuadMesh {
         let mut scene =
             QuadMesh { mesh: Mesh::default(), texture: Arc::new(texture), stq: Vec::new(), light, runs: Vec::new() };
         let codes = CodeSteps::new(ToneMap::default());
-        for (at, tile) in tiles.tiles.iter().enumerate() {
-            scene.add_texture(&textures[at], layout.places[at], &codes);
+        let fit = |(texture, place): (TileTexture, &Place)| resized(texture, place.side as usize);
+        let textures: Vec<TileTexture> = textures.into_par_iter().zip(&layout.places).map(fit).collect();
+        for (at, (tile, texture)) in tiles.tiles.iter().zip(textures).enumerate() {
+            scene.add_texture(&texture, layout.places[at], &codes);
             let first_triangle = scene.mesh.triangles.len();
             scene.add_triangles(tile, layout.places[at], layout.size, form);
             let count = (scene.mesh.triangles.len() - first_triangle) as u32;
-            add_to_runs(&mut scene.runs, usize::from(textures[at].alpha.is_none()), count);
+            add_to_runs(&mut scene.runs, usize::from(texture.is_opaque), count);
         }
         scene.mesh.material_of = vec![0; scene.mesh.triangles.len()];
         scene
@@ -101,15 +104,14 @@ impl QuadMesh {
     }
 
     fn add_texture(&mut self, texture: &TileTexture, place: Place, codes: &CodeSteps) {
-        let of_tile = resized(texture, place.side as usize);
         let atlas = Arc::make_mut(&mut self.texture);
-        for (at, light) in of_tile.light.iter().enumerate() {
-            let alpha = of_tile.alpha.as_ref().map_or(255, |alpha| (alpha[at] * 255.0).round() as u8);
+        for (at, &[r, g, b, alpha]) in texture.texels.iter().enumerate() {
+            let light = [r, g, b];
             let [r, g, b] = light.map(|light| codes.code(light));
             let corner = place.corner.map(|at| at as usize);
-            let (x, y) = (corner[0] + at % of_tile.side, corner[1] + at / of_tile.side);
+            let (x, y) = (corner[0] + at % texture.side, corner[1] + at / texture.side);
             let texel = y * atlas.width as usize + x;
-            atlas.pixels[texel] = [r, g, b, alpha];
+            atlas.pixels[texel] = [r, g, b, (alpha * 255.0).round() as u8];
             if let Some(lights) = &mut self.light {
                 lights[texel] = light.map(finite_half);
             }

@@ -57,14 +57,17 @@ impl LightBuffer {
         }
     }
 
-    /// Returns the linear RGB of all texels, and the number of texels that had no sample and were filled.
-    pub fn resolve(&self, short_cuts: ShortCuts) -> (Vec<[f32; 3]>, usize) {
-        let known = |sum: &[f32; 4]| sum[3] > 0.0;
-        let light: Vec<Option<[f32; 3]>> = (self.sums.iter())
-            .map(|sum| known(sum).then(|| [sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3]]))
-            .collect();
-        let missing = light.iter().filter(|light| light.is_none()).count();
-        (if short_cuts == ShortCuts::Off { fill(self.side, &light) } else { filled(self.side, &light) }, missing)
+    /// Returns the linear RGB of all texels, each with a coverage of 1, and the number of texels that had no sample and were filled.
+    pub fn resolve(mut self, short_cuts: ShortCuts) -> (Vec<[f32; 4]>, usize) {
+        let missing = self.sums.iter().filter(|sum| sum[3] <= 0.0).count();
+        if missing > 0 || short_cuts == ShortCuts::Off {
+            let mean = |&[r, g, b, weight]: &[f32; 4]| (weight > 0.0).then(|| [r / weight, g / weight, b / weight]);
+            let light = fill(self.side, &self.sums.iter().map(mean).collect::<Vec<_>>());
+            self.sums.iter_mut().zip(light).for_each(|(sum, [r, g, b])| *sum = [r, g, b, 1.0]);
+        } else {
+            self.sums.iter_mut().for_each(|sum| *sum = sum.map(|value| value / sum[3]));
+        }
+        (self.sums, missing)
     }
 }
 

@@ -10,14 +10,14 @@ pub const SUPERSAMPLING: usize = 4;
 /// opaque part shows what lies behind it, which is often a tile without colour there. A place with a free-space constraint stays
 /// empty.
 const DILATION: f32 = 1.5;
-const SOLID: u8 = 1;
-const FREE: u8 = 2;
+const PLACES: usize = SUPERSAMPLING * SUPERSAMPLING;
 
-/// The two bitmaps of a tile, as bits of one byte per place.
+/// The two bitmaps of a tile: for each texel a bit per place with a solid constraint, and above them those with free-space constraints.
 #[derive(Debug, Clone)]
 pub struct ConstraintBitmap {
+    /// Number of places along a side.
     side: usize,
-    bits: Vec<u8>,
+    bits: Vec<u32>,
     has_solid: bool,
     has_free: bool,
 }
@@ -26,18 +26,35 @@ impl ConstraintBitmap {
     /// Creates the bitmaps of a square texture with `texels` texels a side.
     pub fn new(texels: usize) -> ConstraintBitmap {
         let side = texels * SUPERSAMPLING;
-        ConstraintBitmap { side, bits: vec![0; side * side], has_solid: false, has_free: false }
+        ConstraintBitmap { side, bits: vec![0; texels * texels], has_solid: false, has_free: false }
     }
 
     /// Adds a constraint at a position in texels; 0 is the centre of the first texel.
     pub fn add(&mut self, at: [f32; 2], kind: ConstraintKind) {
         let place = |at: f32| (((at + 0.5) * SUPERSAMPLING as f32) as usize).min(self.side - 1);
-        let (bit, has_any) = match kind {
-            ConstraintKind::Solid => (SOLID, &mut self.has_solid),
-            ConstraintKind::FreeSpace => (FREE, &mut self.has_free),
-        };
-        self.bits[place(at[1]) * self.side + place(at[0])] |= bit;
-        *has_any = true;
+        let (texel, bit) = self.bit([place(at[0]), place(at[1])], kind);
+        self.bits[texel] |= bit;
+        match kind {
+            ConstraintKind::Solid => self.has_solid = true,
+            ConstraintKind::FreeSpace => self.has_free = true,
+        }
+    }
+
+    /// Returns the texel of a place, and the bit of a constraint there.
+    fn bit(&self, [x, y]: [usize; 2], kind: ConstraintKind) -> (usize, u32) {
+        let texel = y / SUPERSAMPLING * (self.side / SUPERSAMPLING) + x / SUPERSAMPLING;
+        let first = if kind == ConstraintKind::Solid { 0 } else { PLACES };
+        (texel, 1 << (first + y % SUPERSAMPLING * SUPERSAMPLING + x % SUPERSAMPLING))
+    }
+
+    /// Returns for each place, in row-major order, whether only constraints of one kind lie there.
+    fn has_only(&self, kind: ConstraintKind) -> impl Fn(usize) -> bool {
+        let other = if kind == ConstraintKind::Solid { ConstraintKind::FreeSpace } else { ConstraintKind::Solid };
+        move |at| {
+            let place = [at % self.side, at / self.side];
+            let ((texel, bit), (_, no)) = (self.bit(place, kind), self.bit(place, other));
+            self.bits[texel] & (bit | no) == bit
+        }
     }
 
     /// Returns true if a surface lies on the tile and no ray shows any part of it to be empty.
@@ -50,13 +67,13 @@ impl ConstraintBitmap {
     /// count as neither.
     pub fn coverage(&self) -> Vec<f32> {
         let texels = self.side / SUPERSAMPLING;
-        let to = |wanted: u8| squared_distances(self.side, |at| self.bits[at] == wanted);
-        let (solid, free) = (to(SOLID), to(FREE));
+        let to = |kind: ConstraintKind| squared_distances(self.side, self.has_only(kind));
+        let (solid, free) = (to(ConstraintKind::Solid), to(ConstraintKind::FreeSpace));
         let mut alpha = vec![0.0; texels * texels];
         for (at, (solid, free)) in solid.iter().zip(&free).enumerate() {
             if *free > 0.0 && solid.sqrt() < free.sqrt() + DILATION {
                 let (x, y) = (at % self.side / SUPERSAMPLING, at / self.side / SUPERSAMPLING);
-                alpha[y * texels + x] += 1.0 / (SUPERSAMPLING * SUPERSAMPLING) as f32;
+                alpha[y * texels + x] += 1.0 / PLACES as f32;
             }
         }
         alpha

@@ -137,8 +137,8 @@ fn pack(sides: &[usize], full: &[usize], most: u32) -> Option<Layout> {
 /// Returns the variance of display values over all texels, summed over the three channels.
 fn variance(textures: &[TileTexture]) -> f64 {
     let (mut count, mut sums, mut squares) = (0.0, [0.0; 3], 0.0);
-    for light in textures.iter().flat_map(|texture| &texture.light) {
-        let shown = light.map(|light| f64::from(light.clamp(0.0, 1.0)).sqrt());
+    for &[r, g, b, _] in textures.iter().flat_map(|texture| &texture.texels) {
+        let shown = [r, g, b].map(|light| f64::from(light.clamp(0.0, 1.0)).sqrt());
         count += 1.0;
         (0..3).for_each(|channel| sums[channel] += shown[channel]);
         squares += shown.iter().map(|shown| shown * shown).sum::<f64>();
@@ -172,34 +172,34 @@ fn representations(texture: &TileTexture, alpha_weight: f64, monitor: &dyn Monit
 
 /// Returns texels as display values: the square root of linear RGB, multiplied by alpha, and alpha.
 fn encoded(texture: &TileTexture) -> Vec<[f32; 4]> {
-    let of = |(at, light): (usize, &[f32; 3])| {
-        let alpha = texture.alpha.as_ref().map_or(1.0, |alpha| alpha[at]);
-        let [r, g, b] = light.map(|light| light.clamp(0.0, 1.0).sqrt() * alpha);
+    let of = |&[r, g, b, alpha]: &[f32; 4]| {
+        let [r, g, b] = [r, g, b].map(|light| light.clamp(0.0, 1.0).sqrt() * alpha);
         [r, g, b, alpha]
     };
-    texture.light.iter().enumerate().map(of).collect()
+    texture.texels.iter().map(of).collect()
 }
 
 /// Returns a texture in another size. Colour is multiplied by alpha while it is filtered.
-pub fn resized(texture: &TileTexture, side: usize) -> TileTexture {
+pub fn resized(texture: TileTexture, side: usize) -> TileTexture {
     if side == texture.side {
-        return texture.clone();
+        return texture;
     }
     // Transparent texels have a small weight, so that their colour is kept under transparent texels of the result.
-    let weight = |at: usize| texture.alpha.as_ref().map_or(1.0, |alpha| alpha[at].max(1e-3));
-    let weighted: Vec<[f32; 4]> = (texture.light.iter().enumerate())
-        .map(|(at, light)| {
-            let weight = weight(at);
-            [light[0] * weight, light[1] * weight, light[2] * weight, weight]
+    let weighted: Vec<[f32; 4]> = (texture.texels.iter())
+        .map(|&[r, g, b, alpha]| {
+            let weight = alpha.max(1e-3);
+            [r * weight, g * weight, b * weight, weight]
         })
         .collect();
     let small = resize(&weighted, texture.side, side, Filter::Tent);
-    let light = small.iter().map(|&[r, g, b, weight]| [r / weight, g / weight, b / weight]).collect();
-    let alpha = texture.alpha.as_ref().map(|alpha| {
-        let alpha: Vec<[f32; 4]> = alpha.iter().map(|&alpha| [alpha, 0.0, 0.0, 0.0]).collect();
-        resize(&alpha, texture.side, side, Filter::Tent).into_iter().map(|[alpha, ..]| alpha).collect()
-    });
-    TileTexture { side, light, alpha }
+    let mut texels: Vec<[f32; 4]> =
+        small.iter().map(|&[r, g, b, weight]| [r / weight, g / weight, b / weight, 1.0]).collect();
+    if !texture.is_opaque {
+        let alpha: Vec<[f32; 4]> = texture.texels.iter().map(|&[.., alpha]| [alpha, 0.0, 0.0, 0.0]).collect();
+        let alpha = resize(&alpha, texture.side, side, Filter::Tent);
+        texels.iter_mut().zip(alpha).for_each(|(texel, [alpha, ..])| texel[3] = alpha);
+    }
+    TileTexture { side, texels, is_opaque: texture.is_opaque }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -256,8 +256,9 @@ mod tests {
         let mut noise = || f32::from(random.word() as u16) / 65535.0;
         let of = |at: usize| {
             let side = 16 + 4 * (at % 3);
-            let light = (0..side * side).map(|_| if at.is_multiple_of(2) { [noise(); 3] } else { [0.3; 3] }).collect();
-            TileTexture { side, light, alpha: (at % 4 == 3).then(|| vec![1.0; side * side]) }
+            let mut texel = || if at.is_multiple_of(2) { noise() } else { 0.3 };
+            let texels = (0..side * side).map(|_| [texel(); 4]).map(|[r, g, b, _]| [r, g, b, 1.0]).collect();
+            TileTexture { side, texels, is_opaque: at % 4 != 3 }
         };
         (0..40).map(of).collect()
     }
@@ -307,10 +308,11 @@ mod tests {
 
     #[test]
     fn a_ramp_keeps_its_ends_in_any_size() {
-        let light = (0..12 * 12).map(|at| [(at % 12) as f32 / 11.0; 3]).collect();
-        let texture = TileTexture { side: 12, light, alpha: None };
-        let small = resized(&texture, 4);
-        for row in small.light.chunks_exact(4) {
+        let ramp = |at: usize| (at % 12) as f32 / 11.0;
+        let texels = (0..12 * 12).map(|at| [ramp(at), ramp(at), ramp(at), 1.0]).collect();
+        let texture = TileTexture { side: 12, texels, is_opaque: true };
+        let small = resized(texture, 4);
+        for row in small.texels.chunks_exact(4) {
             assert!(row[0][0] < 0.1 && row[3][0] > 0.9 && row.is_sorted_by(|a, b| a[0] < b[0]), "{row:?}");
         }
     }

@@ -24,13 +24,14 @@ pub struct TileTextures {
     pub filled_tiles: u64,
 }
 
-/// A square texture in row-major order: linear RGB, not multiplied by coverage, and coverage.
+/// A square texture in row-major order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TileTexture {
     pub side: usize,
-    pub light: Vec<[f32; 3]>,
-    /// `None` if the tile is opaque.
-    pub alpha: Option<Vec<f32>>,
+    /// Linear RGB, not multiplied by coverage, and coverage.
+    pub texels: Vec<[f32; 4]>,
+    /// True if the coverage of all texels is 1.
+    pub is_opaque: bool,
 }
 
 #[derive(Debug)]
@@ -89,11 +90,12 @@ impl<'a> TextureBuilder<'a> {
     /// filled.
     pub fn finish(self, short_cuts: ShortCuts) -> TileTextures {
         let finish = |Buffers { side, light, bitmap }: Buffers| {
-            let may_be_transparent = !bitmap.is_opaque() || short_cuts == ShortCuts::Off;
-            let alpha = may_be_transparent.then(|| bitmap.coverage());
-            let (light, filled) = light.resolve(short_cuts);
-            let is_transparent = |alpha: &Vec<f32>| alpha.iter().any(|alpha| *alpha < 1.0);
-            (TileTexture { side, light, alpha: alpha.filter(is_transparent) }, filled as u64)
+            let (mut texels, filled) = light.resolve(short_cuts);
+            if !bitmap.is_opaque() || short_cuts == ShortCuts::Off {
+                texels.iter_mut().zip(bitmap.coverage()).for_each(|(texel, coverage)| texel[3] = coverage);
+            }
+            let is_opaque = texels.iter().all(|texel| texel[3] >= 1.0);
+            (TileTexture { side, texels, is_opaque }, filled as u64)
         };
         let finished: Vec<(TileTexture, u64)> = self.buffers.into_par_iter().map(finish).collect();
         TileTextures {

@@ -96,7 +96,8 @@ impl<'a> Texturing<'a> {
         let TileTextures { textures, filled_texels, filled_tiles } = builder.finish(self.short_cuts);
         let shaded = begun.elapsed();
         let layout = layout(&textures, self.atlas, self.sizing, monitor)?;
-        let scene = QuadMesh::new(tiles, &textures, &layout, &self.form);
+        let opaque_tiles = textures.iter().filter(|texture| texture.is_opaque).count() as u64;
+        let scene = QuadMesh::new(tiles, textures, &layout, &self.form);
         if !scene.mesh.positions.iter().all(|position| position.is_finite()) {
             return Err(Error::Usage(
                 "surfaces lie too far away, or too near to the middle of the region, for the single precision of a mesh".into(),
@@ -108,7 +109,7 @@ impl<'a> Texturing<'a> {
             solid_constraints,
             free_space_constraints,
             uncovered_samples,
-            opaque_tiles: textures.iter().filter(|texture| texture.alpha.is_none()).count() as u64,
+            opaque_tiles,
             filled_texels,
             filled_tiles,
             durations: [constrained, shaded - constrained, begun.elapsed() - shaded],
