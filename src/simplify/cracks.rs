@@ -28,8 +28,8 @@ pub const OPAQUE_ALPHA: f32 = 1.0 - 0.5 / 255.0;
 /// Maximum number of texels around those at a crack that are also made opaque if the crack stays open.
 const REACH: u32 = 2;
 
-/// Side in pixels of the pictures from eyes in the region.
-const EYE_SIDE: u32 = 256;
+/// Side in pixels of the pictures from eyes in the region: those of 256 pixels miss cracks that views from other eyes show.
+pub const EYE_SIDE: u32 = 512;
 
 /// Tiles of a mesh, and the layout of their textures.
 #[derive(Debug, Clone, Copy)]

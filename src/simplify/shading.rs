@@ -155,7 +155,7 @@ mod tests {
         assert!(missing > 0 && missing < 12, "{missing}");
         // Each sample is in a texel of its own.
         let (light, missing) = lit(TextureFilter::Box);
-        assert_eq!((light[5], light[6], missing), ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], 14));
+        assert_eq!((light[5], light[6], missing), ([1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0], 14));
         // Weights at the second texel: 2/3 at a distance of 0, 2/3 - 0.36 + 0.108 at 0.6.
         let (light, missing) = lit(TextureFilter::BSpline);
         let share = 2.0 / 3.0 / (2.0 / 3.0 + 0.414_667);
