@@ -24,6 +24,9 @@ use codec::monitor::Monitor;
 /// tiles may be more than what their estimates add up to.
 const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
 
+/// Side in pixels of the pictures in which gaps are found.
+const EYE_SIDE: u32 = 256;
+
 /// The viewing region, and where it has surfaces around it.
 #[derive(Debug, Clone, Copy)]
 pub struct Surroundings<'a> {
@@ -33,14 +36,20 @@ pub struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
-    /// Returns pictures of all directions from eyes in the region. Pixels with at least this alpha count as covered.
+    /// Returns pictures of all directions from eyes in the region, with `side` pixels a side. Pixels with at least this alpha count as
+    /// covered.
     ///
     /// Unless there is a surface in all directions, a gap cannot be distinguished from empty space, and there are no pictures.
-    pub fn pictures(&self, scene: &QuadMesh, alpha: f32, monitor: &dyn Monitor) -> Result<Vec<Coverage>> {
+    pub fn pictures(
+        &self,
+        scene: &QuadMesh,
+        (side, alpha): (u32, f32),
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Coverage>> {
         let eyes = if self.background == Background::Sky { self.region.eyes() } else { Vec::new() };
         let each = eyes.par_iter().map(|&eye| {
             monitor.check()?;
-            cracks::pictures(scene, self.region, self.seen, (eye, alpha))
+            cracks::pictures(scene, self, eye, (side, alpha))
         });
         Ok(each.collect::<Result<Vec<_>>>()?.concat())
     }
@@ -83,7 +92,7 @@ impl Extender<'_> {
             coarse.scene.runs.clear();
         }
         let mut extensions = Extensions::new(&tiles);
-        let pictures = self.surroundings.pictures(&coarse.scene, CRACK_ALPHA, monitor)?;
+        let pictures = self.surroundings.pictures(&coarse.scene, (EYE_SIDE, CRACK_ALPHA), monitor)?;
         pictures.iter().for_each(|picture| extensions.add(picture));
         let gaps = pictures.iter().map(|picture| picture.gaps().count()).sum::<usize>() as f64;
         let pixels: usize = pictures.iter().map(|picture| picture.covered.len()).sum();
