@@ -11,7 +11,7 @@ use crate::progress::Progress;
 use crate::unfinished_folder::UnfinishedFolder;
 use crate::{ExitStatus, GlobalArgs, refuse};
 use codec::error::{Error, Result, counted};
-use footage::dataset::manifest::{MANIFEST_NAME, Manifest};
+use footage::dataset::manifest::{Keep, MANIFEST_NAME, Manifest};
 use footage::encode::Shard;
 use footage::files::PartialFolder;
 use footage::fingerprint::Fingerprint;
@@ -54,7 +54,7 @@ fn capture(args: &Args, scene: &Scene, plan: &CapturePlan, start: Instant, globa
     if manifest.is_file() {
         let old = Manifest::read(&args.output)?;
         let bytes = std::fs::read(&manifest).map_err(|error| Error::io(&manifest, error))?;
-        if args.shard.is_some() && bytes != plan.manifest()?.to_json()?.into_bytes() {
+        if args.shard.is_some() && bytes != plan.manifest_keeping(keep_of(&old))?.to_json()?.into_bytes() {
             return refuse(format!(
                 "{}: the folder has a different dataset, which shards of this capture would be mixed with: specify a \
                 new folder",
@@ -89,11 +89,19 @@ impl Work<'_> {
         let mut unfinished = UnfinishedFolder::new(folder, &self.args.output, "capture");
         let all = self.plan.image_count();
         unfinished.begin(&self.fingerprint(), all, (self.args.resume, self.global))?;
-        let manifest = self.plan.manifest()?.to_json()?;
         let done = self.plan.write_images(self.scene, &unfinished.folder, self.progress);
-        let description = Some((MANIFEST_NAME, manifest.as_bytes()));
-        let done = done.and_then(|summary| unfinished.folder.commit(description).map(|()| summary));
+        let done = done.and_then(|summary| {
+            let keep = summary.keep.or_else(|| self.keep_of_other_shards());
+            let manifest = self.plan.manifest_keeping(keep)?.to_json()?;
+            unfinished.folder.commit(Some((MANIFEST_NAME, manifest.as_bytes()))).map(|()| summary)
+        });
         done.map_err(|error| unfinished.stopped(error, all))
+    }
+
+    /// Returns how colour is kept according to the shards that are complete already.
+    fn keep_of_other_shards(&self) -> Option<Keep> {
+        self.args.shard?;
+        Manifest::read(&self.args.output).ok().and_then(|manifest| keep_of(&manifest))
     }
 
     fn fingerprint(&self) -> Fingerprint {
@@ -105,6 +113,10 @@ impl Work<'_> {
         fields.push(("the kind of machine", format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
         Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
     }
+}
+
+fn keep_of(manifest: &Manifest) -> Option<Keep> {
+    manifest.color.as_ref().and_then(|color| color.keep)
 }
 
 fn text(path: &Path, plan: &CapturePlan, summary: &CaptureSummary, report: &CaptureReport) -> String {

@@ -119,7 +119,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         return refuse(format!("{}: an input file would be overwritten", args.output.container.path.display()));
     }
     let mut source = args.open(&options)?;
-    settings.keep_colors_of(&source);
+    let keep = settings.keep_colors_of(&source);
+    encode_advice::note_keep(keep, &source, &settings, global);
     encode::keep_few_planar_depths(&mut source, &settings);
     let part = args.shards.part(&source, &settings)?;
     drop(stages);
@@ -145,7 +146,8 @@ pub fn run_on(command: &dyn Encodes, global: &GlobalArgs) -> Result<ExitStatus> 
     let stages = Progress::start(global, "opening", 0)?;
     let (options, mut settings) = command.settings()?;
     let mut source = command.open(&options)?;
-    settings.keep_colors_of(&source);
+    let keep = settings.keep_colors_of(&source);
+    encode_advice::note_keep(keep, &source, &settings, global);
     encode::keep_few_planar_depths(&mut source, &settings);
     drop(stages);
     let (smaller, target) = (Some(command.smaller()), command.target());

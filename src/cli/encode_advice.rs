@@ -9,7 +9,18 @@ use codec::error::{Error, Result, counted};
 use codec::image::StreamKind;
 use footage::convention::{self, Choice, MAX_PROBES, Verdict};
 use footage::dataset::Source;
+use footage::dataset::manifest::Keep;
 use footage::encode::{self, EncodeSettings, EncodeSummary, FrameSource};
+
+/// Notes that colour is encoded as half floats because the manifest says so.
+pub fn note_keep(keep: Option<Keep>, source: &Source, settings: &EncodeSettings, global: &GlobalArgs) {
+    let groups = encode::selected_groups(source, settings);
+    if keep == Some(Keep::Hdr) && groups.iter().any(|group| group.kind == StreamKind::Color) {
+        global.note(
+            "colour is kept as half floats, as the manifest says (\"keep\": \"hdr\"): --clip stores 8 bits instead",
+        );
+    }
+}
 
 /// Notes suspicious values of the first frames before encoding. Unreadable files are reported by the encoder.
 ///

@@ -22,8 +22,9 @@ use footage::dataset::{Projection, Source, SourceOptions};
     Detects image sequences by the frame numbers in file names; probes and faces by folder or file names; panoramas \
     (mono or stereo), crosses and strips by image shape; colour, depth and alpha by channels; and the colour space by \
     chromaticities. Colour above 1 is kept as half floats by encode (\"keep\": \"hdr\"). Cameras are read from the EXR attributes worldToCamera and worldToNDC, or from a file in DIR: \
-    transforms.json, images.txt or images.bin of COLMAP, or USD text. The manifest is then checked as by inspect --check. Values \
-    that images do not define are printed, one per line: correct them in the manifest.")]
+    transforms.json, images.txt or images.bin of COLMAP, or USD text. The manifest is then checked as by inspect --check, \
+    which lists each check; here one line says how many are suspect. Values that images do not define are printed, one per \
+    line: correct them in the manifest.")]
 pub struct Args {
     /// Folder of images
     #[arg(value_name = "DIR")]
@@ -90,11 +91,13 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     unsure.extend(unsure_of_cameras);
     args.account.notes(&Account { left_out: left_out.clone(), ..Account::default() }, global);
-    let (manifest, doubts) = match checked(&manifest, file, global) {
-        Ok((manifest, doubts)) => (manifest, doubts),
+    let Checked { manifest, doubts, summary } = match checked(&manifest, file, global) {
+        Ok(checked) => checked,
         Err(Error::Interrupted) => return Err(Error::Interrupted),
         // The manifest is still useful.
-        Err(error) => (manifest, vec![format!("the checks stopped early: {error}")]),
+        Err(error) => {
+            Checked { manifest, doubts: vec![format!("the checks stopped early: {error}")], summary: String::new() }
+        }
     };
     unsure.extend(doubts);
     output::write_file(to, &manifest.to_json()?)?;
@@ -105,6 +108,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     account.left_out.splice(0..0, left_out);
     let report = Report { manifest: to.to_string_lossy(), unsure: &unsure };
     if !args.json {
+        if !summary.is_empty() {
+            global.note(summary);
+        }
         unsure.iter().for_each(|line| output::note(format_args!("unsure: {line}")));
         if !unsure.is_empty() && !is_standard_output {
             let file = to.display();
@@ -130,8 +136,17 @@ fn is_below(file: &Path, folder: &Path) -> bool {
     }
 }
 
-/// Returns the manifest as corrected by the checks, and the suspected errors.
-fn checked(manifest: &Manifest, file: &Path, global: &GlobalArgs) -> Result<(Manifest, Vec<String>)> {
+/// Result of the checks.
+struct Checked {
+    /// The manifest with the kind of depth that fits the images.
+    manifest: Manifest,
+    /// Suspected errors.
+    doubts: Vec<String>,
+    /// One line; empty if the checks stopped early.
+    summary: String,
+}
+
+fn checked(manifest: &Manifest, file: &Path, global: &GlobalArgs) -> Result<Checked> {
     let source = Source::of_manifest(manifest.clone(), file, &SourceOptions::default())?;
     let steps =
         convention::steps(&source, &convention::Choice { max_probes: convention::MAX_PROBES, ..Default::default() })?;
@@ -149,7 +164,12 @@ fn checked(manifest: &Manifest, file: &Path, global: &GlobalArgs) -> Result<(Man
     doubts.extend(assumed.map(|[assumed, other, word]| {
         format!("depth was assumed to be {assumed}; if it is {other}, set \"kind\": \"{word}\"")
     }));
-    Ok((manifest, doubts))
+    let suspects = match report.suspected().count() {
+        0 => "no check is suspect".to_owned(),
+        1 => "one check is suspect".to_owned(),
+        count => format!("{count} checks are suspect"),
+    };
+    Ok(Checked { manifest, doubts, summary: format!("checked {}: {suspects}", report.extent()) })
 }
 
 fn text(file: &Path, manifest: &Manifest) -> String {

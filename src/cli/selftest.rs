@@ -17,12 +17,11 @@ use verify::device::DeviceFigures;
 use verify::{CaseReport, CaseRow, Family, FamilyReport, FamilyRow, Inputs, family_rows};
 
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Exit code 1: a word differs or a hard case exceeds its bound; 2: no graphics device, unless --hard-cases.\n\n\
+#[command(after_help = "On software Vulkan a run takes several minutes; fewer --streams shorten it.\n\n\
+    Exit code 1: a word differs or a hard case exceeds its bound; 2: no graphics device, unless --hard-cases.\n\n\
     Examples:\n  \
     lightfold selftest\n  lightfold selftest --hard-cases --json\n  lightfold selftest --list-devices\n  \
-    lightfold selftest --streams 10000 --seed 7 --json"
-)]
+    lightfold selftest --streams 10000 --seed 7 --json")]
 pub struct Args {
     /// Run only the hard cases, on the CPU and on graphics devices if there are any
     #[arg(long)]

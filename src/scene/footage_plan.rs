@@ -67,8 +67,8 @@ impl FootagePlan {
     /// Captures everything into `folder`. The monitor advances by one per image.
     pub fn write(&self, folder: &Path, monitor: &dyn Monitor) -> Result<Manifest> {
         let plan = self.capture()?;
-        plan.write(&Scene::Procedural(DemoScene::new(self.kind)), folder, monitor)?;
-        plan.manifest()
+        let summary = plan.write(&Scene::Procedural(DemoScene::new(self.kind)), folder, monitor)?;
+        plan.manifest_keeping(summary.keep)
     }
 }
 

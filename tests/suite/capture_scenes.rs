@@ -117,6 +117,38 @@ fn a_capture_does_not_go_on_with_another_texture_beside_its_scene() {
 }
 
 #[test]
+fn manifests_keep_colour_above_1() {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("paint.png"), png(1, 1, &[[255; 4]])).unwrap();
+    for (name, emissive) in [("white.glb", [1.0; 3]), ("grey.glb", [0.0; 3])] {
+        let mut file = painted();
+        let surface = json!({ "baseColorFactor": [0.2, 0.2, 0.2, 1.0], "metallicFactor": 0.0 });
+        file.root["materials"][0] = json!({ "pbrMetallicRoughness": surface, "emissiveFactor": emissive });
+        fs::write(folder.path().join(name), file.glb()).unwrap();
+    }
+    let capture = |scene: &str, to: &str| {
+        fine(&format!("capture {scene} --position 0.2,0.2,1 --size 8 --samples 1 -q -o {to}"), folder.path());
+        let text = fs::read(folder.path().join(to.split(' ').next().unwrap()).join("lightfield.json")).unwrap();
+        serde_json::from_slice::<Value>(&text).unwrap()["color"]["keep"].clone()
+    };
+    assert_eq!([capture("white.glb", "white"), capture("street", "street")], [json!("hdr"), json!("hdr")]);
+    assert_eq!(capture("grey.glb", "grey"), Value::Null);
+    for (input, keeps) in [("white", true), ("street", true), ("grey", false)] {
+        let said = fine(&format!("encode {input} -o {input}.lfold"), folder.path()).stderr;
+        let said = String::from_utf8(said).unwrap();
+        assert_eq!(said.contains("colour is kept as half floats, as the manifest says"), keeps, "{input}: {said}");
+    }
+    // The face that shows the triangle is in one shard alone; in any order, the shards make the files of one run.
+    for order in [[1, 2, 3], [3, 2, 1]] {
+        for shard in order {
+            capture("white.glb", &format!("parts --shard {shard}/3"));
+        }
+        assert!(files(&folder.path().join("parts")) == files(&folder.path().join("white")), "{order:?}");
+        fs::remove_dir_all(folder.path().join("parts")).unwrap();
+    }
+}
+
+#[test]
 fn any_animation_of_a_file_is_captured_by_its_name() {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("a.glb"), moved().glb()).unwrap();

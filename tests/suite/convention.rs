@@ -119,7 +119,7 @@ fn data_labelled_right_is_fine() {
     for name in ["seams.depth", "depth.kind.flatness", "depth.kind", "depth.scale", "positions"] {
         assert_eq!(finding(&report, name).verdict, Verdict::Fine, "{report:#?}");
     }
-    assert_eq!((report.probes, report.all_probes, report.images), (4, 4, 48));
+    assert_eq!((report.probes, report.all_probes, report.images, report.all_images), (4, 4, 48, 48));
     // Planar depth that is labelled as planar.
     set.rewrite(0..4, planar);
     let report = set.check_as(|manifest| depth(manifest).kind = FileDepth::Planar);

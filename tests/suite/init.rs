@@ -68,6 +68,7 @@ fn a_captured_scene_gets_its_manifest_back() {
         |of: &[footage::dataset::manifest::Probe]| of.iter().map(|probe| probe.name.clone()).collect::<Vec<_>>();
     assert_eq!(names(&found.probes), names(&before.probes));
     assert_says(&said, &["unsure: no file states its frame rate", "unsure: no file states where 2 of 2 probes stand"]);
+    assert_says(&said, &["checked 1 of 2 probes, 12 of 48 images: "]);
     assert!(!said.contains("depth.kind") && !said.contains("seams"), "{said}");
     encodes(folder.path());
 }

@@ -142,7 +142,7 @@ fn what_cannot_be_kept_or_simplified_is_refused_and_nothing_is_written() {
 }
 
 #[test]
-fn what_limits_a_scene_is_told() {
+fn reports_limiting_budgets() {
     let folder = room();
     let limits = |options: &str| {
         let line = format!("simplify room -o quads.glb --effort fast --atlas 256 {options}");
@@ -155,7 +155,7 @@ fn what_limits_a_scene_is_told() {
     assert_eq!(words, "limited by triangles");
     let report: Value = serde_json::from_slice(&json).unwrap();
     assert_eq!(report["selection"]["limited_by"], serde_json::json!(["triangles"]));
-    assert_eq!(limits(&format!("{wide} --triangles 10000000")).0, "none of which limits it");
+    assert_eq!(limits(&format!("{wide} --triangles 10000000")).0, "not limited by any budget");
 }
 
 #[test]

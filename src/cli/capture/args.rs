@@ -34,13 +34,14 @@ use scene::Pass;
     A scene without lights gets a sun at an elevation of 51 degrees towards (0.5, 0.78, 0.38), radiance 1.75, 1.6, 1.35 (of a \
     white surface facing it), and ambient light of 0.3, 0.36, 0.46. Scenes from files have a sky of 0.5, 0.66, 0.86 at the \
     horizon and 0.16, 0.32, 0.68 at the zenith.\n\n\
-    Colour is the mean of a pixel's samples. Other outputs are sampled by one ray through the pixel centre, \
+    Colour is the mean of a pixel's samples. Where it exceeds 1, as in all built-in scenes, encode keeps it as half floats \
+    (\"keep\": \"hdr\" in the manifest). Other outputs are sampled by one ray through the pixel centre, \
     unfiltered. The result does not depend on the number of threads.\n\n\
     An interrupted capture keeps its images beside DIR. The same command with --resume continues it and writes the \
     same bytes. An existing dataset in DIR is replaced only once the new one is complete.\n\n\
     With --shard I/N, each of N machines captures a share of the images, divided by probe, then by frame, into one \
     new folder. The images of a shard appear in DIR once all of them are captured, together with the manifest of all \
-    images, which is the same in every shard. When all N shards have run, in any order, DIR has the same files as \
+    images. When all N shards have run, in any order, DIR has the same files as \
     after a single run. Until then, commands that need a missing image end with exit code 75."
 )]
 pub struct Args {

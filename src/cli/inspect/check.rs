@@ -12,7 +12,7 @@ use crate::output::{self, with_option_names};
 use crate::progress::Progress;
 use crate::report::Table;
 use crate::{ExitStatus, GlobalArgs, refuse};
-use codec::error::{Result, counted};
+use codec::error::Result;
 use footage::convention::{self, Choice, MAX_PROBES, Report, Verdict};
 use footage::dataset::{Source, manifest};
 use footage::encode::{self, ProbePrecision};
@@ -75,12 +75,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
 }
 
 fn text(name: &str, report: &Report, strays: &[ProbePrecision]) -> String {
-    let mut out = format!(
-        "{name}: {} of {}, {}\n\n",
-        report.probes,
-        counted(report.all_probes as u64, "probe"),
-        counted(report.images, "image")
-    );
+    let mut out = format!("{name}: {}\n\n", report.extent());
     let mut table = Table::new("Check|Verdict|Why").wrapped(COLUMNS);
     for finding in &report.findings {
         let verdict = match finding.verdict {

@@ -86,7 +86,7 @@ pub struct ColorArgs {
     #[arg(long, value_name = "EV", allow_negative_numbers = true, conflicts_with = "hdr")]
     pub exposure: Option<f32>,
     /// Clip values above 1 to 8 bits. Without --clip, --hdr, --transfer or --exposure, footage whose first frames have
-    /// such values is refused
+    /// such values is refused, unless its manifest selects a treatment ("keep")
     #[arg(long)]
     pub clip: bool,
     /// Encode colour as half floats instead of 8 bits, without clipping values above 1. PSNR is then computed on PU21

@@ -31,8 +31,8 @@ const TABLE_INPUTS: &Choices<TableInput> = &[
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Display")]
 pub struct DisplayArgs {
-    /// Exposure of 8-bit pictures in stops, -10 to 10, as in the player [default: 0 with --tone-map, else that of the
-    /// container]
+    /// Exposure of 8-bit pictures in stops, -10 to 10, as in the player: 2 makes dark footage 4 times as bright [default:
+    /// 0 with --tone-map, else that of the container]
     #[arg(long, value_name = "EV", allow_negative_numbers = true, value_parser = parse_stops)]
     pub exposure: Option<f64>,
     /// Tone map of 8-bit pictures after the exposure, as in the player [default: none]

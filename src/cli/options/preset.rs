@@ -56,7 +56,7 @@ const PRESETS: &Choices<Preset> = &[
             lzma2: Some(9),
             ..NONE
         },
-        "Smallest files: --quality 65 --max-error 400 --effort exhaustive --lzma2=9",
+        "Smallest files, by lower quality of colour and larger errors of depth: --quality 65 --max-error 400 --effort exhaustive --lzma2=9",
     ),
     ("balanced", NONE, "The defaults: --quality 79 --max-error 100 --effort normal"),
     ("fast", Preset { effort: Some(Effort::Fast), ..NONE }, "Fastest: --effort fast"),

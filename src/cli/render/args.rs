@@ -54,7 +54,7 @@ use gpu::device::DeviceChoice;
     00_px.0000.png. Files in a folder are PNG; use a pattern for EXR. With --shard, reports, --trace and \
     --contact-sheet cover the pictures of the shard.\n\n\
     EXR images store linear light premultiplied by alpha; PNG images store codes after the transfer function of the \
-    container, with straight alpha. With --exposure EV or --tone-map, 8-bit pictures (PNG, streams, films and contact \
+    container, with straight alpha. Dark footage needs a higher --exposure, such as 2. With --exposure EV or --tone-map, 8-bit pictures (PNG, streams, films and contact \
     sheets) are those of the player: light times 2^EV, then the tone map, then the transfer function of sRGB, whatever \
     the exposure and the transfer function of the container. They do not change the figures of --reference.\n\n\
     --lut applies a .cube table (of one dimension, of three, or both) to light times 2^EV, and shows its values as they \

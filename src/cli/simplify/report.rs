@@ -160,7 +160,7 @@ fn similarity(psnr_db: Number, ssim: Option<f64>) -> String {
 impl SelectionReport {
     fn limits(&self) -> String {
         match &self.limited_by[..] {
-            [] => "none of which limits it".to_owned(),
+            [] => "not limited by any budget".to_owned(),
             names => format!("limited by {}", names.join(" and ").replace('_', " ")),
         }
     }

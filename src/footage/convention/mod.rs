@@ -36,7 +36,7 @@ use crate::dataset::manifest::Manifest;
 use crate::dataset::{Projection, Source, StreamKind};
 use crate::image_files::ColorSpace;
 use codec::depth::spread::Spread;
-use codec::error::Result;
+use codec::error::{Result, counted};
 use codec::monitor::Monitor;
 
 pub use finding::{Finding, Verdict};
@@ -53,6 +53,8 @@ pub struct Report {
     pub all_probes: usize,
     /// Number of face images read.
     pub images: u64,
+    /// Number of face images of depth and colour in all frames of all probes.
+    pub all_images: u64,
     #[serde(rename = "checks")]
     pub findings: Vec<Finding>,
     /// Histogram of distances, by probe index.
@@ -63,6 +65,17 @@ pub struct Report {
 impl Report {
     pub fn suspects(&self) -> bool {
         self.suspected().next().is_some()
+    }
+
+    /// Extent of the checks, such as "2 of 2 probes, 24 of 72 images".
+    pub fn extent(&self) -> String {
+        format!(
+            "{} of {}, {} of {}",
+            self.probes,
+            counted(self.all_probes as u64, "probe"),
+            self.images,
+            counted(self.all_images, "image")
+        )
     }
 
     /// Findings with the verdict [`Verdict::Suspect`].
@@ -149,5 +162,12 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
     findings.extend(near_far);
     findings.extend(footage.color.as_ref().map(|values| check_light(source, values)));
     let probes = read::chosen_probes(source, choice)?.len();
-    Ok(Report { probes, all_probes: source.probes().len(), images: footage.images, findings, spreads: footage.spreads })
+    Ok(Report {
+        probes,
+        all_probes: source.probes().len(),
+        images: footage.images,
+        all_images: read::all_images(source),
+        findings,
+        spreads: footage.spreads,
+    })
 }

@@ -96,11 +96,20 @@ pub fn chosen_probes(source: &Source, choice: &Choice) -> Result<Vec<usize>> {
     Ok((0..most).map(|at| all[at * all.len() / most]).collect())
 }
 
+/// True if the checks read streams of this kind.
+fn is_checked(kind: StreamKind) -> bool {
+    matches!(kind, StreamKind::Color | StreamKind::Depth)
+}
+
+/// Returns the number of images that the checks could read.
+pub fn all_images(source: &Source) -> u64 {
+    let groups = source.groups().iter().filter(|group| is_checked(group.kind));
+    groups.map(|group| group.faces.len() as u64 * group.frames.count()).sum()
+}
+
 pub fn jobs(source: &Source, choice: &Choice) -> Result<Vec<(SourceGroup, u32)>> {
     let probes = chosen_probes(source, choice)?;
-    let wanted = |group: &&SourceGroup| {
-        matches!(group.kind, StreamKind::Color | StreamKind::Depth) && probes.contains(&group.probe)
-    };
+    let wanted = |group: &&SourceGroup| is_checked(group.kind) && probes.contains(&group.probe);
     let frame = |group: &SourceGroup| {
         let frame = choice.frame.unwrap_or(group.frames.first);
         group.frames.contains(frame).then_some(frame)

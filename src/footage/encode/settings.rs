@@ -271,17 +271,20 @@ impl Default for EncodeSettings {
 }
 
 impl EncodeSettings {
-    /// Selects half floats or clipping as a manifest states (`color.keep`), if nothing else selects one of them.
-    pub fn keep_colors_of(&mut self, source: &Source) {
+    /// Selects half floats or clipping as a manifest states (`color.keep`), if nothing else selects one of them. Returns its
+    /// selection.
+    pub fn keep_colors_of(&mut self, source: &Source) -> Option<Keep> {
         let color = source.manifest.as_ref().and_then(|manifest| manifest.color.as_ref());
         let is_8_bit_block = self.color_blocks.is_some_and(|blocks| blocks.blocks != ColorBlocks::Bc6h);
         let is_open =
             self.clipping == Clipping::Refuse && matches!(self.color, ColorFormat::EightBit(_)) && !is_8_bit_block;
-        match color.and_then(|color| color.keep).filter(|_| is_open) {
+        let keep = color.and_then(|color| color.keep).filter(|_| is_open);
+        match keep {
             Some(Keep::Hdr) => self.color = ColorFormat::Half { white_cd_m2: DEFAULT_WHITE_CD_M2 },
             Some(Keep::Clip) => self.clipping = Clipping::Allow,
             None => {}
         }
+        keep
     }
 
     pub(super) fn check(&self) -> Result<()> {

@@ -15,7 +15,7 @@ use codec::image::{DepthKind, Face, FrameRange, ImageProjection, Pattern, Projec
 use codec::math::camera::rotation;
 use footage::dataset::cameras::CameraSet;
 use footage::dataset::manifest::{
-    ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, MaterialInfo, Probe,
+    ColorInfo, DepthInfo, FaceFiles, Files, Keep, MANIFEST_VERSION, Manifest, MaterialInfo, Probe,
 };
 use footage::fingerprint::digest;
 use footage::image_files::ColorSpace;
@@ -69,8 +69,14 @@ pub fn frames_of_animation(duration_s: f64, fps: f64) -> Result<FrameRange> {
 }
 
 impl CapturePlan {
-    /// Creates the manifest. Fails if the plan is inconsistent.
+    /// Creates the manifest as it is before the capture: it does not state how colour above 1 is kept. Fails if the plan is
+    /// inconsistent.
     pub fn manifest(&self) -> Result<Manifest> {
+        self.manifest_keeping(None)
+    }
+
+    /// Creates the manifest of captured images, see [`super::CaptureSummary::keep`]. Fails if the plan is inconsistent.
+    pub fn manifest_keeping(&self, keep: Option<Keep>) -> Result<Manifest> {
         self.check()?;
         let wants = |pass| self.passes.contains(&pass);
         let files = |pass| wants(pass).then(|| self.file_text(pass));
@@ -88,8 +94,11 @@ impl CapturePlan {
             face_names: None,
             stereo: None,
             depth: wants(Pass::Depth).then(|| DepthInfo { kind: self.depth.into(), ..DepthInfo::default() }),
-            color: wants(Pass::Color)
-                .then_some(ColorInfo { space: Some(ColorSpace::LinearRec709), ..ColorInfo::default() }),
+            color: wants(Pass::Color).then_some(ColorInfo {
+                space: Some(ColorSpace::LinearRec709),
+                keep,
+                ..ColorInfo::default()
+            }),
             material: wants(Pass::Material).then(|| MaterialInfo { channels: Default::default() }),
             alpha: None,
             missing: None,

@@ -11,10 +11,10 @@ use super::samples::SamplePattern;
 use super::view::{Pass, PassSettings, capture_view_after};
 use crate::{Scene, SceneAtTime};
 use codec::error::{Error, Result};
-use codec::image::{ChannelSelect, DepthPlane, Plane, ReadLimits};
+use codec::image::{ChannelSelect, ColorPlane, DepthPlane, Plane, ReadLimits};
 use codec::monitor::Monitor;
 use codec::ordered::try_map_at_once;
-use footage::dataset::manifest::{MANIFEST_NAME, MaterialChannels, NORMAL_CHANNELS};
+use footage::dataset::manifest::{Keep, MANIFEST_NAME, MaterialChannels, NORMAL_CHANNELS};
 use footage::files::{FileFolder, FolderKind, OutputFolder};
 use footage::image_files::exr;
 
@@ -38,6 +38,8 @@ pub struct CaptureSummary {
     pub bytes: u64,
     /// Minimum and maximum stored depth in metres; (+inf, 0) without any.
     pub depth_range_m: [f32; 2],
+    /// Storage of colour in containers: half floats if a value exceeds 1, and for all built-in scenes, whose lights do.
+    pub keep: Option<Keep>,
 }
 
 /// Statistics of a capture, as JSON.
@@ -78,8 +80,14 @@ impl CaptureSummary {
         }
     }
 
-    const NOTHING: CaptureSummary =
-        CaptureSummary { images: 0, kept_images: 0, rays: 0, bytes: 0, depth_range_m: [f32::INFINITY, 0.0] };
+    const NOTHING: CaptureSummary = CaptureSummary {
+        images: 0,
+        kept_images: 0,
+        rays: 0,
+        bytes: 0,
+        depth_range_m: [f32::INFINITY, 0.0],
+        keep: None,
+    };
 
     fn and(self, other: CaptureSummary) -> CaptureSummary {
         let ([near, far], [other_near, other_far]) = (self.depth_range_m, other.depth_range_m);
@@ -89,11 +97,24 @@ impl CaptureSummary {
             rays: self.rays + other.rays,
             bytes: self.bytes + other.bytes,
             depth_range_m: [near.min(other_near), far.max(other_far)],
+            keep: self.keep.or(other.keep),
         }
     }
 
-    fn of_image(bytes: u64, range: [f32; 2]) -> CaptureSummary {
-        CaptureSummary { images: 1, bytes, depth_range_m: range, ..Self::NOTHING }
+    fn of_color(color: &ColorPlane) -> CaptureSummary {
+        let exceeds = color.data().iter().flatten().any(|value| value.to_f32() > 1.0);
+        CaptureSummary { keep: exceeds.then_some(Keep::Hdr), ..Self::NOTHING }
+    }
+
+    fn of_depth(depth: &DepthPlane) -> CaptureSummary {
+        let finite = depth.data().iter().filter(|depth| depth.is_finite());
+        let range = finite.fold(Self::NOTHING.depth_range_m, |[near, far], &depth| [near.min(depth), far.max(depth)]);
+        CaptureSummary { depth_range_m: range, ..Self::NOTHING }
+    }
+
+    /// Counts an image with these values.
+    fn in_file(self, bytes: u64) -> CaptureSummary {
+        CaptureSummary { images: 1, bytes, ..self }
     }
 }
 
@@ -110,7 +131,8 @@ impl CapturePlan {
     pub fn write(&self, scene: &Scene, path: &Path, monitor: &dyn Monitor) -> Result<CaptureSummary> {
         let folder = OutputFolder::create(path)?;
         let summary = self.write_images(scene, &folder, monitor)?;
-        folder.write_bytes(Path::new(MANIFEST_NAME), self.manifest()?.to_json()?.as_bytes())?;
+        let manifest = self.manifest_keeping(summary.keep)?;
+        folder.write_bytes(Path::new(MANIFEST_NAME), manifest.to_json()?.as_bytes())?;
         folder.commit().map(|()| summary)
     }
 
@@ -124,7 +146,8 @@ impl CapturePlan {
         monitor: &dyn Monitor,
     ) -> Result<CaptureSummary> {
         let run = CaptureRun { plan: self, samples: SamplePattern::new(self.samples)?, folder, monitor };
-        let mut sum = CaptureSummary::NOTHING;
+        let is_built_in = matches!(scene, Scene::Procedural(_));
+        let mut sum = CaptureSummary { keep: is_built_in.then_some(Keep::Hdr), ..CaptureSummary::NOTHING };
         let frames: Vec<u32> = self.frames.iter().filter(|&frame| self.requests(frame).next().is_some()).collect();
         let mut first = FirstFrame { is_open: self.keeps_first(), ..FirstFrame::default() };
         let static_scene = if scene.duration_s() > 0.0 { None } else { Some(scene.at(0.0)) };
@@ -203,9 +226,8 @@ impl CaptureRun<'_> {
             let path = self.folder.made(Path::new(&self.plan.file(&request, pass)?));
             match path.and_then(|path| Some((self.read(&path, pass)?, std::fs::metadata(path).ok()?.len()))) {
                 None => job.passes.push(pass),
-                Some((range, bytes)) => {
-                    let found = CaptureSummary { kept_images: 1, ..CaptureSummary::of_image(bytes, range) };
-                    job.kept = job.kept.and(found);
+                Some((values, bytes)) => {
+                    job.kept = job.kept.and(CaptureSummary { kept_images: 1, ..values.in_file(bytes) });
                     self.monitor.advance(1);
                 }
             }
@@ -213,21 +235,23 @@ impl CaptureRun<'_> {
         Ok(job)
     }
 
-    /// Returns the depth range of an image; `None` if it cannot be read or has the wrong size.
-    fn read(&self, path: &Path, pass: Pass) -> Option<[f32; 2]> {
+    /// Returns the values of an image; `None` if it cannot be read or has the wrong size.
+    fn read(&self, path: &Path, pass: Pass) -> Option<CaptureSummary> {
         let limits = ReadLimits::default();
-        let none = CaptureSummary::NOTHING.depth_range_m;
         let triple = |names| exr::read_material(path, names, &limits).ok().map(|plane| size_of(&plane));
-        let (size, range) = match pass {
-            Pass::Color => (size_of(&exr::read_color(path, &ChannelSelect::Auto, &limits).ok()?), none),
+        let (size, values) = match pass {
+            Pass::Color => {
+                let plane = exr::read_color(path, &ChannelSelect::Auto, &limits).ok()?;
+                (size_of(&plane), CaptureSummary::of_color(&plane))
+            }
             Pass::Depth => {
                 let plane = exr::read_depth(path, &ChannelSelect::Auto, &limits).ok()?;
-                (size_of(&plane), range_of(&plane))
+                (size_of(&plane), CaptureSummary::of_depth(&plane))
             }
-            Pass::Normal => (triple(NORMAL_CHANNELS)?, none),
-            Pass::Material => (triple(names(&MaterialChannels::default()))?, none),
+            Pass::Normal => (triple(NORMAL_CHANNELS)?, CaptureSummary::NOTHING),
+            Pass::Material => (triple(names(&MaterialChannels::default()))?, CaptureSummary::NOTHING),
         };
-        (size == self.plan.size).then_some(range)
+        (size == self.plan.size).then_some(values)
     }
 
     /// Captures and writes images. Also returns the images if others may copy from them.
@@ -245,13 +269,13 @@ impl CaptureRun<'_> {
         let images = capture_view_after(first.reference(&from), scene, &from, &settings, self.monitor)?;
         let mut sum = job.kept;
         for &pass in &job.passes {
-            let mut range = CaptureSummary::NOTHING.depth_range_m;
+            let mut values = CaptureSummary::NOTHING;
             let mut write = |path: &Path| {
-                range = write_image(path, &images, pass)?;
+                values = write_image(path, &images, pass)?;
                 Ok(())
             };
             let bytes = self.folder.write_file(Path::new(&self.plan.file(&job.request, pass)?), &mut write)?;
-            sum = sum.and(CaptureSummary::of_image(bytes, range));
+            sum = sum.and(values.in_file(bytes));
             self.monitor.advance(1);
         }
         let pixels = self.plan.size.map(u64::from).iter().product::<u64>();
@@ -268,20 +292,19 @@ fn names(channels: &MaterialChannels) -> [&str; 3] {
     [&channels.reflection, &channels.refraction, &channels.ior].map(String::as_str)
 }
 
-fn range_of(depth: &DepthPlane) -> [f32; 2] {
-    let finite = depth.data().iter().filter(|depth| depth.is_finite());
-    finite.fold(CaptureSummary::NOTHING.depth_range_m, |[near, far], &depth| [near.min(depth), far.max(depth)])
-}
-
-/// Writes an image file. Returns the range of depths in metres.
-fn write_image(path: &Path, images: &Images, pass: Pass) -> Result<[f32; 2]> {
+/// Writes an image file. Returns its values.
+fn write_image(path: &Path, images: &Images, pass: Pass) -> Result<CaptureSummary> {
     let missing = || Error::invalid(format!("no {} was captured", pass.name()));
     match pass {
-        Pass::Color => exr::write_color(path, images.color.as_ref().ok_or_else(missing)?)?,
+        Pass::Color => {
+            let color = images.color.as_ref().ok_or_else(missing)?;
+            exr::write_color(path, color)?;
+            return Ok(CaptureSummary::of_color(color));
+        }
         Pass::Depth => {
             let depth = images.depth.as_ref().ok_or_else(missing)?;
             exr::write_depth(path, depth)?;
-            return Ok(range_of(depth));
+            return Ok(CaptureSummary::of_depth(depth));
         }
         Pass::Normal => {
             exr::write_material(path, images.normal.as_ref().ok_or_else(missing)?, NORMAL_CHANNELS)?;
@@ -291,7 +314,7 @@ fn write_image(path: &Path, images: &Images, pass: Pass) -> Result<[f32; 2]> {
             exr::write_material(path, images.material.as_ref().ok_or_else(missing)?, names(&channels))?;
         }
     }
-    Ok(CaptureSummary::NOTHING.depth_range_m)
+    Ok(CaptureSummary::NOTHING)
 }
 
 #[cfg(test)]
@@ -372,7 +395,8 @@ mod tests {
         let again = plan().write_images(&scene(), &folder, &Silent).unwrap();
         assert_eq!((again.images, again.kept_images), (72, 68));
         assert_eq!(again.depth_range_m, first.depth_range_m);
-        let manifest = plan().manifest().unwrap().to_json().unwrap();
+        assert_eq!((again.keep, first.keep), (Some(Keep::Hdr), Some(Keep::Hdr)));
+        let manifest = plan().manifest_keeping(again.keep).unwrap().to_json().unwrap();
         folder.commit(Some((MANIFEST_NAME, manifest.as_bytes()))).unwrap();
         let relative = |folder: &str| {
             let folder = base.path().join(folder);
