@@ -29,8 +29,8 @@ pub const OPAQUE_ALPHA: f32 = 1.0 - 0.5 / 255.0;
 /// Maximum number of texels around those at a crack that are also made opaque if the crack stays open.
 const REACH: u32 = 2;
 
-/// Side in pixels of the pictures in which cracks are closed: those of 256 pixels miss cracks that views from other eyes show.
-pub const CLOSING_SIDE: u32 = 512;
+/// Side in pixels of the pictures from eyes in the region: those of 256 pixels miss cracks that views from other eyes show.
+pub const EYE_SIDE: u32 = 512;
 
 /// Tiles of a mesh, and the layout of their textures.
 #[derive(Debug, Clone, Copy)]
@@ -47,17 +47,17 @@ pub struct Closed {
     pub translucent: u64,
 }
 
-/// Returns pictures of all directions from an eye in the region, with `side` pixels a side. Pixels with at least this alpha, and those in directions without
+/// Returns pictures of all directions from an eye in the region. Pixels with at least this alpha, and those in directions without
 /// surfaces, count as covered.
 pub fn pictures(
     scene: &QuadMesh,
     Surroundings { region, seen, .. }: &Surroundings<'_>,
     eye: DVec3,
-    (side, alpha): (u32, f32),
+    alpha: f32,
 ) -> Result<Vec<Coverage>> {
     let picture = |face: Face| {
         let camera = |eye: DVec3| Camera::with_axes(eye, face.axes(), Lens::new(90.0));
-        let size = [side; 2];
+        let size = [EYE_SIDE; 2];
         let covered = covered(scene, &camera(region.middle + eye)?, size, alpha);
         let mut picture = Coverage { camera: camera(eye)?, size, covered };
         picture.cover(|ray| !seen.contains(ray.direction()));

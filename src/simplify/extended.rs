@@ -24,9 +24,6 @@ use codec::monitor::Monitor;
 /// tiles may be more than what their estimates add up to.
 const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
 
-/// Side in pixels of the pictures in which gaps are found.
-const EYE_SIDE: u32 = 256;
-
 /// The viewing region, and where it has surfaces around it.
 #[derive(Debug, Clone, Copy)]
 pub struct Surroundings<'a> {
@@ -36,20 +33,14 @@ pub struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
-    /// Returns pictures of all directions from eyes in the region, with `side` pixels a side. Pixels with at least this alpha count as
-    /// covered.
+    /// Returns pictures of all directions from eyes in the region. Pixels with at least this alpha count as covered.
     ///
     /// Unless there is a surface in all directions, a gap cannot be distinguished from empty space, and there are no pictures.
-    pub fn pictures(
-        &self,
-        scene: &QuadMesh,
-        (side, alpha): (u32, f32),
-        monitor: &dyn Monitor,
-    ) -> Result<Vec<Coverage>> {
+    pub fn pictures(&self, scene: &QuadMesh, alpha: f32, monitor: &dyn Monitor) -> Result<Vec<Coverage>> {
         let eyes = if self.background == Background::Sky { self.region.eyes() } else { Vec::new() };
         let each = eyes.par_iter().map(|&eye| {
             monitor.check()?;
-            cracks::pictures(scene, self, eye, (side, alpha))
+            cracks::pictures(scene, self, eye, alpha)
         });
         Ok(each.collect::<Result<Vec<_>>>()?.concat())
     }
@@ -91,9 +82,9 @@ impl Extender<'_> {
         if self.settings.short_cuts == ShortCuts::Off {
             coarse.scene.runs.clear();
         }
-        let mut extensions = Extensions::new(&tiles);
-        let pictures = self.surroundings.pictures(&coarse.scene, (EYE_SIDE, CRACK_ALPHA), monitor)?;
-        pictures.iter().for_each(|picture| extensions.add(picture));
+        let [mut seen_by_cameras, mut seen_by_eyes] = [(); 2].map(|()| Extensions::new(&tiles));
+        let pictures = self.surroundings.pictures(&coarse.scene, CRACK_ALPHA, monitor)?;
+        pictures.iter().for_each(|picture| seen_by_eyes.add(picture));
         let gaps = pictures.iter().map(|picture| picture.gaps().count()).sum::<usize>() as f64;
         let pixels: usize = pictures.iter().map(|picture| picture.covered.len()).sum();
         let unsupported = (pixels > 0).then(|| gaps / pixels as f64);
@@ -105,7 +96,7 @@ impl Extender<'_> {
         // Few pictures at once, because each has the pixels of an image.
         for images in capture.images.chunks(rayon::current_num_threads()) {
             let pictures: Vec<_> = images.par_iter().map(of_image).collect::<Result<_>>()?;
-            pictures.iter().flatten().for_each(|picture| extensions.add(picture));
+            pictures.iter().flatten().for_each(|picture| seen_by_cameras.add(picture));
         }
         drop(coarse);
         for share in SHARES {
@@ -114,11 +105,16 @@ impl Extender<'_> {
                 *capacity = used + share * (*capacity - used);
             }
             let mut account = Account { model: self.model, shares: self.shares, used: selection.used, capacity };
-            let Some((extended, count)) = extensions.extended(&mut account) else { break };
+            let mut extended = tiles.tiles.clone();
+            // Gaps that a camera sees come first: there, none may be left.
+            seen_by_cameras.extend(&mut extended, &mut account);
+            seen_by_eyes.extend(&mut extended, &mut account);
+            let count = extended.iter().zip(&tiles.tiles).filter(|(after, before)| after.rect != before.rect).count();
+            let extended = tiles.with(extended);
             let overdraw = peak(&self.meter.measure(&extended)?);
             if overdraw <= self.settings.budgets.peak_overdraw {
                 let used = [account.used[0], account.used[1], overdraw];
-                return Ok(ExtendedTiles { selection, tiles: extended, used, count, unsupported });
+                return Ok(ExtendedTiles { selection, tiles: extended, used, count: count as u64, unsupported });
             }
         }
         let used = [selection.used[0], selection.used[1], peak(&self.meter.measure(&tiles)?)];

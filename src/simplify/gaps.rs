@@ -63,19 +63,17 @@ pub struct Account<'a> {
 }
 
 impl Account<'_> {
-    /// Replaces the rectangle of a selected tile if the budgets are still kept. Returns true if it was replaced.
-    fn replace(&mut self, tile: &mut QuadTile, rect: PlaneRect) -> bool {
+    /// Replaces the rectangle of a selected tile if the budgets are still kept.
+    fn replace(&mut self, tile: &mut QuadTile, rect: PlaneRect) {
         let (face, plane) = (tile.cell.face, tile.plane);
         let shares = self.shares.of(tile.cell.level, tile.cell.index());
         let mut used = self.used;
         add_cost(&mut used, shares, &self.model.of_tile(face, tile.rect, plane), -1.0);
         add_cost(&mut used, shares, &self.model.of_tile(face, rect, plane), 1.0);
-        let is_kept = keeps(&used, &self.capacity);
-        if is_kept {
+        if keeps(&used, &self.capacity) {
             self.used = used;
             (tile.rect, tile.divisions) = (rect, self.model.divisions(face, rect, plane));
         }
-        is_kept
     }
 }
 
@@ -158,10 +156,9 @@ impl<'a> Extensions<'a> {
         let tiles = self.tiles;
         let gaps: Vec<GapPixel> = picture.gap_pixels().collect();
         let of_gap = |gap: &GapPixel| {
-            let last = |ray: Ray| tiles.crossed(&ray).last().copied();
-            let mut behind: Vec<(u32, f64)> = picture.border(gap.at).filter_map(last).collect();
+            let mut behind: Vec<(u32, f64)> = picture.border(gap.at).flat_map(|ray| tiles.crossed(&ray)).collect();
             behind.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-            let reaching = |tile: u32| reaching(&tiles.tiles[tile as usize], &gap.ray, picture.pixel_length());
+            let reaching = |tile: u32| reaching(&tiles.tiles[tile as usize], &gap.ray, 0.5 * picture.pixel_length());
             behind.iter().find_map(|&(tile, _)| Some((tile, reaching(tile)?)))
         };
         let found: Vec<Option<(u32, PlaneRect)>> = gaps.par_iter().map(of_gap).collect();
@@ -171,19 +168,19 @@ impl<'a> Extensions<'a> {
         }
     }
 
-    /// Extends tiles as far as budgets allow. Returns all tiles and the number of extended ones; `None` if no tile was extended.
-    pub fn extended(&self, account: &mut Account<'_>) -> Option<(TileSet, u64)> {
+    /// Extends the rectangles of tiles, which may be extended already, as far as budgets allow.
+    pub fn extend(&self, extended: &mut [QuadTile], account: &mut Account<'_>) {
         let mut order: Vec<(u32, (PlaneRect, u32))> =
             self.wanted.iter().map(|(tile, wanted)| (*tile, *wanted)).collect();
         // Tiles that close the most gap pixels come first.
         order.sort_by_key(|&(tile, (_, pixels))| (std::cmp::Reverse(pixels), tile));
-        let mut changed = self.tiles.tiles.clone();
-        let mut extend = |tile: u32, rect: PlaneRect| {
-            let tile = &mut changed[tile as usize];
-            may_become(tile, rect) && account.replace(tile, rect)
-        };
-        let kept = order.iter().filter(|(tile, (rect, _))| extend(*tile, *rect)).count();
-        (kept > 0).then(|| (self.tiles.with(changed), kept as u64))
+        for (at, (rect, _)) in order {
+            let tile = &mut extended[at as usize];
+            let rect = tile.rect.join(rect);
+            if may_become(&self.tiles.tiles[at as usize], rect) {
+                account.replace(tile, rect);
+            }
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //! textures after the tiles are selected.
 
 use super::capture::Capture;
-use super::cracks::CLOSING_SIDE;
+use super::cracks::EYE_SIDE;
 use super::points::MAX_POINTS;
 use super::points::{VOXEL_BYTES, WAITING};
 use super::quad_mesh::AtlasLight;
@@ -42,7 +42,7 @@ const TRIANGLE_BYTES: u64 = 400;
 const SELECTION_BYTES: u64 = 112 << 20;
 const SHARES_BYTES: u64 = 48 << 20;
 /// Bytes of the pictures from eyes in the region: six sides of 35 eyes.
-const EYE_PICTURES_BYTES: u64 = 35 * 6 * (CLOSING_SIDE as u64).pow(2);
+const EYE_PICTURES_BYTES: u64 = 35 * 6 * (EYE_SIDE as u64).pow(2);
 /// Bytes of tiles, of their lookup tables, and of the directions with surfaces.
 const TILES_BYTES: u64 = 16 << 20;
 
@@ -92,7 +92,8 @@ fn texturing_bytes(capture: &Capture, sides: &[usize], settings: &Settings) -> u
     // View shares are still in memory while pictures are drawn from textures of half the size.
     let pictures = pixels.saturating_mul(ALPHA_PIXEL_BYTES * threads.min(capture.images.len()) as u64)
         + (2 * sides.len() as u64).saturating_mul(TRIANGLE_BYTES * threads as u64);
-    let coarse = SHARES_BYTES + texels / 4 * TEXEL_BYTES + (samples + constraints).max(pictures);
+    let coarse =
+        SHARES_BYTES + texels / 4 * TEXEL_BYTES + (samples + constraints).max(pictures).max(EYE_PICTURES_BYTES);
     textures.max(with_files).max(coarse).saturating_add(TILES_BYTES)
 }
 
