@@ -285,7 +285,11 @@ impl Args {
     fn playback_options(&self) -> PlaybackOptions {
         let views = &self.views;
         PlaybackOptions {
-            probes: ProbeChoice { only: views.probe.clone(), without: views.exclude_probe.clone() },
+            probes: ProbeChoice {
+                only: views.probe.clone(),
+                without: views.exclude_probe.clone(),
+                no_materials: self.march.effects == SpecularMode::None,
+            },
             selection: SelectionSettings {
                 priority: views.view_priority,
                 pivot: views.pivot,

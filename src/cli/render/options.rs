@@ -237,7 +237,7 @@ const DECODE_SCOPES: &Choices<DecodeScope> = &[
     (
         "seen",
         DecodeScope::Seen,
-        "Visible tiles and cells; all of them with reflective or refractive materials, and for --aov normal",
+        "Visible tiles and cells; all of them with reflective or refractive materials in sight, and for --aov normal",
     ),
     ("all", DecodeScope::All, "All tiles and cells"),
 ];

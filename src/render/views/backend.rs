@@ -7,9 +7,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::views::{CachedUnit, FaceCache, FaceChanges, FaceTexels, InverseDepth};
+use crate::views::{CachedUnit, FaceCache, FaceChanges, FaceTexels, InverseDepth, decode_on_cpu};
 use codec::error::Result;
-use codec::ordered::try_map_ordered;
 
 #[derive(Debug, Clone, Copy)]
 pub struct NewFace<'f> {
@@ -70,7 +69,7 @@ pub struct CpuBackend;
 
 impl TexelBackend for CpuBackend {
     fn decode(&mut self, frame: u32, units: Vec<&mut CachedUnit<'_>>) -> Result<()> {
-        try_map_ordered(units, |unit: &mut CachedUnit<'_>| unit.decode(frame)).map(|_| ())
+        decode_on_cpu(frame, units)
     }
 
     fn shows(&self, unit: &CachedUnit<'_>, frame: u32) -> bool {

@@ -8,13 +8,15 @@ use codec::error::{Error, Result};
 use codec::image::StreamKind;
 use codec::streams::{CodecHeader, ColorFormat, ColorHeader};
 
-/// Selection of the probes of a container to load; by default all.
+/// Selection of the probes of a container to load, and of their streams; by default all.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ProbeChoice {
     /// Names of the only probes to load; all probes if empty.
     pub only: Vec<String>,
     /// Names of probes to leave out.
     pub without: Vec<String>,
+    /// True if materials are neither decoded nor kept.
+    pub no_materials: bool,
 }
 
 impl ProbeChoice {
@@ -84,7 +86,7 @@ impl<'a> Catalogue<'a> {
                 header: header.clone(),
                 color,
                 alpha: same_face(depth, StreamKind::Alpha),
-                material: same_face(depth, StreamKind::Material),
+                material: same_face(depth, StreamKind::Material).filter(|_| !probes.no_materials),
             };
             check_sizes(&entry.name, &face)?;
             let at = match views.iter().position(|view| view.probe == depth.probe) {

@@ -22,6 +22,7 @@ use codec::container::StreamEntry;
 use codec::decode::{Decoder, StreamInfo, UnitDecoder, UnitFilter, UnitPixels};
 use codec::error::Result;
 use codec::image::StreamKind;
+use codec::ordered::try_map_ordered;
 use codec::streams::DepthHeader;
 use codec::streams::convert::alpha_byte;
 
@@ -113,6 +114,11 @@ impl CachedUnit<'_> {
     }
 }
 
+/// Decodes a frame of units in parallel.
+pub fn decode_on_cpu(frame: u32, units: Vec<&mut CachedUnit<'_>>) -> Result<()> {
+    try_map_ordered(units, |unit: &mut CachedUnit<'_>| unit.decode(frame)).map(|_| ())
+}
+
 #[derive(Debug)]
 struct StreamUnits<'a> {
     stream: &'a StreamInfo,
@@ -158,6 +164,14 @@ impl<'a> StreamUnits<'a> {
         }
         self.needed = needed.len() as u64;
         needed
+    }
+
+    /// Returns the units that do not pass the filter of [`Self::begin_frame`], which are needed from now on.
+    fn need_others(&mut self, frame: u32, filter: &dyn UnitFilter) -> Vec<&mut CachedUnit<'a>> {
+        let units = (0..).zip(&mut self.units).filter(|(at, _)| !filter.wants(self.stream, *at, frame));
+        let others: Vec<_> = units.map(|(_, unit)| unit).collect();
+        self.needed += others.len() as u64;
+        others
     }
 
     /// Returns the units that overlap a rectangle, with the overlap.
@@ -252,8 +266,17 @@ impl<'a> FaceCache<'a> {
         units.flat_map(|units| units.begin_frame(frame, filter, &|unit| unit.shows(frame))).collect()
     }
 
-    pub fn is_specular(&self) -> bool {
-        self.material.iter().flat_map(|units| &units.units).any(|unit| unit.is_valid && unit.is_specular)
+    /// Returns the other units of material, which have to be decoded after those of [`Self::begin_material`] with this filter.
+    pub fn begin_other_material(&mut self, frame: u32, filter: &dyn UnitFilter) -> Vec<&mut CachedUnit<'a>> {
+        self.material.iter_mut().flat_map(|units| units.need_others(frame, filter)).collect()
+    }
+
+    /// True if a decoded unit of material that passes the filter has a specular texel.
+    pub fn is_specular(&self, frame: u32, filter: &dyn UnitFilter) -> bool {
+        self.material.iter().any(|material| {
+            let units = (0..).zip(&material.units).filter(|(_, unit)| unit.is_valid && unit.is_specular);
+            units.into_iter().any(|(at, _)| filter.wants(material.stream, at, frame))
+        })
     }
 
     /// Updates the texels from the decoded units.
@@ -278,7 +301,7 @@ impl<'a> FaceCache<'a> {
         push(StreamKind::Color, color);
         if let Some(material) = &self.material {
             push(StreamKind::Material, joined(update_material(material, texels)));
-            texels.is_specular = self.is_specular();
+            texels.is_specular = material.units.iter().any(|unit| unit.is_valid && unit.is_specular);
         }
         let units = self.all().flat_map(|units| &units.units);
         let decoded = units.filter(|unit| unit.written > 0).count() as u64;

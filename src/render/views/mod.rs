@@ -18,7 +18,7 @@ pub mod visible_set;
 
 pub use backend::{CpuBackend, FaceUpdate, NewFace, TexelBackend};
 pub use catalogue::ProbeChoice;
-pub use face_cache::{CachedUnit, DepthPart, FaceCache, FaceChanges, FaceStreams};
+pub use face_cache::{CachedUnit, DepthPart, FaceCache, FaceChanges, FaceStreams, decode_on_cpu};
 pub use face_frustum::{DepthSpan, FaceImage};
 pub use inverse_depth::InverseDepth;
 pub(crate) use light_field::has_specular_weight;

@@ -10,14 +10,13 @@ use glam::DVec3;
 use crate::views::catalogue::{Catalogue, ViewStreams};
 use crate::views::{
     CachedUnit, ColorCoding, CpuBackend, FaceCache, FaceStreams, FaceTexels, FaceUpdate, InverseDepth, LightField,
-    NewFace, ProbeChoice, Rect, StraightCodes, TexelBackend,
+    NewFace, ProbeChoice, Rect, StraightCodes, TexelBackend, decode_on_cpu,
 };
 use codec::decode::{AllUnits, Decoder, StreamInfo, UnitFilter};
 use codec::error::{Error, Result};
 use codec::image::{FrameRange, StreamKind, TexelMap};
 use codec::math::add_members;
 use codec::memory::{Budget, Need};
-use codec::ordered::try_map_ordered;
 use codec::streams::DepthHeader;
 
 /// Bytes of idle views that are kept if there is no memory budget.
@@ -70,7 +69,7 @@ add_members!(ShowCounts: cells_decoded, cells_unchanged, cells_unseen, texels_up
 #[derive(Clone, Copy)]
 pub struct UnitRequest<'f> {
     pub visible: &'f dyn UnitFilter,
-    /// True with secondary rays: all materials are needed, and all units if a material is specular.
+    /// True with secondary rays: all units are needed if a material of a visible unit is specular.
     pub secondary_rays: bool,
 }
 
@@ -230,7 +229,7 @@ impl<'a> Player<'a> {
         Ok(counts)
     }
 
-    /// Decodes the needed units, materials first, because they may require all other units.
+    /// Decodes the needed units, materials first, because they may require all units.
     fn decode(
         &mut self,
         frame: u32,
@@ -239,12 +238,18 @@ impl<'a> Player<'a> {
         backend: &mut dyn TexelBackend,
     ) -> Result<()> {
         let UnitRequest { visible, secondary_rays } = request;
-        let materials: &dyn UnitFilter = if secondary_rays { &AllUnits } else { visible };
-        let faces = self.faces_of(frame, views, materials);
-        let units = faces.flat_map(|(face, filter)| face.begin_material(frame, filter)).collect();
-        try_map_ordered(units, |unit: &mut CachedUnit<'_>| unit.decode(frame))?;
+        let faces = self.faces_of(frame, views, visible);
+        decode_on_cpu(frame, faces.flat_map(|(face, filter)| face.begin_material(frame, filter)).collect())?;
         let is_specular = secondary_rays
-            && self.faces_of(frame, views, visible).any(|(face, filter)| filter.is_some() && face.is_specular());
+            && self
+                .faces_of(frame, views, visible)
+                .any(|(face, filter)| filter.is_some_and(|filter| face.is_specular(frame, filter)));
+        if is_specular {
+            let faces = self.faces_of(frame, views, visible);
+            let active = faces.filter_map(|(face, filter)| Some((face, filter?)));
+            let others = active.flat_map(|(face, filter)| face.begin_other_material(frame, filter));
+            decode_on_cpu(frame, others.collect())?;
+        }
         let others: &dyn UnitFilter = if is_specular { &AllUnits } else { visible };
         let knows = &*backend;
         let shows = |unit: &CachedUnit<'_>| knows.shows(unit, frame);

@@ -130,7 +130,7 @@ export class Marcher {
   /** Renders into a picture. Resolves once all dispatches are submitted; with secondary rays these wait for each other. */
   async render(picture: Picture, shot: Shot): Promise<void> {
     const { active, camera, size, settings } = shot;
-    const isSpecular = settings.effects && active.views.some(({ view }) => this.texels.isSpecular(view));
+    const isSpecular = settings.effects && active.views.some(({ view }) => this.texels.isSpecular(view, () => true));
     const pipeline = await this.gpu.pipeline(isSpecular ? "render-effects" : "render-pyramid");
     picture.resize(size);
     this.#send(sceneRows(active, camera, size, settings, this.texels));

@@ -4,7 +4,7 @@
 import { unitRectOf } from "../format/index_tables.ts";
 import type { Rect } from "../format/types.ts";
 import type { Catalogue, FaceStreams } from "../views/catalogue.ts";
-import { FaceUnits, LoadedFaces } from "../views/known_units.ts";
+import { FaceUnits, LoadedFaces, type UnitFilter } from "../views/known_units.ts";
 import { bounds } from "../views/rects.ts";
 import type { Texels } from "../views/texels.ts";
 import type { FamilyDecoder } from "./decoder.ts";
@@ -136,8 +136,8 @@ export class LightFieldTexels implements Texels {
     this.written(stream, unit);
   }
 
-  isSpecular(view: number): boolean {
-    return this.#loaded.isSpecular(view);
+  isSpecular(view: number, passes: UnitFilter): boolean {
+    return this.#loaded.isSpecular(view, passes);
   }
 
   /** Brings the textures to what was written. */

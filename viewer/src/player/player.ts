@@ -316,10 +316,11 @@ class FilmPlayer implements Player {
     this.#visible.look(cameras);
     const { renderer, decoding } = this.#context;
     const { texels } = renderer;
+    const isVisible = (stream: Stream, unit: number): boolean => this.#visible.sees(stream, unit);
     // Secondary rays go anywhere.
-    const isSpecular = (): boolean => renderer.hasEffects && active.some((at) => texels.isSpecular(at));
+    const isSpecular = (): boolean => renderer.hasEffects && active.some((at) => texels.isSpecular(at, isVisible));
     const needsAll = isSpecular();
-    const sees = (stream: Stream, unit: number): boolean => needsAll || this.#visible.sees(stream, unit);
+    const sees = needsAll ? (): boolean => true : isVisible;
     const views = active.map((at) => this.#loaded.get(at)!);
     const fetch: Chunk[] = [];
     const bring = (how: "ask" | "prepare", of: number, missing: Chunk[]): UnitCounts => {

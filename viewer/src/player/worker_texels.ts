@@ -3,7 +3,7 @@
 import type { Catalogue, FaceStreams } from "../views/catalogue.ts";
 import type { Rect } from "../format/types.ts";
 import { unitRectOf } from "../format/index_tables.ts";
-import { FaceUnits, LoadedFaces } from "../views/known_units.ts";
+import { FaceUnits, LoadedFaces, type UnitFilter } from "../views/known_units.ts";
 import type { Texels } from "../views/texels.ts";
 import type { Order } from "../cpu/messages.ts";
 
@@ -72,8 +72,8 @@ export class WorkerTexels implements Texels {
     this.written(stream, unit);
   }
 
-  isSpecular(view: number): boolean {
-    return this.#loaded.isSpecular(view);
+  isSpecular(view: number, passes: UnitFilter): boolean {
+    return this.#loaded.isSpecular(view, passes);
   }
 
   update(): void {

@@ -38,6 +38,9 @@ export interface TexelPart {
   isKnown: boolean;
 }
 
+/** Chooses units of streams. */
+export type UnitFilter = (stream: Stream, unit: number) => boolean;
+
 /** The units of a face. */
 export class FaceUnits {
   readonly depth: StreamUnits;
@@ -75,9 +78,10 @@ export class FaceUnits {
     }
   }
 
-  /** Whether a weight of its material is above 0. */
-  get isSpecular(): boolean {
-    return this.#specular.size > 0;
+  /** Whether a unit of material that passes the filter has a weight above 0. */
+  isSpecular(passes: UnitFilter): boolean {
+    const { material } = this.streams;
+    return material !== undefined && [...this.#specular].some((unit) => passes(material, unit));
   }
 
   /** The texels to be written since the last call. */
@@ -158,9 +162,9 @@ export class LoadedFaces<Face extends FaceUnits> {
     return found;
   }
 
-  /** Whether a weight of a material of a view is above 0; of one that is not loaded none is. */
-  isSpecular(view: number): boolean {
-    return this.#views.get(view)?.some((face) => face.isSpecular) ?? false;
+  /** Whether a unit of material of a view that passes the filter has a weight above 0; of a view that is not loaded none has. */
+  isSpecular(view: number, passes: UnitFilter): boolean {
+    return this.#views.get(view)?.some((face) => face.isSpecular(passes)) ?? false;
   }
 
   /** A stream of a loaded view. */

@@ -1,6 +1,7 @@
 // The texels of loaded views, wherever they lie. Views are numbered as in the catalogue, streams as in the container.
 
 import type { Rect } from "../format/types.ts";
+import type { UnitFilter } from "./known_units.ts";
 
 export interface Texels {
   /** Frees the texels of a view. */
@@ -15,8 +16,8 @@ export interface Texels {
   uploadColor(stream: number, rect: Rect, texels: Uint8Array | Uint16Array): void;
   /** Sends the pixels of a unit of material, three bytes each, and takes in that it is written. */
   uploadMaterial(stream: number, unit: number, pixels: Uint8Array): void;
-  /** Whether a weight of a material of a view is above 0: then rays may go anywhere, and all units are needed. */
-  isSpecular(view: number): boolean;
+  /** Whether a unit of material of a view that passes the filter has a weight above 0. */
+  isSpecular(view: number, passes: UnitFilter): boolean;
   /** Brings the texels to what was written. */
   update(): void;
 }

@@ -31,8 +31,8 @@ use codec::monitor::Monitor;
 /// Units of the active views that are decoded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum DecodeScope {
-    /// The visible set (CALF 6.2). With secondary rays also all materials, and all units if a material is specular, because such
-    /// rays can go anywhere.
+    /// The visible set (CALF 6.2). With secondary rays, all units if a material in it is specular, because such rays can go
+    /// anywhere.
     #[default]
     Seen,
     All,

@@ -14,7 +14,7 @@
 //! surface from nearly the same direction as a view, the captured colour is shown (not in the paper), so that images converge to
 //! what a probe recorded as the eye approaches the probe.
 //!
-//! Secondary rays can go anywhere, so all units of the active views must be decoded.
+//! Secondary rays can go anywhere, so all units of the active views must be decoded if a specular one is visible.
 
 use glam::Vec3;
 
