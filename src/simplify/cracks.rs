@@ -5,10 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
-
 use super::capture::{Capture, CaptureImage};
-use super::extended::Surroundings;
 use super::gaps::Coverage;
 use super::quad_mesh::QuadMesh;
 use super::raster::alpha::AlphaRaster;
@@ -18,8 +15,7 @@ use super::texture_sizes::Layout;
 use super::tiles::TileSet;
 use super::tree::project;
 use codec::error::Result;
-use codec::image::Face;
-use codec::math::{Camera, Lens};
+use codec::math::Camera;
 use scene::mesh::Ray;
 
 /// Alpha below which a pixel is a crack.
@@ -29,8 +25,8 @@ pub const OPAQUE_ALPHA: f32 = 1.0 - 0.5 / 255.0;
 /// Maximum number of texels around those at a crack that are also made opaque if the crack stays open.
 const REACH: u32 = 2;
 
-/// Side in pixels of the pictures from eyes in the region: those of 256 pixels miss cracks that views from other eyes show.
-pub const EYE_SIDE: u32 = 512;
+/// Minimum and maximum side in pixels of the pictures from eyes in the region.
+const EYE_SIDES: [u32; 2] = [256, 512];
 
 /// Tiles of a mesh, and the layout of their textures.
 #[derive(Debug, Clone, Copy)]
@@ -47,23 +43,11 @@ pub struct Closed {
     pub translucent: u64,
 }
 
-/// Returns pictures of all directions from an eye in the region. Pixels with at least this alpha, and those in directions without
-/// surfaces, count as covered.
-pub fn pictures(
-    scene: &QuadMesh,
-    Surroundings { region, seen, .. }: &Surroundings<'_>,
-    eye: DVec3,
-    alpha: f32,
-) -> Result<Vec<Coverage>> {
-    let picture = |face: Face| {
-        let camera = |eye: DVec3| Camera::with_axes(eye, face.axes(), Lens::new(90.0));
-        let size = [EYE_SIDE; 2];
-        let covered = covered(scene, &camera(region.middle + eye)?, size, alpha);
-        let mut picture = Coverage { camera: camera(eye)?, size, covered };
-        picture.cover(|ray| !seen.contains(ray.direction()));
-        Ok(picture)
-    };
-    Face::CUBE.into_iter().map(picture).collect()
+/// Returns the side in pixels of the pictures from eyes in the region: twice that of the largest image, within limits. Pictures
+/// of 256 pixels miss cracks that other eyes see at the resolution of larger images.
+pub fn eye_side(capture: &Capture) -> u32 {
+    let largest = capture.images.iter().flat_map(|image| image.size).max().unwrap_or(0);
+    largest.saturating_mul(2).clamp(EYE_SIDES[0], EYE_SIDES[1])
 }
 
 /// Returns the picture of an image of the capture; `None` if the image has no camera or the picture no gap. Pixels whose rays

@@ -1,5 +1,6 @@
 //! Extends the tiles of a selection over gaps, which are found in pictures of the tiles with textures of half the size.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::budgeted::BudgetedTiles;
@@ -18,6 +19,8 @@ use super::shading::ShortCuts;
 use super::texturing::Texturing;
 use super::tiles::TileSet;
 use codec::error::Result;
+use codec::image::Face;
+use codec::math::{Camera, Lens};
 use codec::monitor::Monitor;
 
 /// Parts of the overdraw that a selection leaves up to which tiles are extended, tried in this order: what is measured of extended
@@ -30,6 +33,8 @@ pub struct Surroundings<'a> {
     pub region: &'a ViewingRegion,
     pub seen: &'a SeenDirections,
     pub background: Background,
+    /// Side in pixels of the pictures from eyes in the region.
+    pub eye_side: u32,
 }
 
 impl Surroundings<'_> {
@@ -40,9 +45,19 @@ impl Surroundings<'_> {
         let eyes = if self.background == Background::Sky { self.region.eyes() } else { Vec::new() };
         let each = eyes.par_iter().map(|&eye| {
             monitor.check()?;
-            cracks::pictures(scene, self, eye, alpha)
+            Face::CUBE.into_iter().map(|face| self.picture(scene, (eye, face), alpha)).collect::<Result<Vec<_>>>()
         });
         Ok(each.collect::<Result<Vec<_>>>()?.concat())
+    }
+
+    /// Returns the picture of a face of the cube around an eye. Directions without surfaces count as covered.
+    fn picture(&self, scene: &QuadMesh, (eye, face): (DVec3, Face), alpha: f32) -> Result<Coverage> {
+        let camera = |eye: DVec3| Camera::with_axes(eye, face.axes(), Lens::new(90.0));
+        let size = [self.eye_side; 2];
+        let covered = cracks::covered(scene, &camera(self.region.middle + eye)?, size, alpha);
+        let mut picture = Coverage { camera: camera(eye)?, size, covered };
+        picture.cover(|ray| !self.seen.contains(ray.direction()));
+        Ok(picture)
     }
 }
 

@@ -2,7 +2,7 @@
 //! textures after the tiles are selected.
 
 use super::capture::Capture;
-use super::cracks::EYE_SIDE;
+use super::cracks::eye_side;
 use super::points::MAX_POINTS;
 use super::points::{VOXEL_BYTES, WAITING};
 use super::quad_mesh::AtlasLight;
@@ -41,8 +41,8 @@ const TRIANGLE_BYTES: u64 = 400;
 /// Bytes of the tables of candidates and of view shares, and of view shares alone.
 const SELECTION_BYTES: u64 = 112 << 20;
 const SHARES_BYTES: u64 = 48 << 20;
-/// Bytes of the pictures from eyes in the region: six sides of 35 eyes.
-const EYE_PICTURES_BYTES: u64 = 35 * 6 * (EYE_SIDE as u64).pow(2);
+/// Maximum number of pictures from eyes in the region: six sides of 35 eyes.
+const EYE_PICTURES: u64 = 35 * 6;
 /// Bytes of tiles, of their lookup tables, and of the directions with surfaces.
 const TILES_BYTES: u64 = 16 << 20;
 
@@ -79,10 +79,11 @@ fn texturing_bytes(capture: &Capture, sides: &[usize], settings: &Settings) -> u
     let finished = largest.into_iter().take(threads).map(of_side).sum::<u64>() * FINISHED_BYTES;
     let samples = pixels.saturating_mul(READING_PIXEL_BYTES + size_of::<Sample>() as u64 * held_images(capture));
     let constraints = pixels.min(SAMPLES_AT_ONCE as u64) * CONSTRAINED_BYTES;
+    let from_eyes = EYE_PICTURES * u64::from(eye_side(capture)).pow(2);
     let in_atlas = atlas_texels(texels, settings) * MESH_ATLAS_BYTES;
     let textures = texels
         .saturating_mul(TEXEL_BYTES)
-        .saturating_add(finished.max(samples + constraints).max(in_atlas).max(EYE_PICTURES_BYTES));
+        .saturating_add(finished.max(samples + constraints).max(in_atlas).max(from_eyes));
     let atlas_bytes = match (settings.surfaces, settings.light) {
         (SurfaceAtlases::GBuffer, _) => SURFACE_ATLAS_BYTES,
         (_, AtlasLight::HalfFloats) => FLOAT_ATLAS_BYTES,
@@ -92,8 +93,7 @@ fn texturing_bytes(capture: &Capture, sides: &[usize], settings: &Settings) -> u
     // View shares are still in memory while pictures are drawn from textures of half the size.
     let pictures = pixels.saturating_mul(ALPHA_PIXEL_BYTES * threads.min(capture.images.len()) as u64)
         + (2 * sides.len() as u64).saturating_mul(TRIANGLE_BYTES * threads as u64);
-    let coarse =
-        SHARES_BYTES + texels / 4 * TEXEL_BYTES + (samples + constraints).max(pictures).max(EYE_PICTURES_BYTES);
+    let coarse = SHARES_BYTES + texels / 4 * TEXEL_BYTES + (samples + constraints).max(pictures).max(from_eyes);
     textures.max(with_files).max(coarse).saturating_add(TILES_BYTES)
 }
 

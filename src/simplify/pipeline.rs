@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::capture::Capture;
-use super::cracks::{OPAQUE_ALPHA, PlacedTiles};
+use super::cracks::{OPAQUE_ALPHA, PlacedTiles, eye_side};
 use super::extended::Surroundings;
 use super::fidelity::{self, Evaluation};
 use super::gaps::SeenDirections;
@@ -212,7 +212,8 @@ pub fn texture(
     }
     let drawn = tiles.as_drawn();
     let placed = PlacedTiles { tiles: &drawn, layout: &layout };
-    let seams = Surroundings { region: &region, seen: &seen, background: settings.background };
+    let seams =
+        Surroundings { region: &region, seen: &seen, background: settings.background, eye_side: eye_side(capture) };
     let pictures = seams.pictures(&scene, OPAQUE_ALPHA, monitor)?;
     counters.closed_cracks += placed.close_in_pictures(&pictures, &mut scene);
     drop(pictures);

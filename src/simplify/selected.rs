@@ -10,6 +10,7 @@ use super::budgets::{CONSTRAINTS, SelectedTiling};
 use super::candidates::{CandidateSettings, Extent, candidates};
 use super::capture::Capture;
 use super::cost::{CostModel, MAX_PARTS, ViewShares};
+use super::cracks::eye_side;
 use super::extended::{ExtendedTiles, Extender, Surroundings};
 use super::gaps::SeenDirections;
 use super::gbuffer;
@@ -157,7 +158,12 @@ pub fn select(capture: &mut Capture, settings: &Settings, monitor: &dyn Monitor)
     drop(points);
     let extender = Extender {
         texturing: Texturing::new(capture, settings, &region),
-        surroundings: Surroundings { region: &region, seen: &seen, background: settings.background },
+        surroundings: Surroundings {
+            region: &region,
+            seen: &seen,
+            background: settings.background,
+            eye_side: eye_side(capture),
+        },
         model: &model,
         shares: &shares,
         meter: &meter,

@@ -451,7 +451,7 @@ fn the_command_answers_with_an_exit_code_and_json() {
     let output = run(&[".", "--check"]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.starts_with("courtyard: 4 of 4 probes, 48 images\n"), "{text}");
+    assert!(text.starts_with("courtyard: 4 of 4 probes, 48 of 48 images\n"), "{text}");
     assert!(text.contains("depth.kind ") && text.ends_with("No check is suspect.\n"), "{text}");
     assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
     // Sentences are wrapped, and each line continues in the column where the sentence began.
