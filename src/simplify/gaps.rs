@@ -156,10 +156,13 @@ impl<'a> Extensions<'a> {
         let tiles = self.tiles;
         let gaps: Vec<GapPixel> = picture.gap_pixels().collect();
         let of_gap = |gap: &GapPixel| {
-            let mut behind: Vec<(u32, f64)> = picture.border(gap.at).flat_map(|ray| tiles.crossed(&ray)).collect();
+            let last = |ray: Ray| tiles.crossed(&ray).last().copied();
+            let mut behind: Vec<(u32, f64)> = picture.border(gap.at).filter_map(last).collect();
             behind.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-            let reaching = |tile: u32| reaching(&tiles.tiles[tile as usize], &gap.ray, 0.5 * picture.pixel_length());
-            behind.iter().find_map(|&(tile, _)| Some((tile, reaching(tile)?)))
+            let reaching = |tile: u32, margin: f64| reaching(&tiles.tiles[tile as usize], &gap.ray, margin);
+            let first = |margin| behind.iter().find_map(|&(tile, _)| Some((tile, reaching(tile, margin)?)));
+            let pixel = picture.pixel_length();
+            first(pixel).or_else(|| first(0.5 * pixel))
         };
         let found: Vec<Option<(u32, PlaneRect)>> = gaps.par_iter().map(of_gap).collect();
         for (tile, rect) in found.into_iter().flatten() {
