@@ -302,7 +302,7 @@ fn mirrors(folder: &Path) -> Decoder {
 fn shown(decoder: &Decoder, options: &PlaybackOptions, specular: SpecularMode, camera: &Camera) -> Shown {
     let mut playback = Playback::new(decoder, options.clone()).unwrap();
     let options = PictureOptions { size: [24, 24], steps: 256, specular, ..PictureOptions::default() };
-    playback.show(&request(0, camera.clone()), &mut CpuRenderer::new(options), &Silent).unwrap()
+    playback.show(&request(0, *camera), &mut CpuRenderer::new(options), &Silent).unwrap()
 }
 
 #[test]
