@@ -43,11 +43,11 @@ pub struct Closed {
     pub translucent: u64,
 }
 
-/// Returns the side in pixels of the pictures from eyes in the region: twice that of the largest image, within limits. Pictures
-/// of 256 pixels miss cracks that other eyes see at the resolution of larger images.
+/// Returns the side in pixels of the pictures from eyes in the region: four times that of the largest image, within limits.
+/// Cracks are narrower than the pixels of images: pictures of 256 pixels miss some of images of 128.
 pub fn eye_side(capture: &Capture) -> u32 {
     let largest = capture.images.iter().flat_map(|image| image.size).max().unwrap_or(0);
-    largest.saturating_mul(2).clamp(EYE_SIDES[0], EYE_SIDES[1])
+    largest.saturating_mul(4).clamp(EYE_SIDES[0], EYE_SIDES[1])
 }
 
 /// Returns the picture of an image of the capture; `None` if the image has no camera or the picture no gap. Pixels whose rays
