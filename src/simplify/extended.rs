@@ -121,7 +121,7 @@ impl Extender<'_> {
             }
             let mut account = Account { model: self.model, shares: self.shares, used: selection.used, capacity };
             let mut extended = tiles.tiles.clone();
-            // Gaps that a camera sees come first: there, none may be left.
+            // Gaps of cameras come first: images of the capture must not have cracks.
             seen_by_cameras.extend(&mut extended, &mut account);
             seen_by_eyes.extend(&mut extended, &mut account);
             let count = extended.iter().zip(&tiles.tiles).filter(|(after, before)| after.rect != before.rect).count();

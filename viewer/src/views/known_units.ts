@@ -162,7 +162,7 @@ export class LoadedFaces<Face extends FaceUnits> {
     return found;
   }
 
-  /** Whether a unit of material of a view that passes the filter has a weight above 0; of a view that is not loaded none has. */
+  /** Whether a unit of material of a view that passes the filter has a weight above 0. False for a view that is not loaded. */
   isSpecular(view: number, passes: UnitFilter): boolean {
     return this.#views.get(view)?.some((face) => face.isSpecular(passes)) ?? false;
   }
